@@ -1,0 +1,109 @@
+"""A Program: flat, value-numbered, branch-free straight-line code, the meeting point of derivations and printers."""
+
+from collections import Counter
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import Enum
+
+from walkgen.signature import Port, Signature
+
+
+class Code(Enum):
+    """The operations of a Program; truth values exist only as arguments of `SELECT`, `AND`, `OR`, `NOT`.
+
+    `FMA` is a*b + c, `FMS` a*b - c, `FNMA` c - a*b, each rounded once where the target has the instruction;
+    `SELECT` is (truth, then, otherwise) and evaluates both; `ATAN2` is (y, x).
+    """
+
+    INPUT = "input"
+    CONSTANT = "constant"
+    NEG = "neg"
+    ADD = "add"
+    SUB = "sub"
+    MUL = "mul"
+    DIV = "div"
+    FMA = "fma"
+    FMS = "fms"
+    FNMA = "fnma"
+    SQRT = "sqrt"
+    SIN = "sin"
+    COS = "cos"
+    TAN = "tan"
+    ATAN2 = "atan2"
+    ABS = "abs"
+    MIN = "min"
+    MAX = "max"
+    LESS = "less"
+    LESS_EQUAL = "less_equal"
+    EQUAL = "equal"
+    FINITE = "finite"
+    AND = "and"
+    OR = "or"
+    NOT = "not"
+    SELECT = "select"
+
+
+TRUTH_CODES = frozenset({Code.LESS, Code.LESS_EQUAL, Code.EQUAL, Code.FINITE, Code.AND, Code.OR, Code.NOT})
+
+
+@dataclass(frozen=True)
+class Op:
+    """One value: `arguments` are indices of earlier ops.
+
+    `INPUT` carries (port index, row-major element index) in `element`; `CONSTANT` carries its 40-digit `value`.
+    `name` is the derivation's name of the value, for readable code; empty when it has none.
+    """
+
+    code: Code
+    arguments: tuple[int, ...] = ()
+    element: tuple[int, int] = (0, 0)
+    value: Decimal = Decimal(0)
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Program:
+    """`outputs` are op indices, one for each element of every output port, port after port, row-major.
+
+    Every element of every input port has its `INPUT` op, first and in order, even where nothing uses it.
+    """
+
+    signature: Signature
+    ops: tuple[Op, ...]
+    outputs: tuple[int, ...]
+
+    def counts(self) -> Counter[str]:
+        """How often each operation occurs, by its name."""
+        return Counter(op.code.value for op in self.ops)
+
+    @property
+    def operation_count(self) -> int:
+        """Arithmetic operations: every op but inputs and constants."""
+        return sum(op.code not in (Code.INPUT, Code.CONSTANT) for op in self.ops)
+
+
+@dataclass(frozen=True)
+class Call:
+    """One step of a Composite: a Program (emitted as a static kernel) or a support routine by its name.
+
+    `arguments` name the Composite's inputs, locals or outputs, in the callee's order, inputs first; a Decimal is a literal.
+    With `guard` (a support routine's name and its arguments, returning truth in C) the step runs only where it holds.
+    """
+
+    callee: Program | str
+    arguments: tuple[str | Decimal | int, ...]
+    guard: tuple[str, tuple[str | Decimal | int, ...]] | None = None
+
+
+@dataclass(frozen=True)
+class Composite:
+    """A function that needs a support routine: `calls` in order, joined by `locals`.
+
+    `headers` are the csupport files the routines live in; `closed_form` stands in where routines do not exist (CasADi).
+    """
+
+    signature: Signature
+    locals: tuple[Port, ...]
+    calls: tuple[Call, ...]
+    headers: tuple[str, ...]
+    closed_form: Program | None = None

@@ -1,0 +1,129 @@
+"""The robot as platforms, connecting chains and legs: SI, exact numbers, no file format and no algebra system."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from walkgen.spec.scalar import Scalar, Vector
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A rotation about (rad) or translation along (m) one coordinate axis (0 x, 1 y, 2 z)."""
+
+    kind: Literal["rotate", "translate"]
+    axis: int
+    amount: Scalar
+
+
+Transform = tuple[Motion, ...]
+"""Elementary motions from left to right, as in a DH row; empty is the identity."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """Mass (kg), centre of mass (m) and inertia about it (kg m^2: xx yy zz xy xz yz), in the body's own frame."""
+
+    mass: Scalar
+    com: Vector
+    inertia: tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Constant cross-section of a link: moduli (Pa), area (m^2), second moments (m^4), torsion constant (m^4)."""
+
+    name: str
+    E: Scalar
+    G: Scalar
+    A: Scalar
+    Iy: Scalar
+    Iz: Scalar
+    J: Scalar
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One pair: parent frame -> `before` -> motion about or along z by sign*q + zero -> `after` -> the joint's frame.
+
+    Limits, speed and effort are those of q (rad or m, per second, N m or N).
+    """
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    before: Transform
+    sign: Literal[1, -1]
+    zero: Scalar
+    after: Transform
+    limits: tuple[Scalar, Scalar] | None
+    max_speed: Scalar | None
+    max_effort: Scalar | None
+    body: Body | None
+    section: str
+    source_name: str
+
+
+@dataclass(frozen=True)
+class Limb:
+    """A serial chain of joints: a leg (tip is the foot frame) or a connecting chain (tip is the child platform).
+
+    `platform` and `child` index `Mechanism.platforms`; a leg has no child.
+    `damping` is (epsilon, lambda_max) of the damped inverse, in the units of the foot's Jacobian.
+    """
+
+    name: str
+    platform: int
+    mount: Transform
+    joints: tuple[Joint, ...]
+    tip: Transform
+    child: int | None = None
+    damping: tuple[Scalar, Scalar] | None = None
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A rigid platform; `chain` indexes `Mechanism.chains`, None for the root."""
+
+    name: str
+    chain: int | None
+    body: Body | None
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A runtime parameter: stays an argument of the generated code, `default` otherwise."""
+
+    name: str
+    default: Scalar
+    unit: str
+    bounds: tuple[Scalar, Scalar] | None
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """The robot. Order of q: chains, then legs, joints from base to foot; every remaining Name is a runtime parameter."""
+
+    name: str
+    description: str
+    gravity: Vector
+    platforms: tuple[Platform, ...]
+    chains: tuple[Limb, ...]
+    legs: tuple[Limb, ...]
+    parameters: tuple[Parameter, ...]
+    sections: tuple[Section, ...]
+
+    @property
+    def limbs(self) -> tuple[Limb, ...]:
+        """Chains, then legs: the order of q."""
+        return self.chains + self.legs
+
+    def offset(self, limb: Limb) -> int:
+        """Index in the robot's q of the limb's first joint."""
+        before = self.limbs[: self.limbs.index(limb)]
+        return sum(len(other.joints) for other in before)
+
+    def ancestors(self, platform: int) -> tuple[Limb, ...]:
+        """The connecting chains from the root platform to this one, root first."""
+        chain = self.platforms[platform].chain
+        if chain is None:
+            return ()
+        return (*self.ancestors(self.chains[chain].platform), self.chains[chain])
