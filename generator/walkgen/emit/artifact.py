@@ -1,0 +1,33 @@
+"""What goes into the emitters and what comes out: a robot's programs, and texts with a relative path."""
+
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from walkgen.graph.program import Composite, Program
+from walkgen.model.mechanism import Mechanism
+
+Body = Program | Composite
+
+
+@dataclass(frozen=True)
+class Artifact:
+    """One generated file, relative to the robot's folder; text, byte-identical for the same spec."""
+
+    path: PurePosixPath
+    text: str
+
+
+@dataclass(frozen=True)
+class RobotCode:
+    """All that the emitters know of a robot.
+
+    `functions` are those asked for, in a fixed order; `digest` is the spec's sha256 in hexadecimal;
+    `fma` fuses multiply-add where the target has it.
+    """
+
+    mechanism: Mechanism
+    functions: tuple[Body, ...]
+    digest: str
+    targets: tuple[str, ...] = ("c", "casadi", "numpy")
+    fma: bool = True
+    float32: bool = False
