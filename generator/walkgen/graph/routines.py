@@ -1,0 +1,34 @@
+"""The hand-written support routines that a Composite may call: where they live and which arguments they write."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+
+@dataclass(frozen=True)
+class Routine:
+    """One routine, in C (`header`, in csupport) and in NumPy (`walkgen.runtime.solves.<module>`).
+
+    The arguments stand in the order inputs, inouts, outputs. C takes them all and writes through the last two
+    kinds; NumPy takes inputs and inouts and returns inouts and outputs (one bare, several as a tuple).
+    """
+
+    name: str
+    header: str
+    module: str
+    inputs: int
+    inouts: int = 0
+    outputs: int = 0
+
+    @property
+    def taken(self) -> int:
+        """How many leading arguments NumPy takes."""
+        return self.inputs + self.inouts
+
+
+_KNOWN = (
+    Routine("wg_closest_yaw_pitch_pitch", "walkgen_inverse.h", "inverse", inputs=2, inouts=2),
+    Routine("wg_closest_yaw_pitch_pitch_branch", "walkgen_inverse.h", "inverse", inputs=3, inouts=2),
+    Routine("wg_damped_inverse_3", "walkgen_damped.h", "damped", inputs=4, outputs=2),
+)
+ROUTINES: Mapping[str, Routine] = MappingProxyType({routine.name: routine for routine in _KNOWN})
