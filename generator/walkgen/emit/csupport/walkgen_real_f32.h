@@ -1,0 +1,46 @@
+/* walkgen_real_f32.h: support routines included after this work in float; walkgen_math.h explains. */
+#include "walkgen_math.h"
+
+#undef WG_REAL
+#undef WG_REAL_BITS
+#undef WG_NAME
+#undef WG_C
+#undef WG_EPSILON
+#undef WG_TINY
+#undef WG_HUGE
+#undef WG_PI
+#undef WG_NAN
+#undef WG_SIN
+#undef WG_COS
+#undef WG_TAN
+#undef WG_ATAN2
+#undef WG_SQRT
+#undef WG_ABS
+#undef WG_HYPOT
+#undef WG_MIN
+#undef WG_MAX
+#undef WG_FMA
+
+#define WG_REAL float
+#define WG_REAL_BITS 32
+#define WG_NAME(x) x##_f32
+#define WG_C(x) x##f
+#define WG_EPSILON 1.19209290e-7f
+#define WG_TINY 1.17549435e-38f
+#define WG_HUGE 3.40282347e+38f
+#define WG_PI 3.14159265f
+#define WG_NAN ((float)NAN)
+#define WG_SIN(x) sinf(x)
+#define WG_COS(x) cosf(x)
+#define WG_TAN(x) tanf(x)
+#define WG_ATAN2(y, x) atan2f(y, x)
+#define WG_SQRT(x) sqrtf(x)
+#define WG_ABS(x) fabsf(x)
+#define WG_HYPOT(x, y) hypotf(x, y)
+#define WG_MIN(a, b) walkgen_min_f32(a, b)
+#define WG_MAX(a, b) walkgen_max_f32(a, b)
+#if defined(WALKGEN_FAST_FMAF)
+#define WG_FMA(a, b, c) fmaf((a), (b), (c))
+#else
+#define WG_FMA(a, b, c) ((a) * (b) + (c))
+#endif

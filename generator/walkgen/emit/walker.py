@@ -1,0 +1,202 @@
+"""Turns a Program into statements and output expressions; every target's printer stands on this one walk."""
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import IntEnum
+from itertools import count
+from typing import Protocol
+
+from walkgen.graph.program import TRUTH_CODES, Code, Op, Program
+from walkgen.signature import Port
+
+_WIDEST = 84
+_DEEPEST = 5
+_LONGEST_NAME = 40
+_PAIRED = {Code.SIN: Code.COS, Code.COS: Code.SIN}
+_LEAVES = frozenset({Code.INPUT, Code.CONSTANT})
+
+
+class Level(IntEnum):
+    """How tightly a text binds; an operand that binds less than its place asks for is bracketed."""
+
+    ANY = 0
+    CONDITION = 1
+    OR = 2
+    AND = 3
+    COMPARE = 4
+    SUM = 5
+    PRODUCT = 6
+    UNARY = 7
+    ATOM = 8
+
+
+@dataclass(frozen=True)
+class Form:
+    """How one operation is written: `{0}`, `{1}`, `{2}` are its operands, `needs` the level each place asks for.
+
+    A call such as `sin({0})` is an ATOM whose operands may be ANY.
+    """
+
+    template: str
+    level: Level = Level.ATOM
+    needs: tuple[Level, ...] = (Level.ANY, Level.ANY, Level.ANY)
+
+
+@dataclass(frozen=True)
+class Text:
+    """An expression; `depth` counts nested operations, `after` the statements it has to follow."""
+
+    text: str
+    level: Level = Level.ATOM
+    depth: int = 0
+    after: int = 0
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One named local value; `truth` tells comparisons and their combinations from numbers."""
+
+    name: str
+    text: str
+    truth: bool
+
+
+@dataclass(frozen=True)
+class Body:
+    """A Program as text: `outputs` has one expression for each of the Program's outputs, in its order.
+
+    Writing every statement and then every output is right; an output may also be written once `after` statements are.
+    """
+
+    statements: tuple[Statement, ...]
+    outputs: tuple[Text, ...]
+
+
+class Printer(Protocol):
+    """What a target has to supply."""
+
+    @property
+    def forms(self) -> Mapping[Code, Form]:
+        """One entry for each operation; INPUT and CONSTANT have none."""
+
+    @property
+    def reserved(self) -> frozenset[str]:
+        """Names that a local value must not take; the ports' names are added by the walk."""
+
+    def constant(self, value: Decimal) -> Text:
+        """A literal of the target's precision; UNARY where it carries a sign."""
+
+    def element(self, port: Port, index: int) -> Text:
+        """The row-major element of an input port, as a number of the target's precision."""
+
+
+def walk(program: Program, printer: Printer) -> Body:
+    """Write the Program: values used more than once or carrying a name become statements, the others are inlined.
+
+    Operations that no output uses are dropped; sin and cos of one argument stand side by side.
+    """
+    walked = _Walk(program, printer)
+    for index in _live(program):
+        walked.visit(index)
+    return Body(tuple(walked.statements), tuple(walked.written[index] for index in program.outputs))
+
+
+def _live(program: Program) -> tuple[int, ...]:
+    """Indices of the ops that some output needs, ascending; arguments come before users, so one backward pass does."""
+    needed = set(program.outputs)
+    for index in range(len(program.ops) - 1, -1, -1):
+        if index in needed:
+            needed.update(program.ops[index].arguments)
+    return tuple(sorted(needed))
+
+
+def identifier(name: str) -> str:
+    """The name with everything but ASCII letters, digits and single inner underscores removed."""
+    words = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:_LONGEST_NAME].rstrip("_")
+    return f"v{words}" if words[:1].isdigit() else words
+
+
+def bracket(text: Text, level: Level) -> str:
+    """The text, bracketed where it binds less than `level`."""
+    return text.text if text.level >= level else f"({text.text})"
+
+
+class _Walk:
+    """The walk's growing state: what is written so far and the names taken."""
+
+    def __init__(self, program: Program, printer: Printer) -> None:
+        live = _live(program)
+        self.program = program
+        self.printer = printer
+        self.statements: list[Statement] = []
+        self.written: dict[int, Text] = {}
+        self.uses = Counter(program.outputs)
+        for index in live:
+            self.uses.update(program.ops[index].arguments)
+        self.pairs = {(op.code, op.arguments): index for index in live if (op := program.ops[index]).code in _PAIRED}
+        ports = program.signature.inputs + program.signature.outputs
+        self.taken = set(printer.reserved) | {port.name for port in ports}
+        self.numbers = count(1)
+
+    def visit(self, index: int) -> None:
+        """Write one op, and right after it the cosine of the same sine."""
+        if index in self.written:
+            return
+        op = self.program.ops[index]
+        self.written[index] = self.expression(op)
+        if self.stands_alone(index, op):
+            self.bind(index)
+        partner = self.pairs.get((_PAIRED[op.code], op.arguments)) if op.code in _PAIRED else None
+        if partner is not None:
+            self.visit(partner)
+
+    def stands_alone(self, index: int, op: Op) -> bool:
+        """Whether the op becomes a statement of its own."""
+        return op.code not in _LEAVES and (self.uses[index] > 1 or bool(identifier(op.name)) or op.code in _PAIRED)
+
+    def expression(self, op: Op) -> Text:
+        """The op over its operands, the bulkiest of which become statements until it is short and shallow enough."""
+        if op.code is Code.INPUT:
+            return self.printer.element(self.program.signature.inputs[op.element[0]], op.element[1])
+        if op.code is Code.CONSTANT:
+            return self.printer.constant(op.value)
+        composed = self.compose(op)
+        while len(composed.text) > _WIDEST or composed.depth > _DEEPEST:
+            bulky = max(op.arguments, key=lambda argument: (self.written[argument].depth > 0, len(self.written[argument].text)))
+            if self.written[bulky].depth == 0:
+                break
+            self.bind(bulky)
+            composed = self.compose(op)
+        return composed
+
+    def compose(self, op: Op) -> Text:
+        form = self.printer.forms[op.code]
+        operands = [self.written[argument] for argument in op.arguments]
+        texts = [bracket(operand, level) for operand, level in zip(operands, form.needs, strict=False)]
+        depth = 1 + max(operand.depth for operand in operands)
+        return Text(form.template.format(*texts), form.level, depth, max(operand.after for operand in operands))
+
+    def bind(self, index: int) -> None:
+        """Make what is written of the op a statement; from now on it is known by its name."""
+        op = self.program.ops[index]
+        name = self.name(op)
+        self.statements.append(Statement(name, self.written[index].text, op.code in TRUTH_CODES))
+        self.written[index] = Text(name, after=len(self.statements))
+
+    def name(self, op: Op) -> str:
+        wanted = identifier(op.name) or self.angle_name(op)
+        candidates = (f"{wanted}_{number}" if number > 1 else wanted for number in count(1))
+        fallback = (f"t{number}" for number in self.numbers)
+        name = next(name for name in (candidates if wanted else fallback) if name not in self.taken)
+        self.taken.add(name)
+        return name
+
+    def angle_name(self, op: Op) -> str:
+        """`sin_q0` for the sine of an input; empty for all else."""
+        if op.code not in _PAIRED or self.program.ops[op.arguments[0]].code is not Code.INPUT:
+            return ""
+        port, index = self.program.ops[op.arguments[0]].element
+        return f"{op.code.value}_{self.program.signature.inputs[port].name}{index}"
