@@ -1,0 +1,290 @@
+"""The command line: each command reads its arguments, calls one stage and prints; what is heavy is imported where it is used."""
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from typer.core import TyperGroup
+
+from walkgen import __version__
+from walkgen.errors import Problem, SpecError, WalkgenError
+
+if TYPE_CHECKING:
+    from walkgen.pipeline import BuildOptions, BuildReport
+
+TARGETS = ("c", "casadi", "numpy")
+DIFFERENCE, USER_ERROR = 1, 2
+
+
+class Stage(StrEnum):
+    """What `walkgen show` can show."""
+
+    SPEC = "spec"
+    MECHANISM = "mechanism"
+    FUNCTIONS = "functions"
+    PROGRAM = "program"
+
+
+class Format(StrEnum):
+    """How `walkgen check` reports."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
+class _Commands(TyperGroup):
+    """Turns what the user can mend into its report and exit code 2; anything else is our bug and keeps its traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except WalkgenError as error:
+            _report(error.problems)
+            raise typer.Exit(USER_ERROR) from None
+
+
+app = typer.Typer(
+    cls=_Commands,
+    help="Closed-form kinematics of walking robots, from one TOML file to C99, CasADi and NumPy code.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Specs = Annotated[list[Path], typer.Argument(metavar="SPEC...", help="Robot specs (TOML).")]
+Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Each robot gets its own folder DIR/<robot>/.")]
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"walkgen {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _walkgen(
+    version: Annotated[bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")] = False,
+) -> None:
+    """Closed-form kinematics of walking robots, from one TOML file to C99, CasADi and NumPy code."""
+
+
+@app.command()
+def build(
+    specs: Specs,
+    output: Output = Path("generated"),
+    check: Annotated[bool, typer.Option("--check", help="Change nothing; name the files that a build would change (exit code 1).")] = False,
+    float32: Annotated[bool, typer.Option("--float32", help="Add a single-precision library.")] = False,
+    targets: Annotated[str, typer.Option(help="Which code to write, separated by commas.")] = ",".join(TARGETS),
+    no_fma: Annotated[bool, typer.Option("--no-fma", help="No fused multiply-add: equal bits on every machine.")] = False,
+) -> None:
+    """Generate and compile each robot into DIR/<robot>/."""
+    from walkgen import pipeline
+
+    options = pipeline.BuildOptions(targets=_targets(targets), float32=float32, fma=not no_fma)
+    if check:
+        _check_stale(specs, output, options)
+        return
+
+    def one(spec: Path) -> None:
+        with _progress(spec) as progress:
+            report = pipeline.build(spec, output, options, progress)
+        _print_report(report)
+
+    _for_each(specs, one)
+
+
+def _check_stale(specs: list[Path], output: Path, options: "BuildOptions") -> None:
+    from walkgen import pipeline
+
+    found: list[str] = []
+
+    def one(spec: Path) -> None:
+        for name in pipeline.stale(spec, output, options):
+            found.append(name)
+            typer.echo(f"{name} is stale; run: walkgen build {spec}")
+
+    _for_each(specs, one)
+    if found:
+        raise typer.Exit(DIFFERENCE)
+    typer.echo(f"{_count(len(specs), 'robot')} up to date")
+
+
+def _print_report(report: "BuildReport") -> None:
+    size = f"{_count(len(report.files), 'file')}, {_count(report.functions, 'function')}, {report.operations:,} operations"
+    typer.echo(f"{report.folder}: {size}, {report.seconds:.1f} s")
+    for file in report.files:
+        typer.echo(f"  {file}")
+    if report.library:
+        typer.echo(f"  {report.library}  (compiled)")
+
+
+@app.command(name="check")
+def check_specs(
+    specs: Annotated[list[Path] | None, typer.Argument(metavar="SPEC...", help="Robot specs (TOML).")] = None,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of the spec language, for editors.")] = False,
+    form: Annotated[Format, typer.Option("--format", help="How problems are printed.")] = Format.TEXT,
+) -> None:
+    """Validate only: every problem at once."""
+    from walkgen.spec.read import read, schema_json
+
+    if schema:
+        typer.echo(schema_json())
+        return
+    if not specs:
+        raise typer.BadParameter("name at least one spec, or ask for the --schema")
+    problems = _problems(specs, read)
+    if form is Format.JSON:
+        typer.echo(json.dumps([_as_json(problem) for problem in problems], indent=1))
+    elif problems:
+        _report(problems)
+    else:
+        typer.echo(f"{_count(len(specs), 'spec')} without a problem")
+    if problems:
+        raise typer.Exit(USER_ERROR)
+
+
+@app.command()
+def show(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC", help="A robot spec (TOML).")],
+    stage: Annotated[Stage | None, typer.Option(help="Which product to show; the mechanism, or the equations of --function.")] = None,
+    function: Annotated[
+        str, typer.Option(metavar="NAME", help="Only this function, such as foot_position or mero_front_left_inverse.")
+    ] = "",
+) -> None:
+    """Show any stage's product: equations, the class of the inverse and why, operation counts."""
+    from walkgen import show as text
+
+    chosen = stage or (Stage.FUNCTIONS if function else Stage.MECHANISM)
+    typer.echo(text.show(spec, chosen.value, function))
+
+
+@app.command()
+def new(kind: Annotated[str, typer.Argument(metavar="KIND", help="leg, hexapod, quadruped or modular.")]) -> None:
+    """Print a commented spec to start from."""
+    from walkgen.spec.templates import template
+
+    typer.echo(template(kind), nl=False)
+
+
+@app.command()
+def test(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A built robot, such as generated/mero.")]) -> None:
+    """Compile and run the self-test that was generated with the robot; its numbers come from a 40-digit matrix walk."""
+    from walkgen.selftest import run
+
+    raise typer.Exit(run(folder))
+
+
+@app.command(name="import")
+def import_urdf(
+    file: Annotated[Path, typer.Argument(metavar="FILE.urdf", help="The robot.")],
+    foot: Annotated[list[str] | None, typer.Option(metavar="LINK", help="A leg's last link; once for each leg.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="SPEC.toml", help="Write here instead of to the terminal.")
+    ] = None,
+) -> None:
+    """Turn a URDF into a spec: fixed joints folded, one leg for each foot."""
+    from walkgen.spec.urdf import convert
+
+    imported = convert(file, tuple(foot or ()))
+    _report(imported.warnings)
+    for source, name in imported.names:
+        typer.echo(f"{source} -> {name}", err=True)
+    if output is None:
+        typer.echo(imported.toml, nl=False)
+        return
+    _write_new(output, imported.toml)
+    typer.echo(f"{output} written; next: walkgen build {output}", err=True)
+
+
+@app.command()
+def doctor() -> None:
+    """Say what is installed and what is missing."""
+    from walkgen.doctor import findings
+
+    typer.echo(findings())
+
+
+@app.command()
+def explain(code: Annotated[str, typer.Argument(metavar="CODE", help="An error code, such as WG012.")]) -> None:
+    """Explain an error code: cause, cure and an example."""
+    from walkgen.explanations import explain as explanation
+
+    typer.echo(explanation(code))
+
+
+def _for_each(specs: list[Path], one: Callable[[Path], None]) -> None:
+    """Do all specs even where one fails; every problem is raised together at the end."""
+    problems = _problems(specs, one)
+    if problems:
+        raise WalkgenError(*problems)
+
+
+def _problems(specs: list[Path], one: Callable[[Path], object]) -> tuple[Problem, ...]:
+    found: list[Problem] = []
+    for spec in specs:
+        try:
+            one(spec)
+        except WalkgenError as error:
+            found.extend(error.problems)
+    return tuple(found)
+
+
+def _report(problems: tuple[Problem, ...]) -> None:
+    for problem in problems:
+        typer.echo(str(problem), err=True)
+
+
+def _as_json(problem: Problem) -> dict[str, str | int]:
+    place: dict[str, str | int] = (
+        {"file": problem.place.file, "line": problem.place.line, "column": problem.place.column} if problem.place else {}
+    )
+    return {**place, "code": problem.code, "message": problem.message, "cure": problem.cure}
+
+
+def _targets(text: str) -> tuple[str, ...]:
+    names = tuple(part.strip() for part in text.split(",") if part.strip())
+    unknown = [name for name in names if name not in TARGETS]
+    if unknown or not names:
+        raise typer.BadParameter(f"{', '.join(unknown) or 'none'}; targets are {', '.join(TARGETS)}", param_hint="--targets")
+    return tuple(name for name in TARGETS if name in names)
+
+
+def _write_new(path: Path, text: str) -> None:
+    """Write a file that does not exist yet.
+
+    Raises:
+        SpecError: it exists, or its folder cannot be written.
+    """
+    try:
+        with path.open("x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise SpecError(Problem("WG517", f"{path} exists already", "name another file, or remove this one first")) from error
+    except OSError as error:
+        raise SpecError(Problem("WG518", f"cannot write {path}: {error.strerror}", "name a file in a folder that you can write")) from error
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+@contextmanager
+def _progress(spec: Path) -> Iterator[Callable[[str], None]]:
+    """Show what a build is doing on a terminal; say nothing where the output is read by a program."""
+    console = Console(stderr=True)
+    if not (console.is_terminal and sys.stdout.isatty()):
+        yield lambda _: None
+        return
+    with console.status(f"{spec}") as status:
+        yield lambda step: status.update(f"{spec}: {step}")
+
+
+if __name__ == "__main__":
+    app()

@@ -1,0 +1,175 @@
+"""Any stage's product as text for people: the spec's exact numbers, the mechanism, equations, straight-line programs."""
+
+from collections.abc import Callable, Iterable, Iterator
+from fractions import Fraction
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from walkgen import pipeline
+from walkgen.model.classify import inverse_class
+from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
+from walkgen.show_code import chosen, equations, listing
+from walkgen.spec.scalar import Apply, Exact, Name, Pi, Scalar
+
+_INFIX = {"add": " + ", "sub": " - ", "mul": "*", "div": "/", "pow": "**"}
+_AXES = "xyz"
+
+
+def show(path: Path, stage: str, name: str) -> str:
+    """The product of a stage.
+
+    Args:
+        path: the spec.
+        stage: "spec", "mechanism", "functions" or "program".
+        name: only this function (full name, or name without robot and leg); all if empty.
+
+    Raises:
+        WalkgenError: the spec is wrong, or it has no such function.
+    """
+    views: dict[str, Callable[[Path, str], Iterable[str]]] = {
+        "spec": lambda path, _: _tree(pipeline.spec_of(path), 0),
+        "mechanism": lambda path, _: _mechanism(pipeline.mechanism_of(path)),
+        "functions": _functions,
+        "program": _programs,
+    }
+    return "\n".join(views[stage](path, name))
+
+
+def scalar_text(scalar: Scalar) -> str:
+    """The number as a person writes it: decimals where they end, multiples of pi, names, brackets where needed."""
+    if isinstance(scalar, Apply):
+        return _applied(scalar.function, scalar.arguments)
+    if isinstance(scalar, Exact):
+        return _fraction(scalar.value)
+    return scalar.name if isinstance(scalar, Name) else "pi"
+
+
+def _applied(function: str, arguments: tuple[Scalar, ...]) -> str:
+    if function == "mul" and isinstance(arguments[0], Exact) and isinstance(arguments[1], Pi):
+        return _pi_multiple(arguments[0].value)
+    texts = [scalar_text(argument) for argument in arguments]
+    if function == "neg":
+        return f"-{_bracketed(arguments[0], texts[0])}"
+    if function in _INFIX:
+        return _INFIX[function].join(_bracketed(*pair) for pair in zip(arguments, texts, strict=True))
+    return f"{function}({', '.join(texts)})"
+
+
+def _fraction(value: Fraction) -> str:
+    rest = value.denominator
+    for prime in (2, 5):
+        while rest % prime == 0:
+            rest //= prime
+    if rest != 1:
+        return f"{value.numerator}/{value.denominator}"
+    places = len(str(value.denominator)) * 4
+    digits = str(abs(value.numerator) * 10**places // value.denominator).rjust(places + 1, "0")
+    text = f"{digits[:-places]}.{digits[-places:]}".rstrip("0").rstrip(".")
+    return f"-{text}" if value < 0 else text
+
+
+def _pi_multiple(factor: Fraction) -> str:
+    sign = "-" if factor < 0 else ""
+    times = "" if abs(factor.numerator) == 1 else f"{abs(factor.numerator)}*"
+    over = "" if factor.denominator == 1 else f"/{factor.denominator}"
+    return f"{sign}{times}pi{over}"
+
+
+def _bracketed(scalar: Scalar, text: str) -> str:
+    infix = isinstance(scalar, Apply) and (scalar.function in _INFIX or scalar.function == "neg")
+    return f"({text})" if infix or text.startswith("-") or "/" in text else text
+
+
+def _tree(value: object, depth: int) -> Iterator[str]:
+    """Nested models as indented `key = value` lines; what was not given is left out."""
+    indent = "    " * depth
+    items: Iterable[tuple[object, object]]
+    if isinstance(value, BaseModel):
+        items = ((key, getattr(value, key)) for key in type(value).model_fields)
+    elif isinstance(value, dict):
+        items = value.items()
+    else:
+        items = enumerate(value) if isinstance(value, tuple) else ()
+    for key, entry in items:
+        if entry is None or entry in ((), {}):
+            continue
+        leaf = _leaf(entry)
+        yield f"{indent}{key}" if leaf is None else f"{indent}{key} = {leaf}"
+        if leaf is None:
+            yield from _tree(entry, depth + 1)
+
+
+def _leaf(entry: object) -> str | None:
+    """The text of a value without structure of its own; None for tables."""
+    if isinstance(entry, Exact | Pi | Name | Apply):
+        return scalar_text(entry)
+    if isinstance(entry, tuple):
+        parts = [_leaf(part) for part in entry]
+        return None if None in parts else f"[{', '.join(part for part in parts if part is not None)}]"
+    return None if isinstance(entry, BaseModel | dict) else str(entry)
+
+
+def _mechanism(mechanism: Mechanism) -> Iterator[str]:
+    platforms = [platform.name for platform in mechanism.platforms]
+    joints = sum(len(limb.joints) for limb in mechanism.limbs)
+    yield f"{mechanism.name}: {len(platforms)} platforms, {len(mechanism.chains)} chains, {len(mechanism.legs)} legs, {joints} joints"
+    if mechanism.description:
+        yield f"    {mechanism.description}"
+    for parameter in mechanism.parameters:
+        yield f"runtime parameter {parameter.name} = {scalar_text(parameter.default)} {parameter.unit}"
+    for chain in mechanism.chains:
+        child = "" if chain.child is None else f" to {platforms[chain.child]}"
+        yield from _limb(f"chain {chain.name}: {platforms[chain.platform]}{child}", chain)
+    for leg in mechanism.legs:
+        yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
+        yield from _inverse(mechanism, leg)
+
+
+def _limb(title: str, limb: Limb) -> Iterator[str]:
+    yield title
+    yield f"    mount  {_transform(limb.mount)}"
+    for joint in limb.joints:
+        yield f"    {joint.name}  {_joint(joint)}"
+    yield f"    tip  {_transform(limb.tip)}"
+
+
+def _joint(joint: Joint) -> str:
+    sign, zero = ("-" if joint.sign < 0 else ""), scalar_text(joint.zero)
+    motion = f"{'R' if joint.kind == 'revolute' else 'T'}z({sign}q{'' if zero == '0' else f' + {zero}'})"
+    steps = " ".join(part for part in (_motions(joint.before), motion, _motions(joint.after)) if part)
+    limits = f"  q in [{', '.join(scalar_text(limit) for limit in joint.limits)}]" if joint.limits else ""
+    return f"{joint.kind}: {steps}{limits}"
+
+
+def _transform(transform: Transform) -> str:
+    return _motions(transform) or "identity"
+
+
+def _motions(transform: Transform) -> str:
+    return " ".join(f"{'R' if motion.kind == 'rotate' else 'T'}{_AXES[motion.axis]}({scalar_text(motion.amount)})" for motion in transform)
+
+
+def _inverse(mechanism: Mechanism, leg: Limb) -> Iterator[str]:
+    found = inverse_class(mechanism, leg)
+    yield f"    inverse: {found.name or 'none in closed form'}: {found.reason}"
+    if found.branch_names:
+        yield f"    branches: {', '.join(found.branch_names)}"
+
+
+def _functions(path: Path, name: str) -> Iterator[str]:
+    if name.endswith("inverse"):
+        mechanism = pipeline.mechanism_of(path)
+        for leg in mechanism.legs:
+            yield f"leg {leg.name}"
+            yield from _inverse(mechanism, leg)
+        yield ""
+    for function in chosen(pipeline.functions_of(path), name):
+        yield from equations(function)
+        yield ""
+
+
+def _programs(path: Path, name: str) -> Iterator[str]:
+    for program in chosen(pipeline.programs_of(path), name):
+        yield from listing(program, whole=bool(name))
+        yield ""
