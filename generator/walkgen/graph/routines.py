@@ -21,6 +21,11 @@ class Routine:
     outputs: int = 0
 
     @property
+    def function(self) -> str:
+        """Its name in NumPy."""
+        return self.name.removeprefix("wg_")
+
+    @property
     def taken(self) -> int:
         """How many leading arguments NumPy takes."""
         return self.inputs + self.inouts

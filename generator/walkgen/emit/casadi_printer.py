@@ -1,0 +1,148 @@
+"""Prints a robot's functions as CasADi SX expressions, in one file that needs casadi alone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from keyword import kwlist
+
+from walkgen.emit.artifact import Artifact, Body, RobotCode
+from walkgen.emit.layout import lay_out
+from walkgen.emit.python_text import banner, listing, literal, printable, short_name, summary, title
+from walkgen.emit.walker import Form, Level, Text, walk
+from walkgen.graph.program import Call, Code, Composite, Program
+from walkgen.signature import Port
+
+_SUMS = (Level.SUM, Level.PRODUCT)
+_PRODUCTS = (Level.PRODUCT, Level.UNARY)
+_BETWEEN_SUMS = (Level.SUM, Level.SUM)
+_FORMS: Mapping[Code, Form] = {
+    Code.NEG: Form("-{0}", Level.UNARY, (Level.ATOM,)),
+    Code.ADD: Form("{0} + {1}", Level.SUM, _SUMS),
+    Code.SUB: Form("{0} - {1}", Level.SUM, _SUMS),
+    Code.MUL: Form("{0} * {1}", Level.PRODUCT, _PRODUCTS),
+    Code.DIV: Form("{0} / {1}", Level.PRODUCT, _PRODUCTS),
+    Code.FMA: Form("{0} * {1} + {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
+    Code.FMS: Form("{0} * {1} - {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
+    Code.FNMA: Form("{2} - {0} * {1}", Level.SUM, (*_PRODUCTS, Level.SUM)),
+    Code.SQRT: Form("ca.sqrt({0})"),
+    Code.SIN: Form("ca.sin({0})"),
+    Code.COS: Form("ca.cos({0})"),
+    Code.TAN: Form("ca.tan({0})"),
+    Code.ATAN2: Form("ca.atan2({0}, {1})"),
+    Code.ABS: Form("ca.fabs({0})"),
+    Code.MIN: Form("_least({0}, {1})"),
+    Code.MAX: Form("_greatest({0}, {1})"),
+    Code.LESS: Form("{0} < {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.LESS_EQUAL: Form("{0} <= {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.EQUAL: Form("{0} == {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.FINITE: Form("_finite({0})"),
+    Code.AND: Form("ca.logic_and({0}, {1})"),
+    Code.OR: Form("ca.logic_or({0}, {1})"),
+    Code.NOT: Form("ca.logic_not({0})"),
+    Code.SELECT: Form("ca.if_else({0}, {1}, {2})"),
+}
+_HELPERS = frozenset({"ca", "_least", "_greatest", "_finite", "_column", "_rows"})
+
+
+@dataclass(frozen=True)
+class CasadiFunction:
+    """One function, ready to be laid out; `lines` are its body, indented."""
+
+    name: str
+    doc: tuple[str, ...]
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Absent:
+    """A function without a CasADi form, and why."""
+
+    name: str
+    reason: str
+
+
+class CasadiPrinter:
+    """How CasADi's SX writes a Program's operations; truth values are 0 and 1."""
+
+    @property
+    def forms(self) -> Mapping[Code, Form]:
+        """How each operation is written."""
+        return _FORMS
+
+    @property
+    def reserved(self) -> frozenset[str]:
+        """What a local must not be called."""
+        return _HELPERS.union(kwlist)
+
+    def constant(self, value: Decimal) -> Text:
+        """The nearest double."""
+        return literal(value, "ca")
+
+    def element(self, port: Port, index: int) -> Text:
+        """`q[0]`, `T[0, 1]`; a scalar is its port."""
+        if not port.shape:
+            return Text(port.name)
+        _, columns = _matrix(port)
+        row, column = divmod(index, columns)
+        return Text(f"{port.name}[{row}]" if columns == 1 else f"{port.name}[{row}, {column}]")
+
+
+def casadi_artifact(code: RobotCode) -> Artifact:
+    """`<robot>_casadi.py`: a builder a function; what needs an iterative routine and has no closed form is listed with the reason."""
+    robot = code.mechanism.name
+    forms = [(body, closed_form(body)) for body in code.functions]
+    return lay_out(
+        "casadi.py.jinja",
+        f"{robot}_casadi.py",
+        banner=banner(code),
+        robot=robot,
+        title=title(code, "CasADi"),
+        functions=[_function(body, program) for body, program in forms if program],
+        absent=[Absent(short_name(body.signature), _reason(body)) for body, program in forms if not program],
+    )
+
+
+def closed_form(body: Body) -> Program | None:
+    """The Program that CasADi prints; None where there is only an iterative routine."""
+    return body if isinstance(body, Program) else body.closed_form
+
+
+def _reason(body: Body) -> str:
+    calls: tuple[Call, ...] = body.calls if isinstance(body, Composite) else ()
+    routines = sorted({call.callee for call in calls if isinstance(call.callee, str)})
+    return printable(f"it needs the iterative {' and '.join(routines)}" if routines else "it has no closed form")
+
+
+def _function(body: Body, program: Program) -> CasadiFunction:
+    signature = body.signature
+    text = walk(program, CasadiPrinter())
+    symbols = tuple(_symbol(port) for port in program.signature.inputs)
+    statements = tuple(f"    {statement.name} = {statement.text}" for statement in text.statements)
+    outputs = iter(output.text for output in text.outputs)
+    values = tuple(line for port in program.signature.outputs for line in _output(port, [next(outputs) for _ in range(port.size)]))
+    inputs, results = (", ".join(port.name for port in ports) for ports in (program.signature.inputs, program.signature.outputs))
+    given, named = (_names(ports) for ports in (signature.inputs, signature.outputs))
+    closing = listing("return ca.Function(", (f'"{signature.full_name}"', f"[{inputs}]", f"[{results}]", given, named), ")")
+    return CasadiFunction(short_name(signature), summary(body), (*symbols, *statements, *values, *closing))
+
+
+def _names(ports: tuple[Port, ...]) -> str:
+    return "[" + ", ".join(f'"{port.name}"' for port in ports) + "]"
+
+
+def _symbol(port: Port) -> str:
+    rows, columns = _matrix(port)
+    return f'    {port.name} = ca.SX.sym("{port.name}", {rows}, {columns})'
+
+
+def _output(port: Port, elements: list[str]) -> tuple[str, ...]:
+    rows, columns = _matrix(port)
+    if columns == 1:
+        return listing(f"{port.name} = _column([", elements, "])")
+    return listing(f"{port.name} = _rows({rows}, {columns}, [", elements, "])")
+
+
+def _matrix(port: Port) -> tuple[int, int]:
+    """CasADi's shape: [n] is a column, [first, rest] for more than two dimensions."""
+    rows = port.shape[0] if port.shape else 1
+    return rows, port.size // rows

@@ -1,0 +1,176 @@
+"""Prints a robot's functions as vectorised NumPy: the fall-back without a compiler, and code a person can read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import product
+from keyword import kwlist
+
+from walkgen.emit.artifact import Artifact, Body, RobotCode
+from walkgen.emit.layout import lay_out
+from walkgen.emit.python_text import banner, listing, literal, shape_text, short_name, summary, title, unpacked
+from walkgen.emit.walker import Form, Level, Text, walk
+from walkgen.graph.program import Call, Code, Composite, Program
+from walkgen.graph.routines import ROUTINES, Routine
+from walkgen.signature import Port
+
+_SUMS = (Level.SUM, Level.PRODUCT)
+_PRODUCTS = (Level.PRODUCT, Level.UNARY)
+_BETWEEN_SUMS = (Level.SUM, Level.SUM)
+_FORMS: Mapping[Code, Form] = {
+    Code.NEG: Form("-{0}", Level.UNARY, (Level.ATOM,)),
+    Code.ADD: Form("{0} + {1}", Level.SUM, _SUMS),
+    Code.SUB: Form("{0} - {1}", Level.SUM, _SUMS),
+    Code.MUL: Form("{0} * {1}", Level.PRODUCT, _PRODUCTS),
+    Code.DIV: Form("{0} / {1}", Level.PRODUCT, _PRODUCTS),
+    Code.FMA: Form("{0} * {1} + {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
+    Code.FMS: Form("{0} * {1} - {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
+    Code.FNMA: Form("{2} - {0} * {1}", Level.SUM, (*_PRODUCTS, Level.SUM)),
+    Code.SQRT: Form("np.sqrt({0})"),
+    Code.SIN: Form("np.sin({0})"),
+    Code.COS: Form("np.cos({0})"),
+    Code.TAN: Form("np.tan({0})"),
+    Code.ATAN2: Form("np.arctan2({0}, {1})"),
+    Code.ABS: Form("np.abs({0})"),
+    Code.MIN: Form("_least({0}, {1})"),
+    Code.MAX: Form("_greatest({0}, {1})"),
+    Code.LESS: Form("{0} < {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.LESS_EQUAL: Form("{0} <= {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.EQUAL: Form("{0} == {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.FINITE: Form("np.isfinite({0})"),
+    Code.AND: Form("np.logical_and({0}, {1})"),
+    Code.OR: Form("np.logical_or({0}, {1})"),
+    Code.NOT: Form("np.logical_not({0})"),
+    Code.SELECT: Form("np.where({0}, {1}, {2})"),
+}
+_HELPERS = frozenset({"np", "lead", "_least", "_greatest", "_elements", "_arrays", "_array", "_spread", "_real", "_integer"})
+
+
+@dataclass(frozen=True)
+class PythonFunction:
+    """One function, ready to be laid out; `lines` are its body, indented."""
+
+    name: str
+    parameters: str
+    doc: tuple[str, ...]
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class NumpyPrinter:
+    """How NumPy writes a Program's operations; every input element is a name of its own."""
+
+    program: Program
+
+    @property
+    def forms(self) -> Mapping[Code, Form]:
+        """How each operation is written."""
+        return _FORMS
+
+    @property
+    def reserved(self) -> frozenset[str]:
+        """What a local must not be called."""
+        return _HELPERS.union(kwlist, *(_element_names(port) for port in self.program.signature.inputs))
+
+    def constant(self, value: Decimal) -> Text:
+        """The nearest double."""
+        return literal(value, "np")
+
+    def element(self, port: Port, index: int) -> Text:
+        """The element's own name."""
+        return Text(_element_names(port)[index])
+
+
+def numpy_artifact(code: RobotCode) -> Artifact:
+    """`<robot>_numpy.py`: every function, with numpy (and walkgen's solves where a function needs one) as its only imports."""
+    robot = code.mechanism.name
+    public = [_program(body) if isinstance(body, Program) else _composite(body) for body in code.functions]
+    return lay_out(
+        "numpy.py.jinja",
+        f"{robot}_numpy.py",
+        banner=banner(code),
+        title=title(code, "NumPy"),
+        imports=_imports(code),
+        kernels=[_program(kernel, "_") for kernel in _kernels(code)],
+        functions=public,
+        names=[short_name(body.signature) for body in code.functions],
+    )
+
+
+def _kernels(code: RobotCode) -> tuple[Program, ...]:
+    """The Programs inside Composites, each once, in order of first use."""
+    bodies = [body for body in code.functions if isinstance(body, Composite)]
+    programs = [call.callee for body in bodies for call in body.calls if isinstance(call.callee, Program)]
+    return tuple({program.signature.full_name: program for program in programs}.values())
+
+
+def _imports(code: RobotCode) -> tuple[str, ...]:
+    bodies = [body for body in code.functions if isinstance(body, Composite)]
+    routines = {ROUTINES[call.callee] for body in bodies for call in body.calls if isinstance(call.callee, str)}
+    modules = sorted({routine.module for routine in routines})
+    return tuple(_import(module, routines) for module in modules)
+
+
+def _import(module: str, routines: set[Routine]) -> str:
+    names = sorted(routine.function for routine in routines if routine.module == module)
+    return f"from walkgen.runtime.solves.{module} import {', '.join(names)}"
+
+
+def _program(program: Program, prefix: str = "") -> PythonFunction:
+    signature = program.signature
+    body = walk(program, NumpyPrinter(program))
+    names = [name for port in signature.inputs for name in _element_names(port)]
+    opening = listing(f"lead, {unpacked(names)} = _elements(", map(_given, signature.inputs), ")") if names else ("    lead = ()",)
+    statements = tuple(f"    {statement.name} = {statement.text}" for statement in body.statements)
+    outputs = iter(text.text for text in body.outputs)
+    closing = tuple(line for port in signature.outputs for line in _output(port, [next(outputs) for _ in range(port.size)]))
+    lines = (*opening, *statements, *closing, f"    return {', '.join(port.name for port in signature.outputs)}")
+    return PythonFunction(prefix + short_name(signature), _parameters(program), summary(program), lines)
+
+
+def _composite(composite: Composite) -> PythonFunction:
+    signature = composite.signature
+    arrays = listing(f"lead, {unpacked(port.name for port in signature.inputs)} = _arrays(", map(_given, signature.inputs), ")")
+    steps = tuple(_step(call) for call in composite.calls)
+    spread = ", ".join(f"_spread(lead, {shape_text(port.shape)}, {_dtype(port)}, {port.name})" for port in signature.outputs)
+    lines = (*arrays, *steps, f"    return {spread}")
+    return PythonFunction(short_name(signature), _parameters(composite), summary(composite), lines)
+
+
+def _step(call: Call) -> str:
+    """One call; a guard only saves C the work, a routine leaves alone the rows that do not need it."""
+    if isinstance(call.callee, Program):
+        name, taken = f"_{short_name(call.callee.signature)}", len(call.callee.signature.inputs)
+        written = taken
+    else:
+        routine = ROUTINES[call.callee]
+        name, taken, written = routine.function, routine.taken, routine.inputs
+    arguments = [_argument(argument) for argument in call.arguments]
+    return f"    {', '.join(arguments[written:])} = {name}({', '.join(arguments[:taken])})"
+
+
+def _argument(argument: str | Decimal | int) -> str:
+    if isinstance(argument, Decimal):
+        return literal(argument, "np").text
+    return str(argument)
+
+
+def _parameters(body: Body) -> str:
+    return ", ".join(port.name for port in body.signature.inputs)
+
+
+def _given(port: Port) -> str:
+    return f'_{port.kind}("{port.name}", {port.name}, {shape_text(port.shape)})'
+
+
+def _dtype(port: Port) -> str:
+    return "np.int32" if port.kind == "integer" else "np.float64"
+
+
+def _output(port: Port, elements: list[str]) -> tuple[str, ...]:
+    return listing(f"{port.name} = _array(lead, {shape_text(port.shape)}, {_dtype(port)}, [", elements, "])")
+
+
+def _element_names(port: Port) -> tuple[str, ...]:
+    """`q_0`, `T_0_1`; a scalar is known by its port's name."""
+    return tuple("_".join((port.name, *map(str, place))) for place in product(*map(range, port.shape)))
