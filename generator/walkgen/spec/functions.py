@@ -1,0 +1,27 @@
+"""The names of the functions that can be generated, so that a spec can choose among them and names can be checked for collisions."""
+
+from typing import Final
+
+FORWARD_FUNCTIONS: Final = (
+    "foot_position",
+    "foot_rotation",
+    "foot_pose",
+    "foot_jacobian",
+    "foot_position_jacobian",
+    "foot_spatial_jacobian",
+    "foot_hessian",
+    "foot_velocity",
+    "foot_acceleration",
+    "foot_bias_acceleration",
+    "foot_torque",
+    "joint_frames",
+)
+"""Of every leg, and of every route from the root platform to a foot."""
+
+INVERSE_FUNCTIONS: Final = ("inverse", "inverse_branch", "inverse_velocity", "inverse_acceleration")
+"""Of legs that have a closed-form inverse."""
+
+LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS
+CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
+ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians")
+FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS

@@ -1,0 +1,302 @@
+"""The tables of a spec, one model a table, one field a key: shapes and types, and the source of the JSON Schema for editors."""
+
+import json
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
+from pydantic_core import PydanticCustomError
+
+from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
+
+Kind = Literal["revolute", "prismatic"]
+Target = Literal["c", "casadi", "numpy"]
+
+_LINKAGE_KEYS = ("links", "pins", "cylinders", "sliders", "plane", "assembly")
+_MOST_NAMES = 1000
+_MOST_LIMBS = 100
+_MOST_JOINTS = 64
+
+
+class Pose(Table):
+    """A fixed pose: xyz in the parent frame, rpy = Rz(yaw) Ry(pitch) Rx(roll); what is left out is zero."""
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"rpy"})
+
+    xyz: Triple | None = None
+    """Position (m)."""
+    xyz_mm: Triple | None = None
+    """Position (mm)."""
+    rpy: Triple | None = None
+    """Roll, pitch, yaw (rad)."""
+    rpy_deg: Triple | None = None
+    """Roll, pitch, yaw (degrees)."""
+
+
+class Link(Table):
+    """The rigid body that a joint moves, in the frame after the joint's row."""
+
+    mass: Number | None = None
+    """kg"""
+    com: Triple | None = None
+    """Centre of mass (m)."""
+    com_mm: Triple | None = None
+    """Centre of mass (mm)."""
+    inertia: Six | None = None
+    """ixx, iyy, izz, ixy, ixz, iyz about the centre of mass (kg m^2)."""
+    section: StrictStr | None = None
+    """Name of the cross-section, in [sections]."""
+    allow_unphysical: StrictBool = False
+    """Accept an inertia that no real body has."""
+
+
+class JointRow(Table):
+    """One joint: a DH row (a, alpha, d, theta), or a fixed origin (xyz, rpy) and an axis."""
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"alpha", "theta", "rpy"})
+
+    name: StrictStr
+    type: Kind
+    """Revolute: q adds to theta (rad); prismatic: q adds to d (m)."""
+    a: Number | None = None
+    """DH length along x (m)."""
+    a_mm: Number | None = None
+    alpha: Number | None = None
+    """DH twist about x (rad)."""
+    alpha_deg: Number | None = None
+    d: Number | None = None
+    """DH offset along z (m)."""
+    d_mm: Number | None = None
+    theta: Number | None = None
+    """DH angle about z (rad); 0 where left out."""
+    theta_deg: Number | None = None
+    xyz: Triple | None = None
+    """Origin of the joint in the frame before it (m)."""
+    xyz_mm: Triple | None = None
+    rpy: Triple | None = None
+    """Orientation of the joint in the frame before it (rad)."""
+    rpy_deg: Triple | None = None
+    axis: Triple | None = None
+    """Direction of the joint in its own frame; its length does not matter."""
+    limits: Pair | None = None
+    """Least and largest q (rad or m)."""
+    limits_deg: Pair | None = None
+    limits_mm: Pair | None = None
+    max_speed: Number | None = None
+    """rad/s or m/s"""
+    max_speed_deg: Number | None = None
+    max_speed_mm: Number | None = None
+    max_effort: Number | None = None
+    """N m or N"""
+    link: Link | None = None
+
+    def is_angle(self, key: str) -> bool:
+        """Limits are angles where the joint turns."""
+        return key in self.ANGLES or (key == "limits" and self.type == "revolute")
+
+
+class Damping(Table):
+    """Of the inverse velocity near singularities: lambda^2 = (1 - (s/epsilon)^2) lambda_max^2 below s = epsilon."""
+
+    epsilon: Number
+    lambda_max: Number
+
+
+class Design(Table):
+    """Joints in series from base to tip."""
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"zeros"})
+
+    dh: Literal["classic", "craig"] | None = None
+    """DH convention: classic (distal) or craig (modified, proximal); there is no default."""
+    joints: Annotated[tuple[JointRow, ...], Field(max_length=_MOST_JOINTS)]
+    signs: tuple[Sign, ...] | None = None
+    """One a joint: mechanism angle = sign * q + zero."""
+    zeros: tuple[Number, ...] | None = None
+    """One a joint (rad or m)."""
+    zeros_deg: tuple[Number, ...] | None = None
+
+
+class LegDesign(Design):
+    """A leg, described once and mounted as often as needed."""
+
+    foot: Pose | None = None
+    """Foot frame in the frame after the last joint; its origin is the foot point."""
+    damping: Damping | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_linkage(cls, table: Any) -> Any:
+        key = next((key for key in table if key in _LINKAGE_KEYS), None) if isinstance(table, dict) else None
+        if key is not None:
+            cure = "describe an open chain of joints, or wait for a version that knows linkages"
+            raise PydanticCustomError("WG150", "this leg is a closed linkage, which is not supported yet", {"cure": cure, "key": key})
+        return table
+
+
+class ChainDesign(Design):
+    """A chain of joints that connects two platforms."""
+
+
+class SectionSpec(Table):
+    """A constant cross-section along the straight line between a link's two joints."""
+
+    E: Number
+    """Young's modulus (Pa)."""
+    G: Number
+    """Shear modulus (Pa)."""
+    A: Number
+    """Area (m^2)."""
+    Iy: Number
+    """Second moment about the link's y (m^4)."""
+    Iz: Number
+    """Second moment about the link's z (m^4)."""
+    J: Number
+    """Torsion constant (m^4)."""
+
+
+class ParameterSpec(Table):
+    """A named number; `runtime = true` keeps it an argument of the generated functions."""
+
+    value: Number
+    unit: StrictStr = "1"
+    runtime: StrictBool = False
+    bounds: Pair | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bare(cls, value: Any) -> Any:
+        return value if isinstance(value, dict | ParameterSpec) else {"value": value}
+
+
+def _end_kind(value: Any) -> str:
+    return "end:word" if isinstance(value, str) else "end:pose"
+
+
+End = Annotated[Annotated[Literal["level"], Tag("end:word")] | Annotated[Pose, Tag("end:pose")], Discriminator(_end_kind)]
+
+
+class PlatformSpec(Table):
+    """A rigid platform; the first is the root, every other hangs on its parent by a chain."""
+
+    name: StrictStr
+    parent: StrictStr | None = None
+    chain: StrictStr | None = None
+    """Name of the chain design between the parent and this platform."""
+    root: Pose | None = None
+    """Chain root on the parent."""
+    end: End | None = None
+    """Chain end to this platform; "level" makes it parallel to the parent at q = 0."""
+    end_xyz: Triple | None = None
+    """Offset of a level platform from the chain's end (m)."""
+    end_xyz_mm: Triple | None = None
+    mass: Number | None = None
+    """kg"""
+    com: Triple | None = None
+    """Centre of mass in the platform's frame (m)."""
+    com_mm: Triple | None = None
+    inertia: Six | None = None
+    """ixx, iyy, izz, ixy, ixz, iyz about the centre of mass (kg m^2)."""
+    allow_unphysical: StrictBool = False
+    """Accept an inertia that no real body has."""
+    source_names: tuple[StrictStr, ...] | None = None
+    """What the robot's makers call the chain's joints."""
+
+
+class LegSpec(Table):
+    """A design mounted on a platform, or the mirror image of another leg."""
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"zeros"})
+
+    name: StrictStr
+    design: StrictStr | None = None
+    platform: StrictStr | None = None
+    mount: Pose | None = None
+    """The leg's first frame on the platform."""
+    mirror_of: StrictStr | None = None
+    """Reflect that leg in its platform's plane y = 0."""
+    signs: tuple[Sign, ...] | None = None
+    """Instead of the design's."""
+    zeros: tuple[Number, ...] | None = None
+    """Instead of the design's (rad or m)."""
+    zeros_deg: tuple[Number, ...] | None = None
+    source_names: tuple[StrictStr, ...] | None = None
+    """What the robot's makers call the joints."""
+
+
+class Domain(Table):
+    """Where a terrain patch holds."""
+
+    x: Pair | None = None
+    y: Pair | None = None
+    u: Pair | None = None
+    v: Pair | None = None
+
+
+class TerrainPatch(Table):
+    """A piece of ground; the first whose domain holds the point counts."""
+
+    name: StrictStr
+    surface: Literal["explicit", "implicit", "parametric", "plane", "heightmap"]
+    height: Number | None = None
+    """explicit: height as an expression in x and y (m)."""
+    f: Number | None = None
+    """implicit: an expression in x, y, z that is 0 on the surface."""
+    x: Number | None = None
+    """parametric: expressions in u and v (m)."""
+    y: Number | None = None
+    z: Number | None = None
+    point: Triple | None = None
+    """plane: one of its points (m)."""
+    normal: Triple | None = None
+    """plane: its normal."""
+    file: StrictStr | None = None
+    """heightmap: file beside the spec."""
+    spacing: Number | None = None
+    """heightmap: distance of its points (m)."""
+    domain: Domain | None = None
+    mu: Number | None = None
+    """Coefficient of friction."""
+    kn: Number | None = None
+    """Stiffness along the normal (N/m); rigid where left out."""
+    kt: Number | None = None
+    """Stiffness across the normal (N/m)."""
+
+
+class RobotTable(Table):
+    """What the robot is called and where down is."""
+
+    name: StrictStr
+    """Prefix of every generated name."""
+    description: StrictStr = ""
+    gravity: Triple
+    """m/s^2, in the world frame for floating functions, in the first platform's for legs."""
+
+
+class Generate(Table):
+    """What is generated."""
+
+    functions: Literal["all"] | tuple[StrictStr, ...] = "all"
+    derivatives: StrictBool = False
+    """Derivatives to the runtime parameters: <name>_d_param."""
+    targets: tuple[Target, ...] = ("c", "casadi", "numpy")
+
+
+class RobotSpec(Table):
+    """A walking robot, as described in TOML."""
+
+    walkgen: Literal[1]
+    """Version of the spec language."""
+    robot: RobotTable
+    generate: Generate = Generate()
+    parameters: dict[str, ParameterSpec] = Field(default_factory=dict, max_length=_MOST_NAMES)
+    leg_designs: dict[str, LegDesign] = Field(default_factory=dict, max_length=_MOST_LIMBS)
+    chain_designs: dict[str, ChainDesign] = Field(default_factory=dict, max_length=_MOST_LIMBS)
+    sections: dict[str, SectionSpec] = Field(default_factory=dict, max_length=_MOST_NAMES)
+    platforms: tuple[PlatformSpec, ...] = Field(default=(), max_length=_MOST_LIMBS)
+    legs: tuple[LegSpec, ...] = Field(default=(), max_length=_MOST_LIMBS)
+    terrain: tuple[TerrainPatch, ...] = Field(default=(), max_length=_MOST_LIMBS)
+
+
+def schema_json() -> str:
+    """The JSON Schema of a spec, for editors: the same text whenever the language is the same."""
+    return json.dumps(RobotSpec.model_json_schema(), indent=2, sort_keys=True, ensure_ascii=False) + "\n"
