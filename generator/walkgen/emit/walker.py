@@ -99,14 +99,14 @@ def walk(program: Program, printer: Printer) -> Body:
     Operations that no output uses are dropped; sin and cos of one argument stand side by side.
     """
     walked = _Walk(program, printer)
-    for index in _live(program):
+    for index in live(program):
         walked.visit(index)
     return Body(tuple(walked.statements), tuple(walked.written[index] for index in program.outputs))
 
 
-def _live(program: Program) -> tuple[int, ...]:
-    """Indices of the ops that some output needs, ascending; arguments come before users, so one backward pass does."""
-    needed = set(program.outputs)
+def live(program: Program) -> tuple[int, ...]:
+    """Indices of the ops that some output needs, ascending."""
+    needed = set(program.outputs)  # arguments come before their users, so one backward pass finds all
     for index in range(len(program.ops) - 1, -1, -1):
         if index in needed:
             needed.update(program.ops[index].arguments)
@@ -128,15 +128,15 @@ class _Walk:
     """The walk's growing state: what is written so far and the names taken."""
 
     def __init__(self, program: Program, printer: Printer) -> None:
-        live = _live(program)
+        needed = live(program)
         self.program = program
         self.printer = printer
         self.statements: list[Statement] = []
         self.written: dict[int, Text] = {}
         self.uses = Counter(program.outputs)
-        for index in live:
+        for index in needed:
             self.uses.update(program.ops[index].arguments)
-        self.pairs = {(op.code, op.arguments): index for index in live if (op := program.ops[index]).code in _PAIRED}
+        self.pairs = {(op.code, op.arguments): index for index in needed if (op := program.ops[index]).code in _PAIRED}
         ports = program.signature.inputs + program.signature.outputs
         self.taken = set(printer.reserved) | {port.name for port in ports}
         self.numbers = count(1)

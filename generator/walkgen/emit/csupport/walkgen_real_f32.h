@@ -10,6 +10,7 @@
 #undef WG_HUGE
 #undef WG_PI
 #undef WG_NAN
+#undef WG_INFINITY
 #undef WG_SIN
 #undef WG_COS
 #undef WG_TAN
@@ -30,6 +31,7 @@
 #define WG_HUGE 3.40282347e+38f
 #define WG_PI 3.14159265f
 #define WG_NAN ((float)NAN)
+#define WG_INFINITY ((float)INFINITY)
 #define WG_SIN(x) sinf(x)
 #define WG_COS(x) cosf(x)
 #define WG_TAN(x) tanf(x)

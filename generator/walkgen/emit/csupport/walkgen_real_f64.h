@@ -10,6 +10,7 @@
 #undef WG_HUGE
 #undef WG_PI
 #undef WG_NAN
+#undef WG_INFINITY
 #undef WG_SIN
 #undef WG_COS
 #undef WG_TAN
@@ -30,6 +31,7 @@
 #define WG_HUGE 1.7976931348623157e+308
 #define WG_PI 3.141592653589793
 #define WG_NAN ((double)NAN)
+#define WG_INFINITY ((double)INFINITY)
 #define WG_SIN(x) sin(x)
 #define WG_COS(x) cos(x)
 #define WG_TAN(x) tan(x)

@@ -1,8 +1,18 @@
-/* walkgen_status.h: how a function that can fail says what happened; one guard, so that several robots link together. */
+/* walkgen_status.h: what every robot's header shares: status codes and `restrict`; one guard, so that several robots link together. */
 #ifndef WALKGEN_STATUS_H
 #define WALKGEN_STATUS_H
 
 #include <stdint.h>
+
+#if defined(__cplusplus)
+#if defined(__GNUC__) || defined(__clang__) || defined(_MSC_VER)
+#define WG_RESTRICT __restrict
+#else
+#define WG_RESTRICT
+#endif
+#else
+#define WG_RESTRICT restrict
+#endif
 
 enum walkgen_status {
     WALKGEN_OK = 0,             /* the result is exact to rounding */
