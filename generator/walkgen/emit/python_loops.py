@@ -1,0 +1,116 @@
+"""Prints `<robot>_python.c`: for each function the inner loop that NumPy calls, which makes a generalised ufunc of a C function."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from walkgen.emit.artifact import Artifact, RobotCode
+from walkgen.emit.c_function import function_name
+from walkgen.emit.c_printer import DOUBLE, FLOAT, Precision
+from walkgen.emit.c_text import banner
+from walkgen.emit.layout import lay_out
+from walkgen.signature import Port, Signature
+
+_WORD = 8
+"""Bytes that a core buffer's entries are aligned to; also the size of NumPy's integers here (int64 in, int32 out)."""
+
+_HEADER = "walkgen_loops.h"
+_MOST_PORTS, _HIGHEST_RANK = 32, 6
+
+
+@dataclass(frozen=True)
+class Loop:
+    """One loop, ready to be laid out: entries of its port table and the lines that run one row."""
+
+    name: str
+    real: str
+    buffer: int
+    ports: tuple[str, ...]
+    lines: tuple[str, ...]
+
+
+def python_loops(code: RobotCode) -> Artifact:
+    """`<robot>_python.c` with `<full_name>_loop` for every function that NumPy can call, in double and, where asked for, in float.
+
+    A loop takes integers as int64 and gives int32, reals in its own precision; scalars go by value, a scalar `status` is
+    what the C function returns.
+    """
+    robot = code.mechanism.name
+    precisions = (DOUBLE, FLOAT) if code.float32 else (DOUBLE,)
+    signatures = [body.signature for body in code.functions if has_loop(body.signature)]
+    return lay_out(
+        "python.c.jinja",
+        f"{robot}_python.c",
+        banner=banner(code, "The loops through which NumPy calls the functions: part of the Python library only."),
+        headers=[f"{'_'.join(part for part in (robot, precision.tag) if part)}.h" for precision in precisions],
+        loops=[_loop(signature, precision) for precision in precisions for signature in signatures],
+    )
+
+
+def python_sources(code: RobotCode) -> tuple[Artifact, ...]:
+    """What the Python library is compiled from besides the robot's own C sources: the loops and the header they stand on."""
+    header = (Path(__file__).parent / "csupport" / _HEADER).read_text(encoding="utf-8")
+    return python_loops(code), Artifact(PurePosixPath(_HEADER), header)
+
+
+def has_loop(signature: Signature) -> bool:
+    """Whether a ufunc can carry the function: it has an input, no array of size 0, no more ports or dimensions than
+    walkgen_loops.h has room for; NumPy code serves the others.
+    """
+    ports = signature.inputs + signature.outputs
+    return bool(signature.inputs) and len(ports) <= _MOST_PORTS and all(port.size and len(port.shape) <= _HIGHEST_RANK for port in ports)
+
+
+def _loop(signature: Signature, precision: Precision) -> Loop:
+    name = function_name(signature, precision)
+    ports = tuple(_entries(signature, precision))
+    size = sum(_bytes(port, precision) for port in signature.inputs + signature.outputs)
+    return Loop(name, precision.real, size // precision.size, ports, tuple(_lines(signature, name, precision)))
+
+
+def _entries(signature: Signature, precision: Precision) -> Iterator[str]:
+    offset = 0
+    for index, port in enumerate(signature.inputs + signature.outputs):
+        output = index >= len(signature.inputs)
+        shape = ", ".join(map(str, port.shape)) or "1"
+        yield f"{{{_item(port, output, precision)}, {int(output)}, {offset}, {len(port.shape)}, {{{shape}}}}}"
+        offset += _bytes(port, precision)
+
+
+def _item(port: Port, output: bool, precision: Precision) -> int:
+    return precision.size if port.kind == "real" else 4 if output else _WORD
+
+
+def _bytes(port: Port, precision: Precision) -> int:
+    """Room for the port in the buffer, rounded up so that every port starts aligned."""
+    return -(-port.size * (precision.size if port.kind == "real" else _WORD) // _WORD) * _WORD
+
+
+def _lines(signature: Signature, name: str, precision: Precision) -> Iterator[str]:
+    """The statements of one row: integers narrowed first, then the call."""
+    arguments = []
+    for index, port in enumerate(signature.inputs):
+        place = f"a[{index}] + at * step[{index}]"
+        if port.kind == "integer" and port.shape:
+            yield f"int32_t {port.name}_{index}[{port.size}];"
+            yield f"walkgen_integers({port.size}, {place}, {port.name}_{index});"
+        arguments.append(_input(port, f"{port.name}_{index}", place, precision))
+    returned = ""
+    for index, port in enumerate(signature.outputs, len(signature.inputs)):
+        place = f"({'int32_t' if port.kind == 'integer' else precision.real} *)(a[{index}] + at * step[{index}])"
+        if port.name == "status" and not port.shape:
+            returned = f"*{place} = "
+        else:
+            arguments.append(place)
+    yield f"{returned or _discard(signature)}{name}({', '.join(arguments)});"
+
+
+def _discard(signature: Signature) -> str:
+    return "(void)" if signature.status else ""
+
+
+def _input(port: Port, local: str, place: str, precision: Precision) -> str:
+    if port.kind == "integer":
+        return local if port.shape else f"walkgen_integer({place})"
+    pointer = f"(const {precision.real} *)({place})"
+    return pointer if port.shape else f"*{pointer}"

@@ -1,0 +1,7 @@
+"""Loads what was built and calls it on NumPy arrays; needs numpy alone."""
+
+from walkgen.runtime.absent import MissingFunction
+from walkgen.runtime.loading import load
+from walkgen.runtime.robot import Chain, Leg, Robot, Route
+
+__all__ = ["Chain", "Leg", "MissingFunction", "Robot", "Route", "load"]

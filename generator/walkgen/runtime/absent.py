@@ -1,0 +1,59 @@
+"""Says why a robot, leg, chain or route has no function of a name, so that a user learns more than that it is not there."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from walkgen.errors import Problem, UnsupportedMechanism
+
+_INVERSES = frozenset({"inverse", "inverse_branch", "inverse_velocity", "inverse_acceleration"})
+_FORWARD = (
+    "foot_position foot_rotation foot_pose foot_jacobian foot_position_jacobian foot_spatial_jacobian foot_hessian foot_velocity "
+    "foot_acceleration foot_bias_acceleration foot_torque joint_frames"
+)
+_LIMB_DYNAMICS = "inverse_dynamics forward_dynamics mass_matrix bias gravity_torque coriolis_matrix kinetic_energy potential_energy"
+_LEG = (
+    f"{_FORWARD} inverse inverse_branch inverse_near inverse_pose inverse_admissible within_limits inverse_distance inverse_velocity "
+    f"inverse_acceleration {_LIMB_DYNAMICS} inverse_dynamics_derivatives regressor base_parameters foot_compliance driving_forces "
+    "joint_reactions transmission_angles power assembly_status"
+)
+_ROBOT = (
+    "platform_poses foot_positions foot_jacobians adapt adapt_velocity com com_jacobian centroidal_momentum_matrix momentum momentum_rate "
+    "demanded_wrench floating_mass_matrix floating_inverse_dynamics contact_forces friction_needed slip settle chain_reactions "
+    "stability_margins terrain"
+)
+VOCABULARY = {
+    "leg": frozenset(_LEG.split()),
+    "chain": frozenset({"pose", "jacobian", "frames"}),
+    "route": frozenset(_FORWARD.split()),
+    "robot": frozenset(_ROBOT.split()),
+}
+"""Names that walkgen knows for each kind of owner; not every mechanism has them all."""
+
+
+class MissingFunction(UnsupportedMechanism, AttributeError):
+    """A function that walkgen knows but this robot does not have; also an AttributeError, so that hasattr answers False."""
+
+
+def absent(kind: str, owner: str, name: str, built: Iterable[str], *, closed_inverse: bool = True) -> AttributeError:
+    """What to raise for a name that `owner` does not have.
+
+    Args:
+        kind: leg, chain, route or robot.
+        owner: its name.
+        name: what was asked for.
+        built: the names it does have.
+        closed_inverse: whether its inverse has a closed form.
+
+    Returns:
+        MissingFunction for a name of walkgen's vocabulary, a plain AttributeError for any other.
+    """
+    names = sorted(built)
+    near = get_close_matches(name, names, 1)
+    cure = f"did you mean {near[0]}?" if near else f"it has {', '.join(names) or 'no functions'}"
+    if name.removesuffix("_d_param") not in VOCABULARY[kind]:
+        return AttributeError(f"{kind} {owner!r} has no {name!r}; {cure}")
+    if name in _INVERSES and not closed_inverse:
+        reason = "its inverse has no closed form here (that takes three revolute joints: the first across the second, the third along it)"
+        return MissingFunction(Problem("WG410", f"{kind} {owner!r} has no {name!r}: {reason}", cure))
+    reason = "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"
+    return MissingFunction(Problem("WG410", f"{kind} {owner!r} has no {name!r}: {reason}", cure))

@@ -1,0 +1,172 @@
+"""Turns a generated folder into a Robot: the compiled library where there is one or can be one, else NumPy."""
+
+import ctypes
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from walkgen.errors import Problem, ToolchainError
+from walkgen.runtime.calls import Function, Vectorised, with_parameters
+from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
+from walkgen.runtime.modules import execute
+from walkgen.runtime.robot import Chain, Leg, Robot, Route
+from walkgen.runtime.ufuncs import make_ufunc
+from walkgen.toolchain import build_library, check_sources, find_library
+
+_VARIABLE = "WALKGEN_BACKEND"
+_NONE: Mapping[str, Function] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class _Backend:
+    """Bare functions by full name, what computes them and why that."""
+
+    name: str
+    reason: str
+    functions: Mapping[str, Function]
+
+
+def load(path: str | os.PathLike[str]) -> Robot:
+    """Load what `walkgen build` generated.
+
+    The library in `_build` is used when it was made from exactly these sources, else it is compiled now; without a
+    compiler the robot falls back to `<robot>_numpy.py`. The environment variable WALKGEN_BACKEND=c or =numpy forces one.
+
+    Args:
+        path: the robot's folder, such as `generated/mero`.
+
+    Raises:
+        ToolchainError: no generated robot there, its files do not belong together, or no backend works.
+    """
+    folder = Path(path).resolve()
+    manifest = read_manifest(folder)
+    check_sources(folder, manifest.sources, manifest.digest)
+    return _robot(folder, manifest, _backend(folder, manifest))
+
+
+def _backend(folder: Path, manifest: Manifest) -> _Backend:
+    wanted = os.environ.get(_VARIABLE, "")
+    if wanted not in {"", "c", "numpy"}:
+        raise ToolchainError(Problem("WG407", f"{_VARIABLE}={wanted} is not a backend", "use c, numpy, or unset it"))
+    if wanted == "numpy":
+        return _numpy(folder, manifest, f"{_VARIABLE}=numpy")
+    try:
+        return _compiled(folder, manifest)
+    except ToolchainError as error:
+        if wanted == "c" or not _numpy_file(folder, manifest).exists():
+            raise
+        return _numpy(folder, manifest, "; ".join(problem.message.splitlines()[0] for problem in error.problems))
+
+
+def _compiled(folder: Path, manifest: Manifest) -> _Backend:
+    if "c" not in manifest.targets:
+        raise ToolchainError(Problem("WG409", f"{manifest.robot} was built without C", 'add "c" to [generate] targets and build again'))
+    library, reason = _library(folder, manifest)
+    found = {entry.signature.full_name: make_ufunc(entry.signature, library, manifest.float32) for entry in manifest.functions}
+    functions: dict[str, Function] = {name: function for name, function in found.items() if function is not None}
+    others = [entry for entry in manifest.functions if entry.signature.full_name not in functions]
+    if others and _numpy_file(folder, manifest).exists():
+        functions |= _vectorised(folder, manifest, others)
+    return _Backend("c", reason, functions)
+
+
+def _library(folder: Path, manifest: Manifest) -> tuple[ctypes.CDLL, str]:
+    """The library built earlier, or one compiled now, also where the earlier one does not load on this machine."""
+    found = find_library(folder, manifest.robot, manifest.digest)
+    if found:
+        try:
+            return ctypes.CDLL(str(found.path)), f"found {found.path}"
+        except OSError:
+            found = None
+    built = build_library(folder, manifest.robot, manifest.sources, manifest.digest)
+    try:
+        return ctypes.CDLL(str(built.path)), f"compiled {built.path}"
+    except OSError as error:
+        raise ToolchainError(
+            Problem("WG406", f"the compiled library does not load: {error}", "walkgen doctor shows the compilers")
+        ) from error
+
+
+def _numpy_file(folder: Path, manifest: Manifest) -> Path:
+    return folder / f"{manifest.robot}_numpy.py"
+
+
+def _numpy(folder: Path, manifest: Manifest, reason: str) -> _Backend:
+    return _Backend("numpy", reason, _vectorised(folder, manifest, manifest.functions))
+
+
+def _vectorised(folder: Path, manifest: Manifest, entries: Sequence[FunctionEntry]) -> dict[str, Function]:
+    path = _numpy_file(folder, manifest)
+    try:
+        module = execute(path)
+    except FileNotFoundError as error:
+        raise ToolchainError(Problem("WG409", f"{path} was not built", 'add "numpy" to [generate] targets and build again')) from error
+    names = {entry.signature.full_name: entry.signature for entry in entries}
+    bare = {full: getattr(module, full.removeprefix(f"{manifest.robot}_"), None) for full in names}
+    return {full: Vectorised(function, names[full]) for full, function in bare.items() if function is not None}
+
+
+def _robot(folder: Path, manifest: Manifest, backend: _Backend) -> Robot:
+    limits = _limits(manifest)
+    defaults = {parameter["name"]: float(parameter["default"]) for parameter in manifest.parameters}
+    functions = _callable(manifest, backend, tuple(defaults.values()))
+    owned = {owner: MappingProxyType(own) for owner, own in _by_owner(manifest, functions).items()}
+    return Robot(
+        name=manifest.robot,
+        description=manifest.description,
+        folder=folder,
+        platforms=manifest.platforms,
+        joint_names=manifest.joint_names,
+        limits=limits,
+        parameters=MappingProxyType(defaults),
+        legs=MappingProxyType({leg["name"]: _leg(leg, limits, owned.get(leg["name"], _NONE)) for leg in manifest.legs}),
+        chains=MappingProxyType({chain["name"]: _chain(chain, limits, owned.get(chain["name"], _NONE)) for chain in manifest.chains}),
+        routes=MappingProxyType({route["name"]: _route(route, owned.get(route["owner"], _NONE)) for route in manifest.routes}),
+        functions=MappingProxyType(functions),
+        backend=backend.name,
+        backend_reason=backend.reason,
+        entries=manifest.functions,
+    )
+
+
+def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]) -> dict[str, Function]:
+    single = manifest.float32 and backend.name == "c"
+    signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
+    functions = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
+    return {name: with_parameters(function, signatures[name], defaults, single) for name, function in functions}
+
+
+def _by_owner(manifest: Manifest, functions: Mapping[str, Function]) -> dict[str, dict[str, Function]]:
+    owned: dict[str, dict[str, Function]] = {}
+    for signature in (entry.signature for entry in manifest.functions):
+        if signature.full_name in functions:
+            owned.setdefault(signature.owner, {})[signature.name] = functions[signature.full_name]
+    return owned
+
+
+def _limits(manifest: Manifest) -> np.ndarray:
+    limits = np.array([(-np.inf, np.inf) if pair is None else pair for pair in manifest.limits]).reshape(-1, 2)
+    limits.setflags(write=False)
+    return limits
+
+
+def _leg(entry: Mapping[str, Any], limits: np.ndarray, functions: Mapping[str, Function]) -> Leg:
+    part = slice(*entry["slice"])
+    joints, branches = tuple(entry["joints"]), tuple(entry["branch_names"])
+    return Leg(entry["name"], entry["platform"], joints, part, limits[part], branches, entry["inverse_class"], functions)
+
+
+def _chain(entry: Mapping[str, Any], limits: np.ndarray, functions: Mapping[str, Function]) -> Chain:
+    part = slice(*entry["slice"])
+    return Chain(entry["name"], entry["parent"], entry["child"], tuple(entry["joints"]), part, limits[part], functions)
+
+
+def _route(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Route:
+    indices = np.array(entry["indices"], dtype=np.intp)
+    indices.setflags(write=False)
+    return Route(entry["name"], entry["owner"], indices, functions)

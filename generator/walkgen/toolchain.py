@@ -1,0 +1,262 @@
+"""Finds a C compiler and makes a library or a program of generated sources; standard library only, because the runtime compiles too."""
+
+import hashlib
+import importlib.util
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from walkgen.errors import Problem, ToolchainError
+
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-tree-slp-vectorize")
+"""Strictly IEEE: only errno is given up, so that sqrt is one instruction; gcc's SLP vectoriser slows straight-line kernels."""
+SHARED = ("-fPIC",)
+_RECORD = "build.json"
+_PROCESSES = 2
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A C compiler that runs: how it was asked for, the command, and the first line it says of itself."""
+
+    label: str
+    command: tuple[str, ...]
+    version: str
+
+
+@dataclass(frozen=True)
+class Library:
+    """A compiled robot: the file, and the digest of the sources it came from."""
+
+    path: Path
+    digest: str
+
+
+def platform_tag() -> str:
+    """Operating system and processor, such as `linux-x86_64`; the first half of a build folder's name."""
+    return re.sub(r"[^a-z0-9_]+", "-", sysconfig.get_platform().lower())
+
+
+def library_name(robot: str) -> str:
+    """File name of the robot's shared library on this system."""
+    return {"win32": f"{robot}.dll", "darwin": f"lib{robot}.dylib"}.get(sys.platform, f"lib{robot}.so")
+
+
+def candidates() -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Where a compiler is looked for, in order: $CC alone when set, else cc, gcc, clang, the ziglang wheel."""
+    chosen = shlex.split(os.environ.get("CC", ""))
+    if chosen:
+        return (("$CC", tuple(chosen)),)
+    wheel = (("ziglang", (sys.executable, "-m", "ziglang", "cc")),) if importlib.util.find_spec("ziglang") else ()
+    return (*((name, (name,)) for name in ("cc", "gcc", "clang")), *wheel)
+
+
+def which() -> tuple[Compiler, ...]:
+    """Every compiler that answers, in order of preference; the first is the one used."""
+    return tuple(compiler for label, command in candidates() if (compiler := _probe(label, command)))
+
+
+def find_compiler() -> Compiler:
+    """The first compiler that answers.
+
+    Raises:
+        ToolchainError: WG401 when none does.
+    """
+    for label, command in candidates():
+        compiler = _probe(label, command)
+        if compiler:
+            return compiler
+    tried = ", ".join(shlex.join(command) if label == "$CC" else label for label, command in candidates())
+    cure = "install gcc or clang, set CC to a C compiler, or: pip install 'walkgen[zig]'"
+    raise ToolchainError(Problem("WG401", f"no C compiler answers (tried {tried})", cure))
+
+
+def _probe(label: str, command: tuple[str, ...]) -> Compiler | None:
+    program = shutil.which(command[0])
+    if program is None:
+        return None
+    try:
+        answer = _run((program, *command[1:], "--version"), Path.cwd(), seconds=60)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    lines = answer.stdout.strip().splitlines()
+    return Compiler(label, (program, *command[1:]), lines[0]) if answer.returncode == 0 and lines else None
+
+
+def source_digest(folder: Path, sources: Sequence[str]) -> str:
+    """sha256, in hexadecimal, over each source's name, a NUL and its bytes, in this order.
+
+    Raises:
+        ToolchainError: WG403 when a source cannot be read.
+    """
+    digest = hashlib.sha256()
+    for source in sources:
+        try:
+            digest.update(source.encode() + b"\0" + (folder / source).read_bytes())
+        except OSError as error:
+            raise ToolchainError(Problem("WG403", f"{folder / source} cannot be read: {error.strerror}", _rebuild(folder))) from error
+    return digest.hexdigest()
+
+
+def check_sources(folder: Path, sources: Sequence[str], digest: str) -> None:
+    """Make sure that the sources on disk are those of the manifest.
+
+    Raises:
+        ToolchainError: WG403 when one is missing or differs.
+    """
+    if source_digest(folder, sources) != digest:
+        raise ToolchainError(Problem("WG403", f"the sources in {folder} differ from its manifest.json", _rebuild(folder)))
+
+
+def _rebuild(folder: Path) -> str:
+    return f"build the robot again: walkgen build specs/{folder.name}.toml"
+
+
+def find_library(folder: Path, robot: str, digest: str) -> Library | None:
+    """The library built earlier from exactly these sources and flags, whole, for this platform; None when there is none."""
+    for root in (folder / "_build", _cache(robot)):
+        for place in sorted(root.glob(f"{platform_tag()}-*")):
+            if _is_whole(place, robot, digest):
+                return Library(place / library_name(robot), digest)
+    return None
+
+
+def _is_whole(place: Path, robot: str, digest: str) -> bool:
+    try:
+        record = json.loads((place / _RECORD).read_text(encoding="utf-8"))
+        content = (place / library_name(robot)).read_bytes()
+    except (OSError, ValueError):
+        return False
+    return bool(record == _record(digest, hashlib.sha256(content).hexdigest()))
+
+
+def _record(digest: str, library: str) -> dict[str, object]:
+    return {"sources": digest, "flags": [*FLAGS, *SHARED], "library": library}
+
+
+def build_library(folder: Path, robot: str, sources: Sequence[str], digest: str) -> Library:
+    """Compile the robot's library into `_build/<platform>-<digest>/`, or the user's cache where the folder is read-only.
+
+    Two processes may build at once: each works in a folder of its own and moves whole files into place.
+
+    Args:
+        folder: the robot's folder.
+        robot: its name.
+        sources: the manifest's sources; those that end in `.c` are compiled.
+        digest: the manifest's digest of the sources.
+
+    Raises:
+        ToolchainError: WG401 no compiler, WG402 it refused the sources, WG403 the sources are not the manifest's.
+    """
+    check_sources(folder, sources, digest)
+    compiler = find_compiler()
+    root = _build_root(folder, robot)
+    place = root / f"{platform_tag()}-{_build_digest(compiler, digest)}"
+    with tempfile.TemporaryDirectory(prefix=".tmp-", dir=root, ignore_cleanup_errors=True) as work:
+        library = Path(work) / library_name(robot)
+        _link(compiler, _compile(compiler, folder, sources, Path(work), (*FLAGS, *SHARED)), library, ("-shared",))
+        _land(library, place, digest)
+    _remove_stale(place)
+    return Library(place / library.name, digest)
+
+
+def _build_digest(compiler: Compiler, digest: str) -> str:
+    text = "\0".join((digest, compiler.version, *FLAGS, *SHARED))
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _build_root(folder: Path, robot: str) -> Path:
+    """The first folder that takes files: beside the sources, the user's cache, a temporary folder of this process."""
+    for root in (folder / "_build", _cache(robot)):
+        try:
+            root.mkdir(mode=0o700 if root != folder / "_build" else 0o777, parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=root).close()
+        except OSError:
+            continue
+        return root
+    return Path(tempfile.mkdtemp(prefix="walkgen-"))
+
+
+def _cache(robot: str) -> Path:
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or "~/.cache"
+    return Path(base).expanduser() / "walkgen" / robot
+
+
+def _land(library: Path, place: Path, digest: str) -> None:
+    """Move library and record into place; the record goes last, so what it vouches for is there."""
+    record = library.with_name(_RECORD)
+    record.write_text(json.dumps(_record(digest, hashlib.sha256(library.read_bytes()).hexdigest())), encoding="utf-8")
+    place.mkdir(exist_ok=True)
+    for product in (library, record):
+        try:
+            product.replace(place / product.name)
+        except PermissionError:  # Windows keeps a loaded library; an equal one already lies there
+            if not (place / product.name).exists():
+                raise
+
+
+def _remove_stale(place: Path) -> None:
+    """Remove older builds for this platform beside `place`, and only what carries our kind of name; a shared cache keeps them."""
+    if place.parent.name != "_build":
+        return
+    ours = re.compile(re.escape(platform_tag()) + r"-[0-9a-f]{16}")
+    for other in place.parent.iterdir():
+        if other != place and ours.fullmatch(other.name) and not other.is_symlink():
+            shutil.rmtree(other, ignore_errors=True)
+
+
+def build_program(folder: Path, sources: Sequence[str], program: Path, flags: Sequence[str] = FLAGS) -> Path:
+    """Compile and link a program, such as the robot's self-test, from sources that lie in `folder`.
+
+    Raises:
+        ToolchainError: WG401 no compiler, WG402 it refused the sources.
+    """
+    compiler = find_compiler()
+    with tempfile.TemporaryDirectory(prefix=".tmp-", dir=program.parent, ignore_cleanup_errors=True) as work:
+        linked = Path(work) / program.name
+        _link(compiler, _compile(compiler, folder, sources, Path(work), flags), linked, ())
+        linked.replace(program)
+    return program
+
+
+def _compile(compiler: Compiler, folder: Path, sources: Sequence[str], work: Path, flags: Sequence[str]) -> tuple[Path, ...]:
+    units = {source: work / f"{Path(source).stem}.o" for source in sources if source.endswith(".c")}
+    commands = [(*compiler.command, *flags, "-c", source, "-o", str(product)) for source, product in units.items()]
+    with ThreadPoolExecutor(_PROCESSES) as pool:
+        tuple(pool.map(lambda command: _insist(compiler, command, folder), commands))
+    return tuple(units.values())
+
+
+def _link(compiler: Compiler, objects: Sequence[Path], product: Path, flags: Sequence[str]) -> None:
+    mathematics = () if sys.platform == "win32" else ("-lm",)
+    _insist(compiler, (*compiler.command, *flags, *map(str, objects), "-o", str(product), *mathematics), product.parent)
+
+
+def _insist(compiler: Compiler, command: Sequence[str], folder: Path) -> None:
+    try:
+        answer = _run(command, folder)
+    except OSError as error:
+        message = f"{compiler.command[0]} cannot be run: {error.strerror}"
+        raise ToolchainError(Problem("WG402", message, "walkgen doctor shows the compilers")) from error
+    if answer.returncode != 0:
+        said = (answer.stderr or answer.stdout).strip()[-4000:]
+        message = f"{compiler.version} refused the sources in {folder}:\n$ {shlex.join(command)}\n{said}"
+        raise ToolchainError(Problem("WG402", message, "walkgen doctor shows the compilers; CC=... chooses another"))
+
+
+def _run(command: Sequence[str], folder: Path, seconds: float | None = None) -> subprocess.CompletedProcess[str]:
+    """Run a command in `folder` with English messages, its output kept."""
+    environment = {**os.environ, "LC_ALL": "C"}
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", errors="replace", timeout=seconds, check=False
+    )
