@@ -1,7 +1,7 @@
 """Prints a robot's functions as CasADi SX expressions, in one file that needs casadi alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from keyword import kwlist
 
@@ -9,7 +9,7 @@ from walkgen.emit.artifact import Artifact, Body, RobotCode
 from walkgen.emit.layout import lay_out
 from walkgen.emit.python_text import banner, listing, literal, printable, short_name, summary, title
 from walkgen.emit.walker import Form, Level, Text, walk
-from walkgen.graph.program import Call, Code, Composite, Program
+from walkgen.graph.program import Call, Code, Composite, Op, Program
 from walkgen.signature import Port
 
 _SUMS = (Level.SUM, Level.PRODUCT)
@@ -41,7 +41,7 @@ _FORMS: Mapping[Code, Form] = {
     Code.NOT: Form("ca.logic_not({0})"),
     Code.SELECT: Form("ca.if_else({0}, {1}, {2})"),
 }
-_HELPERS = frozenset({"ca", "_least", "_greatest", "_finite", "_column", "_rows"})
+_HELPERS = frozenset({"ca", "float", "_least", "_greatest", "_finite", "_column", "_rows"})
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class CasadiPrinter:
 
     def constant(self, value: Decimal) -> Text:
         """The nearest double."""
-        return literal(value, "ca")
+        return literal(value)
 
     def element(self, port: Port, index: int) -> Text:
         """`q[0]`, `T[0, 1]`; a scalar is its port."""
@@ -107,6 +107,21 @@ def closed_form(body: Body) -> Program | None:
     return body if isinstance(body, Program) else body.closed_form
 
 
+def residues_kept(program: Program) -> Program:
+    """The Program with x - x, which is NaN unless x is finite, written as a choice: SX would make it 0."""
+    ops: list[Op] = []
+    position: list[int] = []
+    for op in program.ops:
+        arguments = tuple(position[number] for number in op.arguments)
+        if op.code is Code.SUB and arguments[0] == arguments[1]:
+            ops += [Op(Code.FINITE, arguments[:1]), Op(Code.CONSTANT), Op(Code.CONSTANT, value=Decimal("NaN"))]
+            ops.append(Op(Code.SELECT, tuple(range(len(ops) - 3, len(ops))), name=op.name))
+        else:
+            ops.append(replace(op, arguments=arguments))
+        position.append(len(ops) - 1)
+    return replace(program, ops=tuple(ops), outputs=tuple(position[number] for number in program.outputs))
+
+
 def _reason(body: Body) -> str:
     calls: tuple[Call, ...] = body.calls if isinstance(body, Composite) else ()
     routines = sorted({call.callee for call in calls if isinstance(call.callee, str)})
@@ -115,7 +130,7 @@ def _reason(body: Body) -> str:
 
 def _function(body: Body, program: Program) -> CasadiFunction:
     signature = body.signature
-    text = walk(program, CasadiPrinter())
+    text = walk(residues_kept(program), CasadiPrinter())
     symbols = tuple(_symbol(port) for port in program.signature.inputs)
     statements = tuple(f"    {statement.name} = {statement.text}" for statement in text.statements)
     outputs = iter(output.text for output in text.outputs)

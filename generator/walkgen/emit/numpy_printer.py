@@ -43,7 +43,7 @@ _FORMS: Mapping[Code, Form] = {
     Code.NOT: Form("np.logical_not({0})"),
     Code.SELECT: Form("np.where({0}, {1}, {2})"),
 }
-_HELPERS = frozenset({"np", "lead", "_least", "_greatest", "_elements", "_arrays", "_array", "_spread", "_real", "_integer"})
+_HELPERS = frozenset({"float", "np", "lead", "_least", "_greatest", "_elements", "_arrays", "_array", "_spread", "_real", "_integer"})
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class NumpyPrinter:
 
     def constant(self, value: Decimal) -> Text:
         """The nearest double."""
-        return literal(value, "np")
+        return literal(value)
 
     def element(self, port: Port, index: int) -> Text:
         """The element's own name."""
@@ -151,7 +151,7 @@ def _step(call: Call) -> str:
 
 def _argument(argument: str | Decimal | int) -> str:
     if isinstance(argument, Decimal):
-        return literal(argument, "np").text
+        return literal(argument).text
     return str(argument)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from decimal import Decimal
+from math import isfinite
 
 from walkgen import __version__
 from walkgen.emit.artifact import Body, RobotCode
@@ -37,10 +38,10 @@ def _escaped(letter: str) -> str:
     return f"\\{letter}" if letter in _SPECIAL else letter.encode("unicode_escape").decode("ascii")
 
 
-def literal(value: Decimal, namespace: str) -> Text:
-    """The double nearest to the value; NaN and infinity are taken from the namespace (`np` or `ca`)."""
+def literal(value: Decimal) -> Text:
+    """The double nearest to the value."""
     number = float(value)
-    text = repr(abs(number)) if value.is_finite() else f"{namespace}.{'nan' if value.is_nan() else 'inf'}"
+    text = repr(abs(number)) if isfinite(number) else f'float("{abs(number)}")'
     return Text(f"-{text}", Level.UNARY) if value.is_signed() else Text(text)
 
 
@@ -49,17 +50,20 @@ def short_name(signature: Signature) -> str:
     return signature.full_name.removeprefix(f"{signature.robot}_")
 
 
-def describe(port: Port) -> str:
-    """`q [3] rad`."""
+def _described(port: Port) -> str:
     shape = f" [{', '.join(map(str, port.shape))}]" if port.shape else ""
     return f"{port.name}{shape}{'' if port.unit == '1' else ' ' + port.unit}"
+
+
+def port_line(signature: Signature) -> str:
+    """`q [3] rad -> p [3] m`."""
+    return f"{', '.join(map(_described, signature.inputs))} -> {', '.join(map(_described, signature.outputs))}"
 
 
 def summary(body: Body) -> tuple[str, ...]:
     """Docstring lines: what the function is, its ports, how much it costs and where it comes from."""
     signature = body.signature
-    ports = f"{', '.join(map(describe, signature.inputs))} -> {', '.join(map(describe, signature.outputs))}"
-    parts = (ports, f"{operations(body)} operations", signature.source)
+    parts = (port_line(signature), f"{operations(body)} operations", signature.source)
     return tuple(printable(line) for line in (signature.doc or short_name(signature), "; ".join(part for part in parts if part)))
 
 
