@@ -1,0 +1,121 @@
+"""The C files of a robot: headers, kernels, self-test, build files and the support headers copied beside them."""
+
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+
+from walkgen import __version__
+from walkgen.emit.artifact import Artifact, RobotCode
+from walkgen.emit.c_constants import macros
+from walkgen.emit.c_function import CFunction, batch_function, composite_function, function_name, kernel, program_function
+from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
+from walkgen.emit.c_text import banner, comment_text, words
+from walkgen.emit.layout import lay_out
+from walkgen.emit.selftest import selftest_artifact
+from walkgen.graph.program import Composite, Program
+
+_SUPPORT = Path(__file__).parent / "csupport"
+_ALWAYS = ("walkgen_status.h", "walkgen_math.h")
+
+
+def c_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
+    """Everything C of the robot: the library's sources first, then the self-test and the build files."""
+    return (*c_sources(code), selftest_artifact(code), *_build_files(code))
+
+
+def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
+    """What the library is compiled from: `<robot>.h`, `<robot>.c`, with float32 the same in float, and the support headers."""
+    precisions = (DOUBLE, FLOAT) if code.float32 else (DOUBLE,)
+    pairs = [artifact for precision in precisions for artifact in _pair(code, precision)]
+    return (*pairs, *(_support(name) for name in support_headers(code)))
+
+
+def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
+    """The header and the source in one precision."""
+    printer = CPrinter(precision, code.fma)
+    kernels = _kernels(code, printer)
+    functions = [(_public(body, kernels, printer), batch_function(body.signature, precision)) for body in code.functions]
+    return _header(code, precision, functions), _source(code, precision, list(kernels.values()), functions)
+
+
+def support_headers(code: RobotCode) -> tuple[str, ...]:
+    """Names of the csupport headers that the robot's sources include."""
+    precisions = [DOUBLE.header, FLOAT.header] if code.float32 else [DOUBLE.header]
+    return tuple(dict.fromkeys([*_ALWAYS, *precisions, *_routine_headers(code)]))
+
+
+def _routine_headers(code: RobotCode) -> list[str]:
+    return [header for body in code.functions if isinstance(body, Composite) for header in body.headers]
+
+
+def _support(name: str) -> Artifact:
+    return Artifact(PurePosixPath(name), (_SUPPORT / name).read_text(encoding="utf-8"))
+
+
+def _stem(code: RobotCode, precision: Precision) -> str:
+    return "_".join(part for part in (code.mechanism.name, precision.tag) if part)
+
+
+def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFunction, CFunction]]) -> Artifact:
+    stem = _stem(code, precision)
+    return lay_out(
+        "robot.h.jinja",
+        f"{stem}.h",
+        banner=banner(code, f"Functions in {precision.real}; arrays are row-major, SI units, radians."),
+        guard=f"WALKGEN_{words(stem)}_H",
+        include="walkgen_status.h" if precision is DOUBLE else f"{code.mechanism.name}.h",
+        macros=macros(code) if precision is DOUBLE else (),
+        functions=functions,
+    )
+
+
+def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], functions: list[tuple[CFunction, CFunction]]) -> Artifact:
+    stem = _stem(code, precision)
+    return lay_out(
+        "robot.c.jinja",
+        f"{stem}.c",
+        banner=banner(code, f"Straight-line code in {precision.real}."),
+        defines=() if code.fma else ("WALKGEN_NO_FMA",),
+        includes=(f"{stem}.h", precision.header, *dict.fromkeys(_routine_headers(code))),
+        functions=[*kernels, *(function for pair in functions for function in pair)],
+    )
+
+
+def _public(body: Program | Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
+    return program_function(body, printer) if isinstance(body, Program) else composite_function(body, kernels, printer)
+
+
+def _kernels(code: RobotCode, printer: CPrinter) -> dict[Program, CFunction]:
+    """Every Program that Composites call, once each, as `<function>_kernel`, numbered where two share the name."""
+    kernels: dict[Program, CFunction] = {}
+    taken: set[str] = set()
+    for body in code.functions:
+        for call in body.calls if isinstance(body, Composite) else ():
+            if isinstance(call.callee, Program) and call.callee not in kernels:
+                name = _free(f"{function_name(call.callee.signature, printer.precision)}_kernel", taken)
+                kernels[call.callee] = kernel(call.callee, name, printer)
+    return kernels
+
+
+def _free(wanted: str, taken: set[str]) -> str:
+    name, number = wanted, 1
+    while name in taken:
+        number += 1
+        name = f"{wanted}_{number}"
+    taken.add(name)
+    return name
+
+
+def _build_files(code: RobotCode) -> tuple[Artifact, ...]:
+    robot = code.mechanism.name
+    sources = c_sources(code)
+    described = comment_text(code.mechanism.description).replace("$", "$$") or f"Kinematics of {robot}"
+    values = {
+        "robot": robot,
+        "version": __version__,
+        "sources": [str(source.path) for source in sources if source.path.suffix == ".c"],
+        "headers": [str(source.path) for source in sources if source.path.suffix == ".h"],
+    }
+    return (
+        lay_out("CMakeLists.txt.jinja", "CMakeLists.txt", **values),
+        lay_out("robot.pc.jinja", f"{robot}.pc", robot=robot, version=__version__, description=described),
+    )

@@ -1,0 +1,232 @@
+"""Programs and Composites as C functions: declaration, body, batch variant and the comment above them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+
+from walkgen.emit.c_printer import CPrinter, Precision
+from walkgen.emit.c_text import comment
+from walkgen.emit.manifest import operations
+from walkgen.emit.walker import Body, live, walk
+from walkgen.graph.program import Call, Code, Composite, Program
+from walkgen.graph.routines import ROUTINES
+from walkgen.signature import Port, Signature
+
+_INDENT = "    "
+
+
+@dataclass(frozen=True)
+class CFunction:
+    """One function, ready to be laid out: `head` is its declaration without `;`, `lines` its body, indented.
+
+    `locals_size` bounds the bytes of its named locals: temporaries live in registers or share their slots.
+    """
+
+    name: str
+    head: str
+    lines: tuple[str, ...]
+    doc: tuple[str, ...] = ()
+    locals_size: int = 0
+
+
+def function_name(signature: Signature, precision: Precision) -> str:
+    """`mero_front_left_foot_position`, or `mero_f32_front_left_foot_position`."""
+    return "_".join(part for part in (signature.robot, precision.tag, signature.owner, signature.name) if part)
+
+
+def kernel(program: Program, name: str, printer: CPrinter) -> CFunction:
+    """A Program as a static function that writes every output through a pointer."""
+    signature = program.signature
+    head = f"static void {name}({_parameters(signature.inputs, signature.outputs, printer.precision)})"
+    body = walk(program, printer)
+    return CFunction(name, head, tuple(_program_lines(program, body, printer, None)), locals_size=_locals_size(body, printer.precision))
+
+
+def program_function(program: Program, printer: CPrinter) -> CFunction:
+    """A Program as a public function; its status is returned as the naming contract says."""
+    signature = program.signature
+    body = walk(program, printer)
+    lines = (*_program_lines(program, body, printer, _returned(signature)), *_count_lines(signature))
+    return _public(program, printer.precision, lines, _locals_size(body, printer.precision))
+
+
+def composite_function(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
+    """A Composite as a public function: local arrays, the calls in order, the status."""
+    signature = composite.signature
+    returned = _returned(signature)
+    lines = [_local(port, composite, printer.precision) for port in composite.locals]
+    lines += [f"{_INDENT}int32_t {returned.name} = WALKGEN_OK;"] if returned else []
+    used = {argument for call in composite.calls for argument in (*call.arguments, *(call.guard[1] if call.guard else ()))}
+    lines += [f"{_INDENT}(void){port.name};" for port in signature.inputs if port.name not in used]
+    lines += [line for call in composite.calls for line in _call_lines(call, composite, kernels, printer)]
+    lines += [f"{_INDENT}return {returned.name};"] if returned else []
+    deepest = max((kernels[call.callee].locals_size for call in composite.calls if isinstance(call.callee, Program)), default=0)
+    own = sum(_size(port, printer.precision) for port in composite.locals)
+    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + deepest)
+
+
+def batch_function(signature: Signature, precision: Precision) -> CFunction:
+    """The function over contiguous rows; it returns the number of rows without an OK if the function can fail."""
+    single = function_name(signature, precision)
+    returned = _returned(signature)
+    inputs = [_batch_parameter(port, "const ", precision) for port in signature.inputs]
+    outputs = [_batch_parameter(port, "", precision) for port in signature.outputs]
+    head = f"{'size_t' if signature.status else 'void'} {single}_batch({', '.join(['size_t rows', *inputs, *outputs])})"
+    arguments = [_row(port, by_value=not port.shape) for port in signature.inputs]
+    arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
+    step = f"{single}({', '.join(arguments)})"
+    return CFunction(f"{single}_batch", head, tuple(_batch_lines(signature, step)))
+
+
+def _batch_lines(signature: Signature, step: str) -> Iterator[str]:
+    loop = f"{_INDENT}for (size_t row = 0; row < rows; ++row) {{"
+    if signature.status is None:
+        yield from (loop, f"{_INDENT * 2}{step};", f"{_INDENT}}}")
+        return
+    yield from (f"{_INDENT}size_t bad = 0;", loop)
+    if _returned(signature):
+        yield f"{_INDENT * 2}status[row] = {step};"
+        yield f"{_INDENT * 2}bad += status[row] != WALKGEN_OK;"
+    else:
+        yield f"{_INDENT * 2}bad += {step} == 0;"
+    yield from (f"{_INDENT}}}", f"{_INDENT}return bad;")
+
+
+def _row(port: Port, *, by_value: bool) -> str:
+    if port.name == "param":
+        return "param"
+    if by_value:
+        return f"{port.name}[row]"
+    return f"{port.name} + row" if port.size == 1 else f"{port.name} + row * {port.size}"
+
+
+def _batch_parameter(port: Port, constant: str, precision: Precision) -> str:
+    return f"{constant}{_type(port, precision)} *WG_RESTRICT {port.name}"
+
+
+def _type(port: Port, precision: Precision) -> str:
+    return precision.real if port.kind == "real" else "int32_t"
+
+
+def _size(port: Port, precision: Precision) -> int:
+    return port.size * (precision.size if port.kind == "real" else 4)
+
+
+def _returned(signature: Signature) -> Port | None:
+    """The status, if it is the return value."""
+    return signature.status if signature.status and not signature.status.shape else None
+
+
+def _parameters(inputs: tuple[Port, ...], outputs: tuple[Port, ...], precision: Precision) -> str:
+    texts = [_input_parameter(port, precision) for port in inputs]
+    texts += [f"{_type(port, precision)} *WG_RESTRICT {port.name}" for port in outputs]
+    return ", ".join(texts) or "void"
+
+
+def _input_parameter(port: Port, precision: Precision) -> str:
+    return f"const {_type(port, precision)} *WG_RESTRICT {port.name}" if port.shape else f"{_type(port, precision)} {port.name}"
+
+
+def _public(body: Program | Composite, precision: Precision, lines: tuple[str, ...], stack: int) -> CFunction:
+    signature = body.signature
+    name = function_name(signature, precision)
+    returned = _returned(signature)
+    outputs = tuple(port for port in signature.outputs if port is not returned)
+    head = f"{'int32_t' if signature.status else 'void'} {name}({_parameters(signature.inputs, outputs, precision)})"
+    return CFunction(name, head, lines, _doc(body, stack), stack)
+
+
+def _doc(body: Program | Composite, stack: int) -> tuple[str, ...]:
+    signature = body.signature
+    ports = f"{', '.join(map(_described, signature.inputs))} -> {', '.join(map(_described, signature.outputs))}"
+    routines = "support routines not counted; " if isinstance(body, Composite) else ""
+    cost = f"{operations(body)} operations ({routines}at most {stack} bytes of locals)."
+    status = ""
+    if signature.status:
+        status = "Returns the number of entries with status OK." if signature.status.shape else "Returns the status."
+    return comment(signature.doc or signature.name, ports, f"{status} {cost}", f"Source: {signature.source}" if signature.source else "")
+
+
+def _described(port: Port) -> str:
+    shape = f" [{', '.join(map(str, port.shape))}]" if port.shape else ""
+    return f"{port.name}{shape}{'' if port.unit == '1' else ' ' + port.unit}"
+
+
+def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None) -> Iterator[str]:
+    used = {program.ops[index].element[0] for index in live(program) if program.ops[index].code is Code.INPUT}
+    for number, port in enumerate(program.signature.inputs):
+        if number not in used:
+            yield f"{_INDENT}(void){port.name};"
+    for statement in body.statements:
+        kind = "int" if statement.truth else printer.precision.real
+        yield f"{_INDENT}const {kind} {statement.name} = {statement.text};"
+    texts = iter(text.text for text in body.outputs)
+    last = ""
+    for port in program.signature.outputs:
+        for element in range(port.size):
+            text = next(texts) if port.kind == "real" else f"(int32_t)({next(texts)})"
+            if port is returned:
+                last = f"{_INDENT}return {text};"
+            else:
+                yield f"{_INDENT}{f'{port.name}[{element}]' if port.shape else f'*{port.name}'} = {text};"
+    if last:
+        yield last
+
+
+def _locals_size(body: Body, precision: Precision) -> int:
+    return sum(4 if statement.truth else precision.size for statement in body.statements)
+
+
+def _count_lines(signature: Signature) -> tuple[str, ...]:
+    status = signature.status
+    if status is None or not status.shape:
+        return ()
+    return (
+        f"{_INDENT}int32_t ok = 0;",
+        f"{_INDENT}for (int index = 0; index < {status.size}; ++index) {{",
+        f"{_INDENT * 2}ok += {status.name}[index] == WALKGEN_OK;",
+        f"{_INDENT}}}",
+        f"{_INDENT}return ok;",
+    )
+
+
+def _local(port: Port, composite: Composite, precision: Precision) -> str:
+    """A local's definition, set to zero where a guard may skip what writes it."""
+    first = next((call for call in composite.calls if port.name in call.arguments), None)
+    start = " = {0}" if first is None or first.guard else ""
+    shape = f"[{port.size}]" if port.shape else ""
+    return f"{_INDENT}{_type(port, precision)} {port.name}{shape}{start if shape else start.replace('{0}', '0')};"
+
+
+def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
+    if isinstance(call.callee, Program):
+        name, inputs = kernels[call.callee].name, len(call.callee.signature.inputs)
+    else:
+        name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
+    arguments = [_argument(argument, composite, printer, written=place >= inputs) for place, argument in enumerate(call.arguments)]
+    step = f"{name}({', '.join(arguments)});"
+    if call.guard is None:
+        yield f"{_INDENT}{step}"
+        return
+    asked = [_argument(argument, composite, printer, written=False) for argument in call.guard[1]]
+    guard = f"{_routine_name(call.guard[0], printer.precision)}({', '.join(asked)})"
+    yield from (f"{_INDENT}if ({guard}) {{", f"{_INDENT * 2}{step}", f"{_INDENT}}}")
+
+
+def _routine_name(name: str, precision: Precision) -> str:
+    return f"{name}_{precision.tag}" if precision.tag else name
+
+
+def _argument(argument: str | Decimal | int, composite: Composite, printer: CPrinter, *, written: bool) -> str:
+    """How a call names the value: arrays by their name, scalars by value where read and by address where written."""
+    if isinstance(argument, Decimal):
+        return printer.constant(argument).text
+    if isinstance(argument, int):
+        return str(argument)
+    signature = composite.signature
+    returned = _returned(signature)
+    pointers = {port.name for port in signature.outputs if not port.shape and port is not returned}
+    values = {port.name for port in composite.locals if not port.shape} | ({returned.name} if returned else set())
+    if argument in pointers:
+        return argument if written else f"*{argument}"
+    return f"&{argument}" if written and argument in values else argument

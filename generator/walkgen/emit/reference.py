@@ -1,0 +1,150 @@
+"""What the self-test expects: every forward function of a path of limbs, from a 50-digit matrix walk over the Mechanism."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from walkgen.model.mechanism import Joint, Limb, Mechanism
+from walkgen.model.walk import CONTEXT, Matrix, defaults, limb_frames, matrix_of
+
+Numbers = list[Any]
+_STEP = CONTEXT.mpf(10) ** -16
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A path of limbs at given joint values, rates and accelerations, with a force on its tip."""
+
+    mechanism: Mechanism
+    limbs: tuple[Limb, ...]
+    q: tuple[Any, ...]
+    qd: tuple[Any, ...]
+    qdd: tuple[Any, ...]
+    f: tuple[Any, ...]
+
+    @cached_property
+    def poses(self) -> list[Matrix]:
+        """The first limb's mount, the frame that moves with each joint, the tip."""
+        return _walk(self.mechanism, self.limbs, self.q)[0]
+
+    @cached_property
+    def columns(self) -> list[tuple[Numbers, Numbers]]:
+        """Linear and angular column of every joint, at the tip."""
+        return _columns(self.mechanism, self.limbs, self.q)
+
+    @cached_property
+    def bias(self) -> Numbers:
+        """Jdot qd [6] by central differences along qd."""
+        ahead, behind = (
+            _columns(self.mechanism, self.limbs, [q + side * _STEP * qd for q, qd in zip(self.q, self.qd, strict=True)]) for side in (1, -1)
+        )
+        change = [
+            [(a - b) / (2 * _STEP) for a, b in zip(_six(*new), _six(*old), strict=True)] for new, old in zip(ahead, behind, strict=True)
+        ]
+        return _combined(change, self.qd)
+
+    @property
+    def jacobian(self) -> list[Numbers]:
+        """Linear columns."""
+        return [linear for linear, _ in self.columns]
+
+    @property
+    def position(self) -> Numbers:
+        """The tip [3]."""
+        return [self.poses[-1][row, 3] for row in range(3)]
+
+
+def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> tuple[list[Matrix], list[tuple[Joint, Matrix]]]:
+    """Poses along the path, and every joint with the frame whose z axis it moves about or along."""
+    values = defaults(mechanism)
+    base, start = CONTEXT.eye(4), 0
+    poses: list[Matrix] = []
+    axes: list[tuple[Joint, Matrix]] = []
+    for limb in limbs:
+        stop = start + len(limb.joints)
+        local = [base * frame for frame in limb_frames(mechanism, limb, q[start:stop], values)]
+        poses += local[1:-1] if poses else local[:-1]
+        axes += [(joint, frame * matrix_of(joint.before, values)) for joint, frame in zip(limb.joints, local, strict=False)]
+        base, start = local[-1], stop
+    return [*poses, base], axes
+
+
+def _columns(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> list[tuple[Numbers, Numbers]]:
+    poses, axes = _walk(mechanism, limbs, q)
+    tip = [poses[-1][row, 3] for row in range(3)]
+    return [_column(joint, frame, tip) for joint, frame in axes]
+
+
+def _column(joint: Joint, frame: Matrix, tip: Numbers) -> tuple[Numbers, Numbers]:
+    axis = [joint.sign * frame[row, 2] for row in range(3)]
+    if joint.kind == "prismatic":
+        return axis, [CONTEXT.zero] * 3
+    return cross(axis, [tip[row] - frame[row, 3] for row in range(3)]), axis
+
+
+def cross(a: Sequence[Any], b: Sequence[Any]) -> Numbers:
+    """A x b."""
+    return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
+
+
+def _six(linear: Numbers, angular: Numbers) -> Numbers:
+    return [*linear, *angular]
+
+
+def _combined(columns: Sequence[Numbers], rates: Sequence[Any]) -> Numbers:
+    """The columns weighted by the rates, summed."""
+    return [sum(column[row] * rate for column, rate in zip(columns, rates, strict=True)) for row in range(len(columns[0]))]
+
+
+def flat(columns: Sequence[Numbers]) -> Numbers:
+    """Row-major elements of a matrix given by columns."""
+    return [column[row] for row in range(len(columns[0])) for column in columns]
+
+
+def elements(matrix: Matrix, size: int = 4) -> Numbers:
+    """Row-major elements of the leading square."""
+    return [matrix[row, column] for row in range(size) for column in range(size)]
+
+
+def _hessian(sample: Sample) -> Numbers:
+    """D_i D_j p for i before j: a revolute joint i turns column j about its own axis, a prismatic one leaves it."""
+    count = len(sample.q)
+    second = {(i, j): cross(sample.columns[i][1], sample.jacobian[j]) for i in range(count) for j in range(i, count)}
+    return [second[min(i, j), max(i, j)][row] for row in range(3) for i in range(count) for j in range(count)]
+
+
+def _spatial(sample: Sample) -> Numbers:
+    return flat([_six(*column) for column in sample.columns])
+
+
+def _acceleration(sample: Sample) -> Numbers:
+    return [a + b for a, b in zip(_combined(sample.jacobian, sample.qdd), sample.bias[:3], strict=True)]
+
+
+def _torque(sample: Sample) -> Numbers:
+    return [sum(a * b for a, b in zip(column, sample.f, strict=True)) for column in sample.jacobian]
+
+
+def _frames(sample: Sample) -> Numbers:
+    return [element for pose in sample.poses[:-1] for element in elements(pose)]
+
+
+EXPECTED: Mapping[str, Callable[[Sample], tuple[Numbers, ...]]] = {
+    "foot_position": lambda sample: (sample.position,),
+    "foot_rotation": lambda sample: (elements(sample.poses[-1], 3),),
+    "foot_pose": lambda sample: (elements(sample.poses[-1]),),
+    "foot_jacobian": lambda sample: (flat(sample.jacobian),),
+    "foot_position_jacobian": lambda sample: (sample.position, flat(sample.jacobian)),
+    "foot_spatial_jacobian": lambda sample: (_spatial(sample),),
+    "foot_hessian": lambda sample: (_hessian(sample),),
+    "foot_velocity": lambda sample: (_combined(sample.jacobian, sample.qd),),
+    "foot_acceleration": lambda sample: (_acceleration(sample),),
+    "foot_bias_acceleration": lambda sample: (sample.bias,),
+    "foot_torque": lambda sample: (_torque(sample),),
+    "joint_frames": lambda sample: (_frames(sample),),
+    "pose": lambda sample: (elements(sample.poses[-1]),),
+    "jacobian": lambda sample: (_spatial(sample),),
+    "frames": lambda sample: (_frames(sample),),
+}
+"""Elements of every output port, by the function's name."""

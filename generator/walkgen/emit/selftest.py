@@ -1,0 +1,237 @@
+"""The self-test generated beside a robot: C with expected values from a 50-digit walk over the Mechanism, never from a Program."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any
+
+from walkgen.emit.artifact import Artifact, RobotCode
+from walkgen.emit.c_constants import limb_owner
+from walkgen.emit.c_function import function_name
+from walkgen.emit.c_printer import DOUBLE
+from walkgen.emit.c_text import banner
+from walkgen.emit.layout import lay_out
+from walkgen.emit.reference import EXPECTED, Numbers, Sample, elements
+from walkgen.model.mechanism import Joint, Limb, Mechanism
+from walkgen.model.walk import CONTEXT, defaults, number, platform_poses
+from walkgen.signature import Port, Signature
+
+_SAMPLES = 3
+_CONDITION = CONTEXT.mpf("0.05")
+_TIGHT, _LOOSE = "1e-12", "1e-9"
+_WIDTH = 100
+
+Row = Sequence[Any]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A constant array `name`[samples][columns]; `lines` are its rows, filled."""
+
+    name: str
+    columns: int
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One C function of the self-test: its tables, the lines run for each sample, the error allowed."""
+
+    name: str
+    tables: tuple[Table, ...]
+    samples: int
+    lines: tuple[str, ...]
+    tolerance: str
+
+
+def selftest_artifact(code: RobotCode) -> Artifact:
+    """`<robot>_test.c`: needs only libm and the library."""
+    robot = code.mechanism
+    return lay_out(
+        "robot_test.c.jinja",
+        f"{robot.name}_test.c",
+        banner=banner(code, "Self-test; expected values come from a 50-digit matrix walk over the mechanism, not from the generated code."),
+        header=f"{robot.name}.h",
+        parameters=[_literal(value) for value in defaults(robot).values()] or ["0.0"],
+        checks=[check for body in code.functions for check in _checks(robot, body.signature)],
+    )
+
+
+def _checks(robot: Mechanism, signature: Signature) -> Iterator[Check]:
+    path = _paths(robot).get(signature.owner)
+    if path is None:
+        if not signature.owner and signature.name in _ROBOT:
+            yield _robot_check(robot, signature)
+        return
+    samples = [_sample(robot, path, index) for index in range(_SAMPLES)]
+    if signature.name in EXPECTED:
+        yield _forward(signature, samples)
+    elif signature.name in _INVERSES:
+        regular = [sample for sample in samples if _is_regular(sample)]
+        if regular:
+            yield _INVERSES[signature.name](signature, regular)
+
+
+def _paths(robot: Mechanism) -> dict[str, tuple[Limb, ...]]:
+    """The limbs between a function owner's base and tip."""
+    routes = {f"root_to_{leg.name}": (*robot.ancestors(leg.platform), leg) for leg in robot.legs}
+    return routes | {limb_owner(robot, limb): (limb,) for limb in robot.limbs}
+
+
+def _sample(robot: Mechanism, path: tuple[Limb, ...], index: int) -> Sample:
+    joints = [joint for limb in path for joint in limb.joints]
+    rows = [tuple(_value(joint, place, index, salt) for place, joint in enumerate(joints)) for salt in (0, 1, 2)]
+    force = tuple(CONTEXT.mpf(value) / 4 for value in (3 - index, 5, index - 7))
+    return Sample(robot, path, rows[0], rows[1], rows[2], force)
+
+
+def _value(joint: Joint, place: int, index: int, salt: int) -> Any:
+    """A fixed number of sixteenths, scattered over both signs and never 0, so that it is exact in a double."""
+    scattered = (29 * place + 17 * index + 11 * salt + 7 * (place + 1) * (index + 2)) % 40 - 20
+    return CONTEXT.mpf(scattered if scattered else 9) / (16 if joint.kind == "revolute" else 64)
+
+
+def _is_regular(sample: Sample) -> bool:
+    """Far enough from singularities and from damping that an inverse is well conditioned."""
+    sizes = CONTEXT.svd_r(CONTEXT.matrix(sample.jacobian), compute_uv=False)
+    damping = sample.limbs[-1].damping
+    least = number(damping[0], sample.mechanism) if damping else CONTEXT.zero
+    return bool(min(sizes) > max(_CONDITION * max(sizes), 2 * least))
+
+
+def _forward(signature: Signature, samples: Sequence[Sample]) -> Check:
+    expected = [EXPECTED[signature.name](sample) for sample in samples]
+    tables = _input_tables(signature, [{"q": s.q, "qd": s.qd, "qdd": s.qdd, "f": s.f} for s in samples])
+    return _compared(signature, tables, expected)
+
+
+def _compared(signature: Signature, tables: tuple[Table, ...], expected: Sequence[tuple[Numbers, ...]]) -> Check:
+    """A check that outputs equal tables."""
+    outputs = signature.outputs
+    wanted = [_table(f"{port.name}_expected", [row[place] for row in expected]) for place, port in enumerate(outputs)]
+    lines = [f"double {port.name}[{port.size}];" for port in outputs]
+    lines.append(f"{_call(signature, [port.name for port in outputs])};")
+    lines += [f"worst = worse(worst, {port.name}, {port.name}_expected[sample], {port.size});" for port in outputs]
+    return Check(signature.full_name, (*tables, *wanted), len(expected), tuple(lines), _TIGHT)
+
+
+def _call(signature: Signature, outputs: Sequence[str], **replaced: str) -> str:
+    inputs = [replaced.get(port.name, "PARAM" if port.name == "param" else f"{port.name}[sample]") for port in signature.inputs]
+    return f"{function_name(signature, DOUBLE)}({', '.join([*inputs, *outputs])})"
+
+
+def _inverse(signature: Signature, samples: Sequence[Sample]) -> Check:
+    """The foot's joint values are among the branches."""
+    tables = (_table("p", [s.position for s in samples]), _table("q_expected", [s.q for s in samples]))
+    branches, joints = signature.outputs[0].shape
+    lines = (
+        f"double q[{branches * joints}];",
+        f"int32_t status[{branches}];",
+        f"const int32_t ok = {_call(signature, ['q', 'status'])};",
+        "double error = HUGE_VAL;",
+        f"for (int branch = 0; branch < {branches}; ++branch) {{",
+        f"    error = nearer(error, q + branch * {joints}, q_expected[sample], {joints});",
+        "}",
+        "worst = larger(worst, ok > 0 ? error : HUGE_VAL);",
+    )
+    return Check(signature.full_name, tables, len(samples), lines, _LOOSE)
+
+
+def _inverse_branch(signature: Signature, samples: Sequence[Sample]) -> Check:
+    """The foot's joint values are on one of the four branches."""
+    tables = (_table("p", [s.position for s in samples]), _table("q_expected", [s.q for s in samples]))
+    joints = signature.outputs[0].size
+    lines = (
+        "double error = HUGE_VAL;",
+        "for (int32_t branch = 0; branch < 4; ++branch) {",
+        f"    double q[{joints}];",
+        f"    if ({_call(signature, ['q'], branch='branch')} != WALKGEN_BAD_INPUT) {{",
+        f"        error = nearer(error, q, q_expected[sample], {joints});",
+        "    }",
+        "}",
+        "worst = larger(worst, error);",
+    )
+    return Check(signature.full_name, tables, len(samples), lines, _LOOSE)
+
+
+def _inverse_rate(signature: Signature, samples: Sequence[Sample]) -> Check:
+    """The foot's velocity or acceleration gives the joints' back."""
+    rows = [{"q": s.q, "qd": s.qd, "v": EXPECTED["foot_velocity"](s)[0], "a": EXPECTED["foot_acceleration"](s)[0]} for s in samples]
+    wanted = [s.qd if signature.name == "inverse_velocity" else s.qdd for s in samples]
+    port = signature.outputs[0]
+    lines = (
+        f"double {port.name}[{port.size}];",
+        f"worst = larger(worst, {_call(signature, [port.name])} == WALKGEN_OK ? 0.0 : HUGE_VAL);",
+        f"worst = worse(worst, {port.name}, {port.name}_expected[sample], {port.size});",
+    )
+    tables = (*_input_tables(signature, rows), _table(f"{port.name}_expected", wanted))
+    return Check(signature.full_name, tables, len(samples), lines, _LOOSE)
+
+
+_INVERSES = {
+    "inverse": _inverse,
+    "inverse_branch": _inverse_branch,
+    "inverse_velocity": _inverse_rate,
+    "inverse_acceleration": _inverse_rate,
+}
+
+
+def _robot_check(robot: Mechanism, signature: Signature) -> Check:
+    rows = [
+        tuple(chain.from_iterable(_sample(robot, (limb,), index + place).q for place, limb in enumerate(robot.limbs)))
+        for index in range(_SAMPLES)
+    ]
+    expected = [_ROBOT[signature.name](robot, q) for q in rows]
+    return _compared(signature, _input_tables(signature, [{"q": q} for q in rows]), expected)
+
+
+def _platform_poses(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
+    return ([element for pose in platform_poses(robot, q) for element in elements(pose)],)
+
+
+def _foot_samples(robot: Mechanism, q: Row) -> Iterator[tuple[Sample, list[int]]]:
+    """Every foot's route from the root platform, and which of the robot's joints it runs over."""
+    for leg in robot.legs:
+        limbs = (*robot.ancestors(leg.platform), leg)
+        indices = [robot.offset(limb) + place for limb in limbs for place in range(len(limb.joints))]
+        values = tuple(q[index] for index in indices)
+        yield Sample(robot, limbs, values, values, values, ()), indices
+
+
+def _foot_positions(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
+    return ([element for sample, _ in _foot_samples(robot, q) for element in sample.position],)
+
+
+def _foot_jacobians(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
+    rows: Numbers = []
+    for sample, indices in _foot_samples(robot, q):
+        columns = dict(zip(indices, sample.jacobian, strict=True))
+        rows += [columns[joint][row] if joint in columns else CONTEXT.zero for row in range(3) for joint in range(len(q))]
+    return (rows,)
+
+
+_ROBOT = {"platform_poses": _platform_poses, "foot_positions": _foot_positions, "foot_jacobians": _foot_jacobians}
+
+
+def _input_tables(signature: Signature, rows: Sequence[Mapping[str, Row]]) -> tuple[Table, ...]:
+    ports: list[Port] = [port for port in signature.inputs if port.name != "param"]
+    return tuple(_table(port.name, [row[port.name] for row in rows]) for port in ports)
+
+
+def _table(name: str, rows: Sequence[Row]) -> Table:
+    return Table(name, len(rows[0]), tuple(line for row in rows for line in _row_lines(row)))
+
+
+def _row_lines(row: Row) -> Iterator[str]:
+    line = "{"
+    for value in row:
+        text = _literal(value)
+        if len(line) + len(text) > _WIDTH:
+            yield line.rstrip()
+            line = " "
+        line += f"{text}, "
+    yield line.rstrip(" ,") + "},"
+
+
+def _literal(value: Any) -> str:
+    return repr(float(value))
