@@ -11,10 +11,14 @@ Body = Program | Composite
 
 @dataclass(frozen=True)
 class Artifact:
-    """One generated file, relative to the robot's folder; text, byte-identical for the same spec."""
+    """One generated file, relative to the robot's folder; text, byte-identical for the same spec.
+
+    `in_library` marks what the compiled library is made from.
+    """
 
     path: PurePosixPath
     text: str
+    in_library: bool = False
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,10 @@ from walkgen.emit.c_function import CFunction, batch_function, composite_functio
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
-from walkgen.emit.selftest import selftest_artifact
 from walkgen.graph.program import Composite, Program
 
 _SUPPORT = Path(__file__).parent / "csupport"
 _ALWAYS = ("walkgen_status.h", "walkgen_math.h")
-
-
-def c_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
-    """Everything C of the robot: the library's sources first, then the self-test and the build files."""
-    return (*c_sources(code), selftest_artifact(code), *_build_files(code))
 
 
 def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
@@ -105,7 +99,7 @@ def _free(wanted: str, taken: set[str]) -> str:
     return name
 
 
-def _build_files(code: RobotCode) -> tuple[Artifact, ...]:
+def build_files(code: RobotCode) -> tuple[Artifact, ...]:
     robot = code.mechanism.name
     sources = c_sources(code)
     described = comment_text(code.mechanism.description).replace("$", "$$") or f"Kinematics of {robot}"

@@ -1,0 +1,29 @@
+"""emit: a robot's programs become all of its files, text only, in a fixed order."""
+
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+
+from walkgen.emit.artifact import Artifact, RobotCode
+from walkgen.emit.c_files import build_files, c_sources
+from walkgen.emit.casadi_printer import casadi_artifact
+from walkgen.emit.manifest import manifest
+from walkgen.emit.numpy_printer import numpy_artifact
+from walkgen.emit.python_files import package_artifacts
+from walkgen.emit.python_loops import python_loops
+from walkgen.emit.selftest import selftest_artifact
+
+_LOOPS = "walkgen_loops.h"
+
+
+def emit(code: RobotCode) -> tuple[Artifact, ...]:
+    """Every committed file of the robot's folder, for the targets asked for; the library's sources first, the manifest last."""
+    library = _library(code) if "c" in code.targets else ()
+    embedding = (selftest_artifact(code), *build_files(code)) if "c" in code.targets else ()
+    numpy = (numpy_artifact(code),) if "numpy" in code.targets else ()
+    casadi = (casadi_artifact(code),) if "casadi" in code.targets else ()
+    return (*library, *embedding, *numpy, *casadi, *package_artifacts(code), manifest(code, library))
+
+
+def _library(code: RobotCode) -> tuple[Artifact, ...]:
+    loops = Artifact(PurePosixPath(_LOOPS), (Path(__file__).parent / "csupport" / _LOOPS).read_text(encoding="utf-8"))
+    return tuple(replace(artifact, in_library=True) for artifact in (*c_sources(code), python_loops(code), loops))

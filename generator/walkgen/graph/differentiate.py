@@ -1,0 +1,152 @@
+"""Derivatives of a Program by one of its inputs, forward mode on value-numbered ops: exact, and shared with the value itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from decimal import Decimal
+
+from walkgen.graph.number import Numbering
+from walkgen.graph.passes import pruned
+from walkgen.graph.program import Code, Program
+from walkgen.signature import Port, Signature
+
+_ZERO, _ONE, _TWO = Decimal(0), Decimal(1), Decimal(2)
+
+
+def derivative(program: Program, port: str) -> Program:
+    """`<name>_d_<port>`: every output port gains the input port's shape at its end.
+
+    Args:
+        program: without fused ops; choices are differentiated branch by branch, truths not at all.
+        port: name of the real input port to differentiate by.
+    """
+    index, declared = next((i, p) for i, p in enumerate(program.signature.inputs) if p.name == port)
+    numbering = Numbering(program.signature)
+    columns = [_Forward(numbering, program, (index, element)).tangents for element in range(declared.size)]
+    outputs = tuple(column[number] for number in program.outputs for column in columns)
+    return pruned(Program(_signature(program.signature, declared), numbering.ops, outputs))
+
+
+def _signature(signature: Signature, port: Port) -> Signature:
+    outputs = tuple(replace(out, name=f"{out.name}_d_{port.name}", shape=out.shape + port.shape, unit=f"{out.unit} per unit") for out in signature.outputs)
+    doc = f"Derivatives of {signature.name} by {port.name}."
+    return replace(signature, name=f"{signature.name}_d_{port.name}", outputs=outputs, doc=doc, source="forward differentiation")
+
+
+@dataclass(frozen=True)
+class _Value:
+    """An op being differentiated: its own number, its arguments' numbers and tangents."""
+
+    number: int
+    arguments: tuple[int, ...]
+    tangents: tuple[int, ...]
+
+
+class _Forward:
+    """Copies a Program into a numbering and carries the tangent of one input element along."""
+
+    def __init__(self, numbering: Numbering, program: Program, element: tuple[int, int]) -> None:
+        self._op, self._constant = numbering.op, numbering.constant
+        self.tangents: list[int] = []
+        numbers: list[int] = []
+        for position, op in enumerate(program.ops):
+            if op.code is Code.INPUT:
+                numbers.append(position)
+                self.tangents.append(self._constant(_ONE if op.element == element else _ZERO))
+            elif op.code is Code.CONSTANT:
+                numbers.append(self._constant(op.value))
+                self.tangents.append(self._constant(_ZERO))
+            else:
+                arguments = tuple(numbers[argument] for argument in op.arguments)
+                numbers.append(numbering.named(self._op(op.code, *arguments), op.name))
+                value = _Value(numbers[-1], arguments, tuple(self.tangents[argument] for argument in op.arguments))
+                self.tangents.append(_RULES.get(op.code, _Forward.truth)(self, value))
+
+    def _plus(self, left: int, right: int) -> int:
+        return self._op(Code.ADD, left, right)
+
+    def _times(self, left: int, right: int) -> int:
+        return self._op(Code.MUL, left, right)
+
+    def truth(self, value: _Value) -> int:
+        """A condition does not move."""
+        del value
+        return self._constant(_ZERO)
+
+    def product(self, value: _Value) -> int:
+        """(ab)' = a'b + ab'."""
+        (a, b), (da, db) = value.arguments, value.tangents
+        return self._plus(self._times(da, b), self._times(a, db))
+
+    def quotient(self, value: _Value) -> int:
+        """(a/b)' = (a' - (a/b) b') / b."""
+        (_, b), (da, db) = value.arguments, value.tangents
+        return self._op(Code.DIV, self._op(Code.SUB, da, self._times(value.number, db)), b)
+
+    def root(self, value: _Value) -> int:
+        """sqrt(a)' = a' / (2 sqrt a)."""
+        return self._op(Code.DIV, value.tangents[0], self._times(self._constant(_TWO), value.number))
+
+    def sine(self, value: _Value) -> int:
+        """sin(a)' = cos(a) a'."""
+        return self._times(self._op(Code.COS, value.arguments[0]), value.tangents[0])
+
+    def cosine(self, value: _Value) -> int:
+        """cos(a)' = -sin(a) a'."""
+        return self._op(Code.NEG, self._times(self._op(Code.SIN, value.arguments[0]), value.tangents[0]))
+
+    def tangent(self, value: _Value) -> int:
+        """tan(a)' = (1 + tan(a)^2) a'."""
+        return self._times(self._plus(self._constant(_ONE), self._times(value.number, value.number)), value.tangents[0])
+
+    def arctangent(self, value: _Value) -> int:
+        """atan2(y, x)' = (x y' - y x') / (x^2 + y^2)."""
+        (y, x), (dy, dx) = value.arguments, value.tangents
+        numerator = self._op(Code.SUB, self._times(x, dy), self._times(y, dx))
+        return self._op(Code.DIV, numerator, self._plus(self._times(x, x), self._times(y, y)))
+
+    def absolute(self, value: _Value) -> int:
+        """|a|' = a' or -a'."""
+        negative = self._op(Code.LESS, value.arguments[0], self._constant(_ZERO))
+        return self._op(Code.SELECT, negative, self._op(Code.NEG, value.tangents[0]), value.tangents[0])
+
+    def smaller(self, value: _Value) -> int:
+        """min(a, b)': of the one taken."""
+        return self._op(Code.SELECT, self._op(Code.LESS, *value.arguments), *value.tangents)
+
+    def larger(self, value: _Value) -> int:
+        """max(a, b)': of the one taken."""
+        return self._op(Code.SELECT, self._op(Code.LESS, *value.arguments[::-1]), *value.tangents)
+
+    def choice(self, value: _Value) -> int:
+        """select(c, a, b)' = select(c, a', b')."""
+        return self._op(Code.SELECT, value.arguments[0], *value.tangents[1:])
+
+    def sum_rule(self, value: _Value) -> int:
+        """(a + b)' = a' + b'."""
+        return self._op(Code.ADD, *value.tangents)
+
+    def difference(self, value: _Value) -> int:
+        """(a - b)' = a' - b'."""
+        return self._op(Code.SUB, *value.tangents)
+
+    def negative(self, value: _Value) -> int:
+        """(-a)' = -a'."""
+        return self._op(Code.NEG, value.tangents[0])
+
+
+_RULES: dict[Code, Callable[[_Forward, _Value], int]] = {
+    Code.ADD: _Forward.sum_rule,
+    Code.SUB: _Forward.difference,
+    Code.NEG: _Forward.negative,
+    Code.MUL: _Forward.product,
+    Code.DIV: _Forward.quotient,
+    Code.SQRT: _Forward.root,
+    Code.SIN: _Forward.sine,
+    Code.COS: _Forward.cosine,
+    Code.TAN: _Forward.tangent,
+    Code.ATAN2: _Forward.arctangent,
+    Code.ABS: _Forward.absolute,
+    Code.MIN: _Forward.smaller,
+    Code.MAX: _Forward.larger,
+    Code.SELECT: _Forward.choice,
+}

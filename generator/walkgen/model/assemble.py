@@ -1,0 +1,64 @@
+"""From the validated spec to the Mechanism: designs mounted, parameters resolved, mirrored legs reflected."""
+
+from walkgen.model.limbs import body_of, chain_limb, leg_limb, mirrored_limb
+from walkgen.model.mechanism import Limb, Mechanism, Parameter, Platform, Section
+from walkgen.model.values import Values
+from walkgen.spec.schema import LegSpec, PlatformSpec, RobotSpec
+
+
+def assemble(spec: RobotSpec) -> Mechanism:
+    """The robot that the spec describes.
+
+    Args:
+        spec: validated; its names, shapes and references are trusted here.
+    """
+    values = Values.of(spec.parameters)
+    names = [platform.name for platform in spec.platforms]
+    children = [platform for platform in spec.platforms if platform.parent]
+    return Mechanism(
+        name=spec.robot.name,
+        description=spec.robot.description,
+        gravity=values.vector(spec.robot.si("gravity")),
+        platforms=tuple(_platform(platform, children, values) for platform in spec.platforms),
+        chains=tuple(_chain(spec, platform, names, values) for platform in children),
+        legs=_legs(spec, names, values),
+        parameters=_parameters(spec, values),
+        sections=_sections(spec, values),
+    )
+
+
+def _platform(platform: PlatformSpec, children: list[PlatformSpec], values: Values) -> Platform:
+    body = body_of(platform.mass, platform.si("com"), platform.inertia, values) if platform.mass is not None else None
+    return Platform(platform.name, children.index(platform) if platform.parent else None, body)
+
+
+def _chain(spec: RobotSpec, platform: PlatformSpec, names: list[str], values: Values) -> Limb:
+    design = spec.chain_designs[platform.chain or ""]
+    return chain_limb(platform, design, names.index(platform.parent or ""), names.index(platform.name), values)
+
+
+def _legs(spec: RobotSpec, platforms: list[str], values: Values) -> tuple[Limb, ...]:
+    entries = {leg.name: leg for leg in spec.legs}
+    return tuple(_leg(leg, entries, spec, platforms, values) for leg in spec.legs)
+
+
+def _leg(leg: LegSpec, entries: dict[str, LegSpec], spec: RobotSpec, platforms: list[str], values: Values) -> Limb:
+    if leg.mirror_of:
+        original = _leg(entries[leg.mirror_of], entries, spec, platforms, values)
+        return mirrored_limb(original, leg.name, leg.source_names)
+    return leg_limb(leg, spec.leg_designs[leg.design or ""], platforms.index(leg.platform or ""), values)
+
+
+def _parameters(spec: RobotSpec, values: Values) -> tuple[Parameter, ...]:
+    return tuple(
+        Parameter(name, values.resolve(entry.value), entry.unit or "1", values.pair(entry.bounds))
+        for name, entry in spec.parameters.items()
+        if entry.runtime
+    )
+
+
+def _sections(spec: RobotSpec, values: Values) -> tuple[Section, ...]:
+    return tuple(
+        Section(name, *(values.resolve(getattr(section, key)) for key in ("E", "G", "A", "Iy", "Iz", "J")))
+        for name, section in spec.sections.items()
+    )

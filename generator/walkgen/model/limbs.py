@@ -1,0 +1,135 @@
+"""Designs become limbs: joint rows as exact transforms in either DH convention or by origin and axis, mounted or mirrored."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from decimal import Decimal
+from typing import Literal, cast
+
+from walkgen.model.mechanism import Body, Joint, Limb, Transform
+from walkgen.model.transform import X, Z, align, inverse, mirrored, origin, rotation, translation
+from walkgen.model.values import Values
+from walkgen.spec.scalar import ZERO, Scalar, exact, mul, neg
+from walkgen.spec.schema import ChainDesign, JointRow, LegDesign, LegSpec, Link, PlatformSpec, Pose
+
+Sign = Literal[1, -1]
+_DAMPING_PER_REACH = Decimal("0.01")
+
+
+def pose_transform(pose: Pose | None, values: Values) -> Transform:
+    """A spec's xyz and rpy as a transform; identity where left out."""
+    return () if pose is None else origin(values.vector(pose.si("xyz")), values.vector(pose.si("rpy")))
+
+
+def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> Limb:
+    """A design mounted as one leg."""
+    joints = _joints(leg, design, values)
+    tip = pose_transform(design.foot, values)
+    return Limb(leg.name, platform, pose_transform(leg.mount, values), joints, tip, damping=_damping(design, joints, tip, values))
+
+
+def chain_limb(platform: PlatformSpec, design: ChainDesign, parent: int, child: int, values: Values) -> Limb:
+    """A chain design between a platform and its parent; the limb bears the child's name."""
+    joints = _joints(platform, design, values)
+    mount = pose_transform(platform.root, values)
+    end = platform.end
+    tip = _level_end(mount, joints, values.vector(platform.si("end_xyz"))) if end == "level" else pose_transform(cast(Pose, end), values)
+    return Limb(platform.name, parent, mount, joints, tip, child=child)
+
+
+def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> Limb:
+    """The leg reflected in its platform's plane y = 0, so that the same joint values give the mirrored foot."""
+    sources = source_names or [""] * len(limb.joints)
+    joints = tuple(replace(_mirrored_joint(joint), source_name=source) for joint, source in zip(limb.joints, sources, strict=True))
+    return replace(limb, name=name, mount=mirrored(limb.mount), joints=joints, tip=mirrored(limb.tip))
+
+
+def _mirrored_joint(joint: Joint) -> Joint:
+    turned = joint.kind == "revolute"  # a reflection turns a rotation about z round and leaves a shift along z
+    return replace(
+        joint,
+        before=mirrored(joint.before),
+        after=mirrored(joint.after),
+        sign=cast(Sign, -joint.sign if turned else joint.sign),
+        zero=neg(joint.zero) if turned else joint.zero,
+        body=_mirrored_body(joint.body) if joint.body else None,
+    )
+
+
+def _mirrored_body(body: Body) -> Body:
+    x, y, z = body.com
+    xx, yy, zz, xy, xz, yz = body.inertia
+    return Body(body.mass, (x, neg(y), z), (xx, yy, zz, neg(xy), xz, neg(yz)))
+
+
+def _joints(user: LegSpec | PlatformSpec, design: LegDesign | ChainDesign, values: Values) -> tuple[Joint, ...]:
+    count = len(design.joints)
+    own = user if isinstance(user, LegSpec) else None
+    signs = (own.signs if own else None) or design.signs or (1,) * count
+    zeros = (own.si("zeros") if own else None) or design.si("zeros") or (ZERO,) * count
+    sources = user.source_names or ("",) * count
+    rows = zip(design.joints, signs, zeros, sources, strict=True)
+    return tuple(_joint(row, design.dh, cast(Sign, sign), values.resolve(zero), source, values) for row, sign, zero, source in rows)
+
+
+def _joint(row: JointRow, convention: str | None, sign: Sign, zero: Scalar, source: str, values: Values) -> Joint:
+    before, after, direction = _geometry(row, convention, values)
+    return Joint(
+        name=row.name,
+        kind=row.type,
+        before=before,
+        sign=cast(Sign, sign * direction),
+        zero=mul(exact(direction), zero),
+        after=after,
+        limits=values.pair(row.si("limits")),
+        max_speed=values.optional(row.si("max_speed")),
+        max_effort=values.optional(row.si("max_effort")),
+        body=_body(row.link, values),
+        section=(row.link.section or "") if row.link else "",
+        source_name=source,
+    )
+
+
+def _geometry(row: JointRow, convention: str | None, values: Values) -> tuple[Transform, Transform, Sign]:
+    """What stands before and after the motion about z, and whether the axis points along +z or -z."""
+    if row.axis is not None:
+        turned, direction = align(values.vector(row.axis))
+        place = origin(values.vector(row.si("xyz")), values.vector(row.si("rpy")))
+        return place + turned, inverse(turned), cast(Sign, direction)
+    theta, offset = (values.resolve(row.si(key)) for key in ("theta", "d"))
+    length, twist = (values.resolve(row.si(key)) for key in ("a", "alpha"))
+    screw = translation(X, length) + rotation(X, twist)
+    if convention == "classic":
+        return rotation(Z, theta), translation(Z, offset) + screw, 1
+    return rotation(X, twist) + translation(X, length) + rotation(Z, theta), translation(Z, offset), 1
+
+
+def _body(link: Link | None, values: Values) -> Body | None:
+    if link is None:
+        return None
+    return body_of(link.mass, link.si("com"), link.inertia, values)
+
+
+def body_of(mass: Scalar | None, com: Sequence[Scalar] | None, inertia: Sequence[Scalar] | None, values: Values) -> Body:
+    """A rigid body from its spec's numbers; what is left out is zero."""
+    xx, yy, zz, xy, xz, yz = (values.resolve(entry) for entry in inertia or (ZERO,) * 6)
+    return Body(values.resolve(mass), values.vector(com), (xx, yy, zz, xy, xz, yz))
+
+
+def _level_end(mount: Transform, joints: tuple[Joint, ...], offset: tuple[Scalar, Scalar, Scalar]) -> Transform:
+    """Undo the chain's rotation at q = 0, then shift along the parent's axes (theory: E of the modular robot)."""
+    turned: Transform = mount
+    for joint in joints:
+        angle = rotation(Z, joint.zero) if joint.kind == "revolute" else ()
+        turned = turned + joint.before + angle + joint.after
+    rotations = tuple(motion for motion in turned if motion.kind == "rotate")
+    return inverse(rotations) + origin(offset, (ZERO, ZERO, ZERO))
+
+
+def _damping(design: LegDesign, joints: tuple[Joint, ...], tip: Transform, values: Values) -> tuple[Scalar, Scalar]:
+    """The spec's (epsilon, lambda_max), else a hundredth of the leg's reach for both."""
+    if design.damping is not None:
+        return values.resolve(design.damping.epsilon), values.resolve(design.damping.lambda_max)
+    motions = [motion for joint in joints for motion in joint.before + joint.after] + list(tip)
+    reach = sum(abs(values.number(motion.amount)) for motion in motions if motion.kind == "translate") or 1.0
+    default = exact(Decimal(f"{reach:.2g}") * _DAMPING_PER_REACH)
+    return default, default

@@ -1,0 +1,60 @@
+"""Constant frames as elementary motions: built from DH rows, origins and axes, inverted, reflected, all exact."""
+
+from dataclasses import replace
+from fractions import Fraction
+
+from walkgen.model.mechanism import Motion, Transform
+from walkgen.spec.scalar import ZERO, Exact, Pi, Scalar, Vector, apply, is_zero, mul, neg
+
+X, Y, Z = 0, 1, 2
+_QUARTER = mul(Exact(Fraction(1, 2)), Pi())
+
+
+def rotation(axis: int, angle: Scalar) -> Transform:
+    """Rotation about a coordinate axis; empty for angle 0."""
+    return () if is_zero(angle) else (Motion("rotate", axis, angle),)
+
+
+def translation(axis: int, distance: Scalar) -> Transform:
+    """Translation along a coordinate axis; empty for distance 0."""
+    return () if is_zero(distance) else (Motion("translate", axis, distance),)
+
+
+def origin(xyz: Vector, rpy: Vector) -> Transform:
+    """Translation xyz, then Rz(yaw) Ry(pitch) Rx(roll): a frame in its parent, as URDF writes it."""
+    shift = sum((translation(axis, xyz[axis]) for axis in (X, Y, Z)), ())
+    return shift + sum((rotation(axis, rpy[axis]) for axis in (Z, Y, X)), ())
+
+
+def align(axis: Vector) -> tuple[Transform, int]:
+    """A rotation that carries z onto the axis, up to the returned sign (negative coordinate axes keep their zeros that way)."""
+    nonzero = [index for index in (X, Y, Z) if not is_zero(axis[index])]
+    first = axis[nonzero[0]]
+    if len(nonzero) == 1 and isinstance(first, Exact):
+        sign = 1 if first.value > 0 else -1
+        return ({X: rotation(Y, _QUARTER), Y: rotation(X, neg(_QUARTER)), Z: ()}[nonzero[0]], sign)
+    azimuth = apply("atan2", axis[Y], axis[X])
+    polar = apply("atan2", apply("hypot", axis[X], axis[Y]), axis[Z])
+    return (rotation(Z, azimuth) + rotation(Y, polar), 1)
+
+
+def inverse(transform: Transform) -> Transform:
+    """The inverse motion: reversed order, opposite amounts."""
+    return tuple(replace(motion, amount=neg(motion.amount)) for motion in reversed(transform))
+
+
+def rotation_part(transform: Transform) -> Transform:
+    """The rotations alone, in order: the transform's rotation."""
+    return tuple(motion for motion in transform if motion.kind == "rotate")
+
+
+def mirrored(transform: Transform) -> Transform:
+    """S T S with S the reflection in the plane y = 0: again a motion of space."""
+    return tuple(replace(motion, amount=neg(motion.amount)) if _flips(motion) else motion for motion in transform)
+
+
+def _flips(motion: Motion) -> bool:
+    return (motion.axis == Y) == (motion.kind == "translate")
+
+
+ORIGIN: Vector = (ZERO, ZERO, ZERO)

@@ -1,0 +1,224 @@
+"""The closed form of a yaw-pitch-pitch leg, step by step: canonical target, rho, sheets, knee, joint values (theory 3.2)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy
+
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.signature import STATUSES
+from walkgen.symbolic.frames import parameter_symbols
+from walkgen.symbolic.function import Angle, Both, Either, Finite, Less, LessEqual, Opposite, Residue, Same, Select
+from walkgen.symbolic.geometry import Geometry, geometry
+from walkgen.symbolic.tape import Tape, Vec, constant, dot, minus
+
+OK, UNREACHABLE, BAD_INPUT, SINGULAR, DUPLICATE = (
+    sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "DUPLICATE")
+)
+_TOLERANCE = sympy.Rational(1, 10**12)
+_PI = constant(sympy.pi)
+_FALSE = sympy.false
+
+Row = tuple[tuple[sympy.Expr, sympy.Expr, sympy.Expr], sympy.Expr]
+"""Three joint values and a status."""
+
+
+@dataclass(frozen=True)
+class Knee:
+    """The knee triangle: cos and sin (positive) of the knee angle, out of reach, foot on the hip with a folded knee."""
+
+    cosine: sympy.Expr
+    sine: sympy.Expr
+    outside: sympy.Expr
+    collapsed: sympy.Expr
+
+
+class Branches:
+    """The steps of the closed form on one tape: canonical target, rho, sheets, knee, joint values."""
+
+    def __init__(self, mechanism: Mechanism, leg: Limb, p: Sequence[sympy.Expr], index: sympy.Expr = sympy.S.Zero) -> None:
+        self.tape = Tape()
+        self._p, self._index = p, index
+        self._geometry: Geometry = geometry(leg, parameter_symbols(mechanism), self.tape)
+
+    @cached_property
+    def _taint(self) -> sympy.Expr:
+        """0 for a finite target and a known branch, NaN otherwise: it poisons every angle and decides BAD_INPUT."""
+        valid = Both(LessEqual(0, self._index), LessEqual(self._index, 3))
+        stray = sympy.S.Zero if self._index == 0 else Select(valid, 0, sympy.sqrt(-1 - self._index**2))
+        return self.tape.let("taint", sympy.Add(*(Residue(x) for x in self._p)) + stray)
+
+    @cached_property
+    def target(self) -> Vec:
+        """The target in the canonical frame, height counted from the hip."""
+        x, y, z = self._p
+        offset = self.tape.vector("offset", minus((x, y, z), self._geometry.origin))
+        return self.tape.vector("target", [dot(axis, offset) for axis in self._geometry.axes])
+
+    @cached_property
+    def _tainted(self) -> Vec:
+        return self.tape.vector("aim", [component + self._taint for component in self.target])
+
+    @cached_property
+    def _distance2(self) -> sympy.Expr:
+        x, y, _ = self._tainted
+        return self.tape.let("radius2", x**2 + y**2)
+
+    @cached_property
+    def _reach(self) -> sympy.Expr:
+        g = self._geometry
+        return abs(g.a1) + g.a2 + g.l3 + abs(g.w)
+
+    @cached_property
+    def _rho2(self) -> sympy.Expr:
+        return self.tape.let("rho2", self._distance2 - self._geometry.w**2)
+
+    @cached_property
+    def rho(self) -> sympy.Expr:
+        """|rho|, 0 where the target is inside the hip cylinder."""
+        inside = self._distance2 if self._geometry.w == 0 else self.tape.let("rho2_clamped", Select(Less(self._rho2, 0), 0, self._rho2))
+        return self.tape.let("rho", sympy.sqrt(inside))
+
+    @cached_property
+    def inside_cylinder(self) -> sympy.Expr:
+        """Whether the target is nearer to axis 1 than the leg plane's offset, by more than 1e-12 of the reach."""
+        if self._geometry.w == 0:
+            return _FALSE
+        slack = self.tape.let("cylinder_slack", -2 * abs(self._geometry.w) * _TOLERANCE * self._reach)
+        return Less(self._rho2, slack)
+
+    @cached_property
+    def on_axis(self) -> sympy.Expr:
+        """Whether the target lies on axis 1 and the leg plane holds it: any yaw will do."""
+        return Same(self._distance2, 0) if self._geometry.w == 0 else _FALSE
+
+    @cached_property
+    def bad(self) -> sympy.Expr:
+        """Whether the target is not finite, or the branch unknown."""
+        return Opposite(Finite(self._taint))
+
+    def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str) -> sympy.Expr:
+        """t of the sheet with this signed rho; the target turned back by the leg plane's own angle."""
+        x, y, _ = self._tainted
+        w = self._geometry.w
+        if w == 0:
+            angle = self.half_open(Angle(sign * y, sign * x), f"yaw_{name}")
+            return self.tape.let(f"yaw_{name}", Select(self.on_axis, 0, angle))
+        return self.half_open(Angle(self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)), f"yaw_{name}")
+
+    def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
+        """The other sheet's yaw where w = 0: half a turn away."""
+        turned = Select(Less(0, yaw), yaw - _PI, yaw + _PI)
+        return self.tape.let("yaw_minus", Select(self.on_axis, 0, turned))
+
+    def half_open(self, angle: sympy.Expr, name: str) -> sympy.Expr:
+        """-pi becomes pi: angles live in (-pi, pi]."""
+        angle = self.tape.let(f"{name}_angle", angle)
+        return self.tape.let(f"{name}_half_open", Select(LessEqual(angle, -_PI), _PI, angle))
+
+    def wrapped(self, angle: sympy.Expr, name: str) -> sympy.Expr:
+        """An angle within two turns brought into (-pi, pi]."""
+        angle = self.tape.let(f"{name}_sum", angle)
+        lower = Select(LessEqual(angle, -_PI), angle + 2 * _PI, angle)
+        return self.tape.let(f"{name}_wrapped", Select(Less(_PI, angle), angle - 2 * _PI, lower))
+
+    def knee(self, X: sympy.Expr, name: str) -> Knee:
+        """The knee triangle over the hip-foot vector (X, z)."""
+        g, z = self._geometry, self._tainted[2]
+        hypotenuse2 = self.tape.let(f"distance2_{name}", X**2 + z**2)
+        scale = self.tape.let("knee_scale", 1 / (2 * g.a2 * g.l3))
+        squares = self.tape.let("knee_squares", g.a2**2 + g.l3**2)
+        cosine = self.tape.let(f"knee_cos_{name}", (hypotenuse2 - squares) * scale)
+        slack = 2 * _TOLERANCE * self._reach * scale
+        longest = self.tape.let("knee_cos_max", 1 + slack * (g.a2 + g.l3))
+        shortest = self.tape.let("knee_cos_min", -1 - slack * abs(g.a2 - g.l3) - _TOLERANCE)
+        outside = Either(Less(longest, cosine), Less(cosine, shortest))
+        clamped = self.tape.let(f"knee_cos_{name}_clamped", Select(Less(1, cosine), 1, Select(Less(cosine, -1), -1, cosine)))
+        sine = self.tape.let(f"knee_sin_{name}", sympy.sqrt((1 - clamped) * (1 + clamped)))
+        never = (g.a2 - g.l3).is_number and g.a2 != g.l3
+        return Knee(clamped, sine, outside, _FALSE if never else Same(hypotenuse2, 0))
+
+    def lift(self, X: sympy.Expr, name: str) -> sympy.Expr:
+        """Angle of the hip-foot vector, counted from the thigh's zero."""
+        z = self._tainted[2]
+        return self.tape.let(f"lift_{name}", Angle(*self._from_zero(z, X, name)))
+
+    def _from_zero(self, sine: sympy.Expr, cosine: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
+        zero = self._geometry.zero2
+        if zero == 0:
+            return sine, cosine
+        c, s = (self.tape.let(f"thigh_zero_{word}", function(zero)) for word, function in (("cos", sympy.cos), ("sin", sympy.sin)))
+        return self.tape.let(f"lift_{name}_sin", sine * c - cosine * s), self.tape.let(f"lift_{name}_cos", cosine * c + sine * s)
+
+    def thigh_offset(self, knee: Knee, name: str) -> sympy.Expr:
+        """Angle between thigh and hip-foot vector."""
+        g = self._geometry
+        return self.tape.let(f"thigh_offset_{name}", Angle(g.l3 * knee.sine, g.a2 + g.l3 * knee.cosine))
+
+    def knee_value(self, gamma: sympy.Expr, name: str) -> sympy.Expr:
+        """q3 of a knee angle within [-pi, pi]."""
+        g = self._geometry
+        value = g.sign3 * (gamma - g.zero3)
+        return self.half_open(value, f"q3_{name}") if g.zero3 == 0 else self.wrapped(value, f"q3_{name}")
+
+    def status(self, outside: sympy.Expr, duplicate: sympy.Expr, singular: sympy.Expr, bad: sympy.Expr) -> sympy.Expr:
+        """The first that applies: BAD_INPUT, UNREACHABLE, DUPLICATE, SINGULAR, OK."""
+        reachable = Select(duplicate, DUPLICATE, Select(singular, SINGULAR, OK))
+        return Select(bad, BAD_INPUT, Select(Either(self.inside_cylinder, outside), UNREACHABLE, reachable))
+
+    def thigh_pair(self, X: sympy.Expr, knee: Knee, lift: sympy.Expr, offset: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
+        """q2 of both knees of a sheet."""
+        plus_knee = self.wrapped(lift - offset, f"q2_{name}_plus")
+        minus_knee = self.wrapped(lift + offset, f"q2_{name}_minus")
+        return Select(knee.collapsed, 0, plus_knee), Select(knee.collapsed, 0, minus_knee)
+
+    def all_rows(self) -> list[Row]:
+        """Rows and statuses in the fixed order."""
+        rho, g = self.rho, self._geometry
+        yaw = self.yaw(rho, sympy.S.One, "plus")
+        other = self.opposite_yaw(yaw) if g.w == 0 else self.yaw(-rho, -sympy.S.One, "minus")
+        X = self.tape.let("X_plus", rho - g.a1)
+        knee, lift = self.knee(X, "plus"), self.lift(X, "plus")
+        offset = self.thigh_offset(knee, "plus")
+        plus_sheet = self._sheet(yaw, self.thigh_pair(X, knee, lift, offset, "plus"), knee, "plus", _FALSE)
+        X_minus = self.tape.let("X_minus", -rho - g.a1)
+        if g.a1 == 0:  # the knee triangle is the same; without a thigh zero the lift is its mirror image too
+            mirrored = _PI - lift if g.zero2 == 0 else self.lift(X_minus, "minus")
+            pair = self.thigh_pair(X_minus, knee, mirrored, offset, "minus")
+            return [*plus_sheet, *self._sheet(other, pair, knee, "plus", Same(rho, 0))]
+        far = self.knee(X_minus, "minus")
+        pair = self.thigh_pair(X_minus, far, self.lift(X_minus, "minus"), self.thigh_offset(far, "minus"), "minus")
+        return [*plus_sheet, *self._sheet(other, pair, far, "minus", Same(rho, 0))]
+
+    def _sheet(self, yaw: sympy.Expr, thighs: tuple[sympy.Expr, sympy.Expr], knee: Knee, name: str, repeated: sympy.Expr) -> list[Row]:
+        gamma = self.tape.let(f"gamma_{name}", Angle(knee.sine, knee.cosine))
+        singular = Either(self.on_axis, knee.collapsed)
+        straight = Either(repeated, Same(knee.sine, 0))
+        rows: list[Row] = []
+        for sign, thigh, duplicate, word in ((1, thighs[0], repeated, "plus"), (-1, thighs[1], straight, "minus")):
+            values = (yaw, thigh, self.knee_value(sign * gamma, f"{name}_{word}"))
+            rows.append((values, self.status(knee.outside, duplicate, singular, self.bad)))
+        return rows
+
+    def one_row(self) -> Row:
+        """The branch with this index, by signs instead of choices."""
+        g, index = self._geometry, self._index
+        rho_sign = self.tape.let("rho_sign", Select(Less(index, 2), 1, -1))
+        knee_sign = self.tape.let("knee_sign", Select(Either(Same(index, 0), Same(index, 2)), 1, -1))
+        rho = self.tape.let("rho_signed", rho_sign * self.rho)
+        X, z = self.tape.let("X", rho - g.a1), self._tainted[2]
+        knee = self.knee(X, "plus")
+        sine = self.tape.let("knee_sin", knee_sign * knee.sine)
+        along, across = self.tape.let("along", g.a2 + g.l3 * knee.cosine), self.tape.let("across", g.l3 * sine)
+        opposite, adjacent = self.tape.let("thigh_sin", z * along - X * across), self.tape.let("thigh_cos", X * along + z * across)
+        thigh = self.half_open(Angle(*self._from_zero(opposite, adjacent, "thigh")), "q2")
+        values = (
+            self.yaw(rho, rho_sign, "one"),
+            Select(knee.collapsed, 0, thigh),
+            self.knee_value(Angle(sine, knee.cosine), "one"),
+        )
+        straight = Both(Same(knee.sine, 0), Less(knee_sign, 0))
+        duplicate = Either(straight, Both(Same(self.rho, 0), Less(rho_sign, 0)))
+        singular = Either(self.on_axis, knee.collapsed)
+        return values, self.status(knee.outside, duplicate, singular, self.bad)

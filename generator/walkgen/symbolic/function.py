@@ -1,0 +1,124 @@
+"""A Function: a signature, named intermediates and outputs, each a small sympy expression in what came before."""
+
+from dataclasses import dataclass
+from decimal import Decimal
+
+import sympy
+
+from walkgen.signature import Port, Signature
+
+
+class Truth(sympy.Function):
+    """A condition; it may stand only inside `Select`, `Both`, `Either`, `Opposite`."""
+
+
+class Less(Truth):
+    """left < right."""
+
+    nargs = 2
+
+
+class LessEqual(Truth):
+    """left <= right."""
+
+    nargs = 2
+
+
+class Same(Truth):
+    """left == right, bit for bit but for the sign of zero."""
+
+    nargs = 2
+
+
+class Finite(Truth):
+    """Neither infinite nor NaN."""
+
+    nargs = 1
+
+
+class Both(Truth):
+    """Logical and."""
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, left: sympy.Basic, right: sympy.Basic) -> sympy.Basic | None:
+        """False if either is known to be."""
+        return sympy.false if sympy.false in (left, right) else None
+
+
+class Either(Truth):
+    """Logical or."""
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, left: sympy.Basic, right: sympy.Basic) -> sympy.Basic | None:
+        """The other if one is known to be false."""
+        if left is sympy.false:
+            return right
+        return left if right is sympy.false else None
+
+
+class Opposite(Truth):
+    """Logical not."""
+
+    nargs = 1
+
+
+class Select(sympy.Function):
+    """(truth, then, otherwise): both values are computed, one is taken."""
+
+    nargs = 3
+
+    @classmethod
+    def eval(cls, truth: sympy.Basic, then: sympy.Basic, otherwise: sympy.Basic) -> sympy.Basic | None:
+        """The second value if the condition is known to be false, or both are one."""
+        return otherwise if truth is sympy.false or then == otherwise else None
+
+
+class Residue(sympy.Function):
+    """x - x: 0 for a finite x, NaN otherwise; algebra must not cancel it."""
+
+    nargs = 1
+
+
+class Angle(sympy.Function):
+    """atan2(y, x) as the C library has it: no algebra is done on it."""
+
+    nargs = 2
+
+
+@dataclass(frozen=True)
+class Function:
+    """`inputs` holds a symbol for every element of every input port, port by port, row-major; `outputs` likewise, flat."""
+
+    signature: Signature
+    inputs: tuple[sympy.Symbol, ...]
+    intermediates: tuple[tuple[sympy.Symbol, sympy.Expr], ...]
+    outputs: tuple[sympy.Expr, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A call inside a Solve: of a Function, or of a support routine by name; with `guard` only where it holds."""
+
+    callee: Function | str
+    arguments: tuple[str | Decimal | int, ...]
+    guard: tuple[str, tuple[str | Decimal | int, ...]] | None = None
+
+
+@dataclass(frozen=True)
+class Solve:
+    """A function that needs a support routine: steps in order, joined by `locals`.
+
+    `closed_form` computes the same map without routines, for targets that have none.
+    """
+
+    signature: Signature
+    locals: tuple[Port, ...]
+    steps: tuple[Step, ...]
+    closed_form: Function | None = None
+
+
+Derivation = Function | Solve
