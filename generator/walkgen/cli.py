@@ -81,7 +81,7 @@ def build(
     output: Output = Path("generated"),
     check: Annotated[bool, typer.Option("--check", help="Change nothing; name the files that a build would change (exit code 1).")] = False,
     float32: Annotated[bool, typer.Option("--float32", help="Add a single-precision library.")] = False,
-    targets: Annotated[str, typer.Option(help="Which code to write, separated by commas.")] = ",".join(TARGETS),
+    targets: Annotated[str, typer.Option(metavar="LIST", help="Any of c,casadi,numpy instead of the spec's targets.")] = "",
     no_fma: Annotated[bool, typer.Option("--no-fma", help="No fused multiply-add: equal bits on every machine.")] = False,
 ) -> None:
     """Generate and compile each robot into DIR/<robot>/."""
@@ -117,12 +117,11 @@ def _check_stale(specs: list[Path], output: Path, options: "BuildOptions") -> No
 
 
 def _print_report(report: "BuildReport") -> None:
-    size = f"{_count(len(report.files), 'file')}, {_count(report.functions, 'function')}, {report.operations:,} operations"
+    size = f"{_count(len(report.files), 'file')}, {_count(report.functions, 'function')}, {report.operations} operations"
     typer.echo(f"{report.folder}: {size}, {report.seconds:.1f} s")
     for file in report.files:
         typer.echo(f"  {file}")
-    if report.library:
-        typer.echo(f"  {report.library}  (compiled)")
+    typer.echo(f"  {report.library} compiled" if report.library else "  no library (no C compiler, or the target c is off): runs on NumPy")
 
 
 @app.command(name="check")
@@ -132,10 +131,11 @@ def check_specs(
     form: Annotated[Format, typer.Option("--format", help="How problems are printed.")] = Format.TEXT,
 ) -> None:
     """Validate only: every problem at once."""
-    from walkgen.spec.read import read, schema_json
+    from walkgen.spec.read import read
+    from walkgen.spec.schema import schema_json
 
     if schema:
-        typer.echo(schema_json())
+        typer.echo(schema_json(), nl=False)
         return
     if not specs:
         raise typer.BadParameter("name at least one spec, or ask for the --schema")
@@ -249,10 +249,11 @@ def _as_json(problem: Problem) -> dict[str, str | int]:
 
 
 def _targets(text: str) -> tuple[str, ...]:
+    """The targets asked for, in their fixed order; none means the spec's."""
     names = tuple(part.strip() for part in text.split(",") if part.strip())
     unknown = [name for name in names if name not in TARGETS]
-    if unknown or not names:
-        raise typer.BadParameter(f"{', '.join(unknown) or 'none'}; targets are {', '.join(TARGETS)}", param_hint="--targets")
+    if unknown:
+        raise typer.BadParameter(f"unknown: {', '.join(unknown)}; targets are {', '.join(TARGETS)}", param_hint="--targets")
     return tuple(name for name in TARGETS if name in names)
 
 

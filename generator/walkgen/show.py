@@ -50,7 +50,7 @@ def _applied(function: str, arguments: tuple[Scalar, ...]) -> str:
         return _pi_multiple(arguments[0].value)
     texts = [scalar_text(argument) for argument in arguments]
     if function == "neg":
-        return f"-{_bracketed(arguments[0], texts[0])}"
+        return f"-({texts[0]})" if " " in texts[0] else f"-{texts[0]}"
     if function in _INFIX:
         return _INFIX[function].join(_bracketed(*pair) for pair in zip(arguments, texts, strict=True))
     return f"{function}({', '.join(texts)})"
@@ -158,15 +158,23 @@ def _inverse(mechanism: Mechanism, leg: Limb) -> Iterator[str]:
 
 
 def _functions(path: Path, name: str) -> Iterator[str]:
-    if name.endswith("inverse"):
-        mechanism = pipeline.mechanism_of(path)
-        for leg in mechanism.legs:
-            yield f"leg {leg.name}"
-            yield from _inverse(mechanism, leg)
-        yield ""
-    for function in chosen(pipeline.functions_of(path), name):
+    functions = pipeline.functions_of(path)
+    reasons = tuple(_reasons(pipeline.mechanism_of(path), name)) if name.endswith("inverse") else ()
+    yield from reasons
+    if reasons and name not in {part for function in functions for part in (function.signature.name, function.signature.full_name)}:
+        return
+    for function in chosen(functions, name):
         yield from equations(function)
         yield ""
+
+
+def _reasons(mechanism: Mechanism, name: str) -> Iterator[str]:
+    """Why each leg meant by the name of an inverse has the class it has."""
+    for leg in mechanism.legs:
+        if name in {"inverse", f"{mechanism.name}_{leg.name}_inverse"}:
+            yield f"leg {leg.name}"
+            yield from _inverse(mechanism, leg)
+            yield ""
 
 
 def _programs(path: Path, name: str) -> Iterator[str]:

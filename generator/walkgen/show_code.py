@@ -138,7 +138,7 @@ def _operation(op: Op, inputs: tuple[Port, ...]) -> str:
         port, element = op.element
         return _elements(inputs[port : port + 1])[element]
     if op.code is Code.CONSTANT:
-        return f"{op.value:.{_SIGNIFICANT}g}"
+        return f"{op.value.normalize():.{_SIGNIFICANT}g}"
     arguments = [f"v{argument}" for argument in op.arguments]
     pattern = _OPERATORS.get(op.code)
     return pattern.format(*arguments) if pattern else f"{op.code.value}({', '.join(arguments)})"
