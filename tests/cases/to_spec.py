@@ -109,7 +109,8 @@ def _split(platform: str, paths: list[tuple[list[dict[str, Any]], dict[str, Any]
 
 
 def _header(data: dict[str, Any]) -> str:
-    return f'walkgen = 1\n[robot]\nname = "{key(data["name"])}"\ndescription = "{data["name"]}"\ngravity = {numbers(data["model"]["gravity"])}\n'
+    name, gravity = data["name"], numbers(data["model"]["gravity"])
+    return f'walkgen = 1\n[robot]\nname = "{key(name)}"\ndescription = "{name}"\ngravity = {gravity}\n'
 
 
 def _design(kind: str, branch: Branch) -> str:

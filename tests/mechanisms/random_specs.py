@@ -71,13 +71,17 @@ def _design(draw: Draw, table: str, most: int) -> tuple[list[str], list[str]]:
     return lines, kinds
 
 
+def _platform(draw: Draw, count: int) -> str:
+    """The name of one of the first `count` platforms."""
+    return draw(st.sampled_from(["base", *(f"platform{index}" for index in range(1, count))]))
+
+
 def _platforms(draw: Draw, count: int) -> tuple[list[str], list[str]]:
     """Lines of the chain designs and of the platforms: a series, a star or any tree."""
     designs, lines = [], ["[[platforms]]", 'name = "base"']
     for index in range(1, count):
         designs += _design(draw, f"chain_designs.chain{index}", 3)[0]
-        parent = draw(st.integers(0, index - 1))
-        lines += ["[[platforms]]", f'name = "platform{index}"', f'parent = "{f"platform{parent}" if parent else "base"}"']
+        lines += ["[[platforms]]", f'name = "platform{index}"', f'parent = "{_platform(draw, index)}"']
         lines += [f'chain = "chain{index}"', f"root = {draw(poses())}"]
         if draw(st.booleans()):
             lines += ['end = "level"', f"end_xyz = [{', '.join(draw(LENGTHS) for _ in range(3))}]"]
@@ -92,8 +96,7 @@ def _legs(draw: Draw, platforms: int, most: int) -> tuple[list[str], list[str]]:
     for index in range(draw(st.integers(1, 3))):
         design, kinds = _design(draw, f"leg_designs.design{index}", most)
         designs += design
-        platform = draw(st.integers(0, platforms - 1))
-        lines += ["[[legs]]", f'name = "leg{index}"', f'design = "design{index}"', f'platform = "{f"platform{platform}" if platform else "base"}"']
+        lines += ["[[legs]]", f'name = "leg{index}"', f'design = "design{index}"', f'platform = "{_platform(draw, platforms)}"']
         if draw(st.booleans()):
             lines.append(f"mount = {draw(poses())}")
         if draw(st.booleans()):

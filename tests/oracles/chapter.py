@@ -38,9 +38,7 @@ def chain(rows: Sequence[Row], kinds: Sequence[Kind], q: Sequence[float], mount:
 
 def operators(products: Sequence[Array], kinds: Sequence[Kind]) -> list[Array]:
     """D_i = (A_0 ... A_{i-1}) Q_i (A_0 ... A_{i-1})^-1."""
-    return [
-        W @ (Q_THETA if kind == "revolute" else Q_S) @ np.linalg.inv(W) for W, kind in zip(products[:-1], kinds, strict=True)
-    ]
+    return [W @ (Q_THETA if kind == "revolute" else Q_S) @ np.linalg.inv(W) for W, kind in zip(products[:-1], kinds, strict=True)]
 
 
 def jacobian(products: Sequence[Array], kinds: Sequence[Kind], foot: Sequence[float]) -> Array:

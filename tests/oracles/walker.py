@@ -86,6 +86,7 @@ class WalkerLimb:
 
     def spatial_jacobian(self, q: Array) -> Array:
         """[6,n]: linear, angular; the angular rows from the skew part of dR R^T."""
+
         def columns(value: Array) -> Array:
             return self.pose(value)[:3]
 
@@ -206,8 +207,11 @@ class Reader:
             original = self.leg(legs[leg["mirror_of"]], legs)
             return WalkerLimb(leg["name"], original.platform, original.mount, original.joints, original.tip, not original.mirrored)
         design = self.table["leg_designs"][leg["design"]]
-        signed = {**{key: design[key] for key in ("signs", "zeros", "zeros_deg") if key in design}, **leg}
-        return WalkerLimb(leg["name"], leg["platform"], self.pose(leg.get("mount")), self.joints(design, signed), self.pose(design.get("foot")), mirrored=False)
+        own_zeros = "zeros" in leg or "zeros_deg" in leg
+        inherited = ("signs",) if own_zeros else ("signs", "zeros", "zeros_deg")
+        signed = {**{key: design[key] for key in inherited if key in design}, **leg}
+        mount, tip = self.pose(leg.get("mount")), self.pose(design.get("foot"))
+        return WalkerLimb(leg["name"], leg["platform"], mount, self.joints(design, signed), tip, mirrored=False)
 
     def chain(self, platform: dict[str, Any]) -> WalkerLimb:
         design = self.table["chain_designs"][platform["chain"]]
