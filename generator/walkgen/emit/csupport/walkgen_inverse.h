@@ -19,9 +19,11 @@
 #if WG_REAL_BITS == 64
 #define WALKGEN_INVERSE_F64
 #define WG_LIBM(name) name
+#define WG_HALF_TURN WG_PI /* the greatest number below pi: its sine is positive */
 #else
 #define WALKGEN_INVERSE_F32
 #define WG_LIBM(name) name##f
+#define WG_HALF_TURN 3.1415925f
 #endif
 
 /* One sheet and one target, mirrored and scaled to a leg of size about 1. */
@@ -147,13 +149,13 @@ static inline int WG_NAME(wg_sheet_closer)(
 /* Replaces `best` by the closest point of the circle of radius r, if the sheet holds one that is closer. */
 static inline void WG_NAME(wg_sheet_circle)(
     const struct WG_NAME(wg_sheet) *sheet, WG_REAL r, int *found, struct WG_NAME(wg_sheet_point) *best) {
-    WG_REAL end = WG_PI, turns[2], angles[2];
+    WG_REAL end = WG_HALF_TURN, turns[2], angles[2];
     int i;
     if (sheet->centre < -r) {
         return;
     }
     if (sheet->centre < r) {
-        end = WG_LIBM(acos)(-sheet->centre / r);
+        end = WG_MIN(WG_LIBM(acos)(-sheet->centre / r), WG_HALF_TURN);
     }
     WG_NAME(wg_sheet_turns)(sheet, r, end, turns);
     angles[0] = WG_NAME(wg_sheet_minimum)(sheet, r, WG_C(0.0), turns[0]);
@@ -208,35 +210,32 @@ static inline void WG_NAME(wg_sheet_joints)(const WG_REAL *geometry, const WG_RE
     struct WG_NAME(wg_sheet) sheet;
     struct WG_NAME(wg_sheet_point) point;
     WG_REAL leg[4], foot[3], yaw, knee, thigh;
-    int i;
+    int i, free_yaw;
     WG_NAME(wg_sheet_scale)(geometry, target, leg, foot);
     sheet.outer = leg[1] + leg[2];
     sheet.inner = WG_ABS(leg[1] - leg[2]);
     sigma = sigma * leg[0] + sheet.outer < WG_C(0.0) ? -sigma : sigma;
     sheet.centre = sigma * leg[0];
-    sheet.w = WG_ABS(leg[3]);
+    sheet.w = WG_ABS(leg[3]) < WG_EPSILON ? WG_C(0.0) : WG_ABS(leg[3]); /* less could not be told from the shoulder's rounding */
     sheet.radius = WG_HYPOT(foot[0], foot[1]);
     sheet.height = WG_ABS(foot[2]);
     point = WG_NAME(wg_sheet_closest)(&sheet);
     yaw = WG_ATAN2(target[1], target[0]) - WG_ATAN2(-leg[3], sigma * point.rho);
-    if (!(WG_ABS(target[0]) + WG_ABS(target[1]) > WG_C(0.0)) || !(point.rho + sheet.w > WG_C(0.0))) {
-        yaw = WG_C(0.0); /* free */
-    }
+    free_yaw = !(WG_ABS(target[0]) + WG_ABS(target[1]) > WG_C(0.0)) || !(point.rho + sheet.w > WG_C(0.0));
     knee = WG_C(2.0) * WG_ATAN2(WG_SQRT(WG_MAX((sheet.outer - point.extent) * (sheet.outer + point.extent), WG_C(0.0))),
                                 WG_SQRT(WG_MAX((point.extent - sheet.inner) * (point.extent + sheet.inner), WG_C(0.0))));
     thigh = WG_ATAN2(target[2] < WG_C(0.0) ? -point.sine : point.sine, sigma * point.cosine);
     for (i = 0; i < 2; ++i, knee = -knee) {
         const WG_REAL inside = WG_ATAN2(leg[2] * WG_SIN(knee), leg[1] + leg[2] * WG_COS(knee));
-        const WG_REAL phi = point.extent > WG_C(0.0) ? thigh - inside : WG_C(0.0);
-        joints[3 * i] = WG_NAME(wg_wrap_angle)(geometry[4] * (yaw - geometry[5]));
-        joints[3 * i + 1] = WG_NAME(wg_wrap_angle)(geometry[6] * (phi - geometry[7]));
+        joints[3 * i] = free_yaw ? WG_C(0.0) : WG_NAME(wg_wrap_angle)(geometry[4] * (yaw - geometry[5]));
+        joints[3 * i + 1] = point.extent > WG_C(0.0) ? WG_NAME(wg_wrap_angle)(geometry[6] * (thigh - inside - geometry[7])) : WG_C(0.0);
         joints[3 * i + 2] = WG_NAME(wg_wrap_angle)(geometry[8] * (knee - geometry[9]));
     }
 }
 
 /* Rows of q (one for each branch: (rho, knee) = (+,+), (+,-), (-,+), (-,-)) whose status is UNREACHABLE become the joint values that
  * bring the foot closest to the target on their sheet. geometry: a1, a2 > 0, l3 > 0, w (lengths), then sign and zero of the three joints:
- * joint value = sign (angle - zero), in (-pi, pi]. target: canonical, finite. Statuses stay. A free yaw or thigh angle is 0. */
+ * joint value = sign (angle - zero), in (-pi, pi]. target: canonical, finite. Statuses stay. A free joint is 0. */
 static inline void WG_NAME(wg_closest_yaw_pitch_pitch)(
     const WG_REAL *WG_RESTRICT geometry, const WG_REAL *WG_RESTRICT target, WG_REAL *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     int row, i;
@@ -268,5 +267,6 @@ static inline void WG_NAME(wg_closest_yaw_pitch_pitch_branch)(const WG_REAL *WG_
     }
 }
 
+#undef WG_HALF_TURN
 #undef WG_LIBM
 #endif

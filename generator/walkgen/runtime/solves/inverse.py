@@ -94,7 +94,8 @@ def _closest_joints(geometry: Reals, target: Reals, sigma: Reals, knee_sign: Rea
     leg, foot = _scaled(geometry, target)
     a1, a2, l3, w = leg.T
     sigma = np.where(sigma * a1 + (a2 + l3) < 0.0, -sigma, sigma)
-    sheet = _Sheet(sigma * a1, a2 + l3, np.abs(a2 - l3), np.abs(w), np.hypot(foot[:, 0], foot[:, 1]), np.abs(foot[:, 2]))
+    offset = np.where(np.abs(w) < np.finfo(float).eps, 0.0, np.abs(w))  # less could not be told from the shoulder's rounding
+    sheet = _Sheet(sigma * a1, a2 + l3, np.abs(a2 - l3), offset, np.hypot(foot[:, 0], foot[:, 1]), np.abs(foot[:, 2]))
     point = _closest(sheet)
     yaw = np.arctan2(target[:, 1], target[:, 0]) - np.arctan2(-w, sigma * point.rho)
     free = ((target[:, 0] == 0.0) & (target[:, 1] == 0.0)) | (point.rho + sheet.w <= 0.0)
@@ -103,9 +104,10 @@ def _closest_joints(geometry: Reals, target: Reals, sigma: Reals, knee_sign: Rea
     knee = knee_sign * 2.0 * np.arctan2(bent, straight)
     thigh = np.arctan2(np.where(target[:, 2] < 0.0, -point.sine, point.sine), sigma * point.cosine)
     thigh = thigh - np.arctan2(l3 * np.sin(knee), a2 + l3 * np.cos(knee))
-    angles = np.stack([np.where(free, 0.0, yaw), np.where(point.extent > 0.0, thigh, 0.0), knee], axis=-1)
+    angles = np.stack([yaw, thigh, knee], axis=-1)
     joints = geometry[:, 4::2] * (angles - geometry[:, 5::2])
-    return np.asarray(joints - 2.0 * np.pi * np.ceil(joints / (2.0 * np.pi) - 0.5))
+    loose = np.stack([free, point.extent <= 0.0, np.zeros_like(free)], axis=-1)
+    return np.where(loose, 0.0, joints - 2.0 * np.pi * np.ceil(joints / (2.0 * np.pi) - 0.5))
 
 
 def _scaled(geometry: Reals, target: Reals) -> tuple[Reals, Reals]:
