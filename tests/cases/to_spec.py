@@ -62,13 +62,13 @@ class Branch:
     foot: dict[str, Any] | None
 
 
-def from_tree(data: dict[str, Any]) -> Conversion:
-    """Spec with a platform wherever the paths to the feet part, from the case's origins and axes."""
+def from_tree(data: dict[str, Any], functions: Sequence[str] = ()) -> Conversion:
+    """Spec with a platform wherever the paths to the feet part, from the case's origins and axes; all functions, or those named."""
     model = data["model"]
     branches = _branches(model)
     chains = [branch for branch in branches if branch.foot is None]
     legs = sorted((branch for branch in branches if branch.foot), key=lambda leg: model["feet"].index(leg.foot))
-    parts = [_header(data), *(_design("chain", branch) for branch in chains), *(_design("leg", branch) for branch in legs)]
+    parts = [_header(data, functions), *(_design("chain", branch) for branch in chains), *(_design("leg", branch) for branch in legs)]
     parts.append(_platform(key(model["base_link"]), model["base_inertial"]))
     parts += [_child_platform(branch) for branch in chains]
     parts += [_leg(branch) for branch in legs]
@@ -108,9 +108,10 @@ def _split(platform: str, paths: list[tuple[list[dict[str, Any]], dict[str, Any]
     return found
 
 
-def _header(data: dict[str, Any]) -> str:
+def _header(data: dict[str, Any], functions: Sequence[str]) -> str:
     name, gravity = data["name"], numbers(data["model"]["gravity"])
-    return f'walkgen = 1\n[robot]\nname = "{key(name)}"\ndescription = "{name}"\ngravity = {gravity}\n'
+    wanted = f"[generate]\nfunctions = {json.dumps(functions)}\n" if functions else ""
+    return f'walkgen = 1\n[robot]\nname = "{key(name)}"\ndescription = "{name}"\ngravity = {gravity}\n{wanted}'
 
 
 def _design(kind: str, branch: Branch) -> str:
@@ -165,12 +166,12 @@ def _names(joints: Sequence[dict[str, Any]]) -> str:
 # ---- the DH table ----------------------------------------------------------------------------------------------------------------
 
 
-def from_dh(data: dict[str, Any], tables: dict[str, dict[str, Any]] | None = None) -> Conversion:
+def from_dh(data: dict[str, Any], tables: dict[str, dict[str, Any]] | None = None, functions: Sequence[str] = ()) -> Conversion:
     """Spec of serial legs on one base, from classical DH tables: the leg case's own, or `dh_chains` by foot."""
     model = data["model"]
     tables = tables or {model["feet"][0]["name"]: data["dh"]}
     index = {joint["name"]: position for position, joint in enumerate(model["joints"])}
-    parts = [_header(data), *(_dh_design(key(name), table) for name, table in tables.items())]
+    parts = [_header(data, functions), *(_dh_design(key(name), table) for name, table in tables.items())]
     parts.append(_platform(key(model["base_link"]), model["base_inertial"]))
     parts += [_dh_leg(key(name), table, key(model["base_link"])) for name, table in tables.items()]
     order = [index[row["joint"]] for table in tables.values() for row in table["rows"]]
