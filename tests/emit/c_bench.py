@@ -7,6 +7,7 @@ from decimal import Decimal
 from pathlib import Path
 
 import pytest
+
 from walkgen.emit.artifact import Body, RobotCode
 from walkgen.emit.c_files import c_sources
 from walkgen.graph.program import Code, Op, Program
@@ -14,7 +15,8 @@ from walkgen.model.mechanism import Joint, Limb, Mechanism, Motion, Platform
 from walkgen.signature import Port, Signature
 from walkgen.spec.scalar import ZERO, exact
 
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror", "-O2", "-ffp-contract=off")
+WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
+STRICT = ("-std=c99", *WARNINGS.split(), "-O2", "-ffp-contract=off")
 CPLUSPLUS = ("-std=c++11", "-x", "c++", "-Wall", "-Wextra", "-Werror", "-O1")
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
@@ -36,15 +38,16 @@ class Builder:
         self.ops.append(Op(Code.CONSTANT, value=Decimal(text)))
         return len(self.ops) - 1
 
-    def program(self, name: str, outputs: Sequence[Port], values: Sequence[int], *, robot: str = "bot", doc: str = "", source: str = "") -> Program:
-        return Program(Signature(robot, "leg", name, self.ports, tuple(outputs), doc, source), tuple(self.ops), tuple(values))
+    def program(self, name: str, outputs: Sequence[Port], values: Sequence[int], *, robot: str = "bot", doc: str = "") -> Program:
+        return Program(Signature(robot, "leg", name, self.ports, tuple(outputs), doc), tuple(self.ops), tuple(values))
 
 
 def mechanism(name: str = "bot", description: str = "", source_name: str = "") -> Mechanism:
     """One platform with one two-joint leg."""
     after = (Motion("translate", 0, exact(Decimal("0.3"))),)
+    limits = (exact(-1), exact(2))
     joints = tuple(
-        Joint(joint, "revolute", (), 1, ZERO, after, (exact(-1), exact(2)), exact(3), exact(40), None, "", source_name) for joint in ("hip", "knee")
+        Joint(joint, "revolute", (), 1, ZERO, after, limits, exact(3), exact(40), None, "", source_name) for joint in ("hip", "knee")
     )
     leg = Limb("leg", 0, (), joints, ())
     return Mechanism(name, description, (ZERO, ZERO, exact(-10)), (Platform("base", None, None),), (), (leg,), (), ())
@@ -62,7 +65,7 @@ def write(folder: Path, robot: RobotCode) -> None:
 
 def run(*command: str | Path) -> str:
     """Standard output; a failing command fails the test with what it printed."""
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([str(part) for part in command], check=False, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, f"{command[0]} failed:\n{done.stdout}\n{done.stderr}"
     return done.stdout
 

@@ -4,18 +4,16 @@ import ctypes
 import math
 import struct
 from decimal import Decimal
+from pathlib import Path
 
 import pytest
 from c_bench import CPLUSPLUS, STRICT, Builder, code, compile_object, execute, needs_gcc, needs_gplusplus, undefined, write
+
 from walkgen.emit.c_printer import DOUBLE, FLOAT
 from walkgen.graph.program import Code, Program
 from walkgen.signature import Port
 
 POINTS = [(0.3, -1.7, 2.25), (1.5, 1.5, -0.5), (-0.0, 0.0, 4.0), (math.nan, 1.0, 2.0), (1.0, math.nan, 2.0), (math.inf, -2.0, 0.5)]
-
-
-def fma(a, b, c):
-    return a * b + c
 
 
 def ieee(function):
@@ -30,34 +28,41 @@ def ieee(function):
     return total
 
 
+def divided(a, b):
+    if b:
+        return a / b
+    return math.copysign(math.inf, a) * math.copysign(1, b) if a and not math.isnan(a) else math.nan
+
+
 REAL = {
-    Code.NEG: lambda a, b, c: -a,
-    Code.ADD: lambda a, b, c: a + b,
-    Code.SUB: lambda a, b, c: a - b,
-    Code.MUL: lambda a, b, c: a * b,
-    Code.DIV: lambda a, b, c: a / b if b else (math.copysign(math.inf, a) * math.copysign(1, b) if a and not math.isnan(a) else math.nan),
-    Code.FMA: fma,
+    Code.NEG: lambda a: -a,
+    Code.ADD: lambda a, b: a + b,
+    Code.SUB: lambda a, b: a - b,
+    Code.MUL: lambda a, b: a * b,
+    Code.DIV: divided,
+    Code.FMA: lambda a, b, c: a * b + c,
     Code.FMS: lambda a, b, c: a * b - c,
     Code.FNMA: lambda a, b, c: c - a * b,
-    Code.SQRT: lambda a, b, c: ieee(math.sqrt)(a),
-    Code.SIN: lambda a, b, c: ieee(math.sin)(a),
-    Code.COS: lambda a, b, c: ieee(math.cos)(a),
-    Code.TAN: lambda a, b, c: ieee(math.tan)(a),
-    Code.ATAN2: lambda a, b, c: math.atan2(a, b),
-    Code.ABS: lambda a, b, c: abs(a),
-    Code.MIN: lambda a, b, c: a if a < b else b,
-    Code.MAX: lambda a, b, c: a if a > b else b,
+    Code.SQRT: ieee(math.sqrt),
+    Code.SIN: ieee(math.sin),
+    Code.COS: ieee(math.cos),
+    Code.TAN: ieee(math.tan),
+    Code.ATAN2: math.atan2,
+    Code.ABS: abs,
+    Code.MIN: lambda a, b: a if a < b else b,
+    Code.MAX: lambda a, b: a if a > b else b,
 }
 TRUTH = {
     Code.LESS: lambda a, b: a < b,
     Code.LESS_EQUAL: lambda a, b: a <= b,
     Code.EQUAL: lambda a, b: a == b,
-    Code.FINITE: lambda a, b: math.isfinite(a),
-    Code.AND: lambda a, b: a < b and b < a + 2,
+    Code.FINITE: math.isfinite,
+    Code.AND: lambda a, b: a < b < a + 2,
     Code.OR: lambda a, b: a < b or b < a,
     Code.NOT: lambda a, b: not a < b,
 }
-ARITY = {Code.FMA: 3, Code.FMS: 3, Code.FNMA: 3, Code.NEG: 1, Code.SQRT: 1, Code.SIN: 1, Code.COS: 1, Code.TAN: 1, Code.ABS: 1, Code.FINITE: 1}
+ARITY = dict.fromkeys((Code.FMA, Code.FMS, Code.FNMA), 3)
+ARITY |= dict.fromkeys((Code.NEG, Code.SQRT, Code.SIN, Code.COS, Code.TAN, Code.ABS, Code.FINITE), 1)
 
 
 def everything() -> Program:
@@ -106,12 +111,8 @@ def literal(value: float) -> str:
 
 
 def expected(round_to=float) -> list[float]:
-    found = []
-    for point in POINTS:
-        a, b, c = (round_to(value) for value in point)
-        found += [function(a, b, c) for function in REAL.values()]
-        found += [float(bool(function(a, b))) for function in TRUTH.values()]
-    return found
+    rows = [tuple(round_to(value) for value in point) for point in POINTS]
+    return [float(function(*row[: ARITY.get(opcode, 2)])) for row in rows for opcode, function in (REAL | TRUTH).items()]
 
 
 def assert_close(got: list[str], wanted: list[float], relative: float) -> None:
@@ -139,11 +140,9 @@ def test_double_agrees_with_python(tmp_path, fma, extra):
 
 
 def extra_runs_here(extra: tuple[str, ...]) -> bool:
-    try:
-        with open("/proc/cpuinfo") as cpu:
-            return not extra or " fma " in cpu.read()
-    except OSError:
-        return False
+    """Whether this processor has what the flags ask for."""
+    cpu = Path("/proc/cpuinfo")
+    return not extra or (cpu.exists() and " fma " in cpu.read_text())
 
 
 @needs_gcc
@@ -184,7 +183,9 @@ def test_double_literal_is_the_nearest_double(text):
     assert any(mark in DOUBLE.literal(Decimal(text)) for mark in ".e")
 
 
-@pytest.mark.parametrize("text", ["0.1", "-3.14159265358979323846264338327950288419717", "1e30", "16777217", "0.3333333333333333333", "1.4e-45"])
+@pytest.mark.parametrize(
+    "text", ["0.1", "-3.14159265358979323846264338327950288419717", "1e30", "16777217", "0.3333333333333333333", "1.4e-45"]
+)
 def test_float_literal_has_nine_digits_and_a_suffix(text):
     written = FLOAT.literal(Decimal(text))
     assert written.endswith("f")

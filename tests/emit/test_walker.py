@@ -1,6 +1,7 @@
 """The walk: what gets a name, what is inlined, in which order, and that size does not matter."""
 
 from c_bench import Builder
+
 from walkgen.emit.c_printer import DOUBLE, CPrinter
 from walkgen.emit.walker import Body, identifier, walk
 from walkgen.graph.program import Code, Program

@@ -100,6 +100,7 @@ def _free(wanted: str, taken: set[str]) -> str:
 
 
 def build_files(code: RobotCode) -> tuple[Artifact, ...]:
+    """CMakeLists.txt and `<robot>.pc`."""
     robot = code.mechanism.name
     sources = c_sources(code)
     described = comment_text(code.mechanism.description).replace("$", "$$") or f"Kinematics of {robot}"

@@ -203,12 +203,12 @@ def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFun
         name, inputs = kernels[call.callee].name, len(call.callee.signature.inputs)
     else:
         name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
-    arguments = [_argument(argument, composite, printer, written=place >= inputs) for place, argument in enumerate(call.arguments)]
+    arguments = [_argument(argument, composite, printer, by_address=place >= inputs) for place, argument in enumerate(call.arguments)]
     step = f"{name}({', '.join(arguments)});"
     if call.guard is None:
         yield f"{_INDENT}{step}"
         return
-    asked = [_argument(argument, composite, printer, written=False) for argument in call.guard[1]]
+    asked = [_argument(argument, composite, printer, by_address=True) for argument in call.guard[1]]
     guard = f"{_routine_name(call.guard[0], printer.precision)}({', '.join(asked)})"
     yield from (f"{_INDENT}if ({guard}) {{", f"{_INDENT * 2}{step}", f"{_INDENT}}}")
 
@@ -217,8 +217,8 @@ def _routine_name(name: str, precision: Precision) -> str:
     return f"{name}_{precision.tag}" if precision.tag else name
 
 
-def _argument(argument: str | Decimal | int, composite: Composite, printer: CPrinter, *, written: bool) -> str:
-    """How a call names the value: arrays by their name, scalars by value where read and by address where written."""
+def _argument(argument: str | Decimal | int, composite: Composite, printer: CPrinter, *, by_address: bool) -> str:
+    """How a call names the value: arrays by their name, scalars by value where read, by address where written or guarded on."""
     if isinstance(argument, Decimal):
         return printer.constant(argument).text
     if isinstance(argument, int):
@@ -228,5 +228,5 @@ def _argument(argument: str | Decimal | int, composite: Composite, printer: CPri
     pointers = {port.name for port in signature.outputs if not port.shape and port is not returned}
     values = {port.name for port in composite.locals if not port.shape} | ({returned.name} if returned else set())
     if argument in pointers:
-        return argument if written else f"*{argument}"
-    return f"&{argument}" if written and argument in values else argument
+        return argument if by_address else f"*{argument}"
+    return f"&{argument}" if by_address and argument in values else argument

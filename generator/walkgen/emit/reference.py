@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
-from walkgen.model.walk import CONTEXT, Matrix, defaults, limb_frames, matrix_of
+from walkgen.model.walk import CONTEXT, Matrix, along, defaults, limb_frames
 
 Numbers = list[Any]
 _STEP = CONTEXT.mpf(10) ** -16
@@ -24,25 +24,30 @@ class Sample:
     f: tuple[Any, ...]
 
     @cached_property
+    def _walked(self) -> tuple[list[Matrix], list[tuple[Joint, Matrix]]]:
+        return _walk(self.mechanism, self.limbs, self.q)
+
+    @property
     def poses(self) -> list[Matrix]:
         """The first limb's mount, the frame that moves with each joint, the tip."""
-        return _walk(self.mechanism, self.limbs, self.q)[0]
+        return self._walked[0]
 
     @cached_property
     def columns(self) -> list[tuple[Numbers, Numbers]]:
         """Linear and angular column of every joint, at the tip."""
-        return _columns(self.mechanism, self.limbs, self.q)
+        return _columns(*self._walked)
 
     @cached_property
     def bias(self) -> Numbers:
         """Jdot qd [6] by central differences along qd."""
-        ahead, behind = (
-            _columns(self.mechanism, self.limbs, [q + side * _STEP * qd for q, qd in zip(self.q, self.qd, strict=True)]) for side in (1, -1)
-        )
+        ahead, behind = (_columns(*_walk(self.mechanism, self.limbs, self._moved(side * _STEP))) for side in (1, -1))
         change = [
             [(a - b) / (2 * _STEP) for a, b in zip(_six(*new), _six(*old), strict=True)] for new, old in zip(ahead, behind, strict=True)
         ]
         return _combined(change, self.qd)
+
+    def _moved(self, time: Any) -> Numbers:
+        return [q + time * qd for q, qd in zip(self.q, self.qd, strict=True)]
 
     @property
     def jacobian(self) -> list[Numbers]:
@@ -63,15 +68,14 @@ def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> tupl
     axes: list[tuple[Joint, Matrix]] = []
     for limb in limbs:
         stop = start + len(limb.joints)
-        local = [base * frame for frame in limb_frames(mechanism, limb, q[start:stop], values)]
+        local = limb_frames(mechanism, limb, q[start:stop], values, base)
         poses += local[1:-1] if poses else local[:-1]
-        axes += [(joint, frame * matrix_of(joint.before, values)) for joint, frame in zip(limb.joints, local, strict=False)]
+        axes += [(joint, along(frame, joint.before, values)) for joint, frame in zip(limb.joints, local, strict=False)]
         base, start = local[-1], stop
     return [*poses, base], axes
 
 
-def _columns(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> list[tuple[Numbers, Numbers]]:
-    poses, axes = _walk(mechanism, limbs, q)
+def _columns(poses: list[Matrix], axes: list[tuple[Joint, Matrix]]) -> list[tuple[Numbers, Numbers]]:
     tip = [poses[-1][row, 3] for row in range(3)]
     return [_column(joint, frame, tip) for joint, frame in axes]
 

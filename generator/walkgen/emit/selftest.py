@@ -53,23 +53,23 @@ def selftest_artifact(code: RobotCode) -> Artifact:
         banner=banner(code, "Self-test; expected values come from a 50-digit matrix walk over the mechanism, not from the generated code."),
         header=f"{robot.name}.h",
         parameters=[_literal(value) for value in defaults(robot).values()] or ["0.0"],
-        checks=[check for body in code.functions for check in _checks(robot, body.signature)],
+        checks=list(_checks(robot, [body.signature for body in code.functions])),
     )
 
 
-def _checks(robot: Mechanism, signature: Signature) -> Iterator[Check]:
-    path = _paths(robot).get(signature.owner)
-    if path is None:
+def _checks(robot: Mechanism, signatures: Sequence[Signature]) -> Iterator[Check]:
+    """A check for every function whose values the walk gives; samples are walked once for all functions of a path."""
+    paths = _paths(robot)
+    samples = {owner: [_sample(robot, path, index) for index in range(_SAMPLES)] for owner, path in paths.items()}
+    inverted = {signature.owner for signature in signatures if signature.name in _INVERSES}
+    regular = {owner: [sample for sample in samples[owner] if _is_regular(sample)] for owner in sorted(inverted & set(samples))}
+    for signature in signatures:
         if not signature.owner and signature.name in _ROBOT:
             yield _robot_check(robot, signature)
-        return
-    samples = [_sample(robot, path, index) for index in range(_SAMPLES)]
-    if signature.name in EXPECTED:
-        yield _forward(signature, samples)
-    elif signature.name in _INVERSES:
-        regular = [sample for sample in samples if _is_regular(sample)]
-        if regular:
-            yield _INVERSES[signature.name](signature, regular)
+        elif signature.owner in paths and signature.name in EXPECTED:
+            yield _forward(signature, samples[signature.owner])
+        elif regular.get(signature.owner) and signature.name in _INVERSES:
+            yield _INVERSES[signature.name](signature, regular[signature.owner])
 
 
 def _paths(robot: Mechanism) -> dict[str, tuple[Limb, ...]]:
