@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from walkgen.model.mechanism import Limb, Mechanism
-from walkgen.model.walk import CONTEXT, defaults, joint_axis, limb_frames, matrix_of
+from walkgen.model.walk import CONTEXT, along, defaults, joint_axis, limb_frames
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
 def _lever(mechanism: Mechanism, leg: Limb, values: dict[str, Any]) -> Any:
     """The shorter of the distances axis 2 - axis 3 and axis 3 - foot."""
     frames = limb_frames(mechanism, leg, [0, 0, 0], values)
-    points = [(frames[index] * matrix_of(leg.joints[index].before, values))[:3, 3] for index in (1, 2)] + [frames[-1][:3, 3]]
+    points = [along(frames[index], leg.joints[index].before, values)[:3, 3] for index in (1, 2)] + [frames[-1][:3, 3]]
     axis = joint_axis(mechanism, leg, 1, values)
     return min(_norm(_cross(axis, end - start)) for start, end in zip(points, points[1:], strict=False))
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from mpmath.ctx_mp import MPContext
 
-from walkgen.model.mechanism import Joint, Limb, Mechanism, Motion, Transform
+from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
 from walkgen.spec.scalar import Scalar, evaluate
 
 CONTEXT = MPContext()
@@ -28,39 +28,31 @@ def number(scalar: Scalar, mechanism: Mechanism) -> Any:
     return evaluate(scalar, CONTEXT, defaults(mechanism))
 
 
-def motion_matrix(kind: str, axis: int, amount: Any) -> Matrix:
-    """Homogeneous matrix of one elementary motion."""
-    matrix = CONTEXT.eye(4)
+def moved(frame: Matrix, kind: str, axis: int, amount: Any) -> Matrix:
+    """The frame times one elementary motion: two columns turn, or the last one shifts."""
+    frame = frame.copy()
     if kind == "translate":
-        matrix[axis, 3] = amount
-        return matrix
-    cosine, sine = CONTEXT.cos(amount), CONTEXT.sin(amount)
+        for row in range(3):
+            frame[row, 3] += frame[row, axis] * amount
+        return frame
+    cosine, sine = CONTEXT.cos_sin(amount)
     first, second = (axis + 1) % 3, (axis + 2) % 3
-    matrix[first, first] = matrix[second, second] = cosine
-    matrix[second, first], matrix[first, second] = sine, -sine
-    return matrix
+    for row in range(3):
+        a, b = frame[row, first], frame[row, second]
+        frame[row, first], frame[row, second] = cosine * a + sine * b, cosine * b - sine * a
+    return frame
 
 
-def matrix_of(transform: Transform, values: Mapping[str, Any]) -> Matrix:
-    """Product of the transform's motions, left to right."""
-    product = CONTEXT.eye(4)
+def along(frame: Matrix, transform: Transform, values: Mapping[str, Any]) -> Matrix:
+    """The frame times the transform's motions, left to right."""
     for motion in transform:
-        product = product * _motion(motion, values)
-    return product
+        frame = moved(frame, motion.kind, motion.axis, evaluate(motion.amount, CONTEXT, values))
+    return frame
 
 
-def _motion(motion: Motion, values: Mapping[str, Any]) -> Matrix:
-    return motion_matrix(motion.kind, motion.axis, evaluate(motion.amount, CONTEXT, values))
-
-
-def joint_matrix(joint: Joint, q: Any, values: Mapping[str, Any]) -> Matrix:
-    """From the frame before the joint to the frame that moves with it."""
-    amount = joint.sign * CONTEXT.mpf(q) + evaluate(joint.zero, CONTEXT, values)
-    kind = "rotate" if joint.kind == "revolute" else "translate"
-    return matrix_of(joint.before, values) * motion_matrix(kind, 2, amount) * matrix_of(joint.after, values)
-
-
-def limb_frames(mechanism: Mechanism, limb: Limb, q: Sequence[Any], values: Mapping[str, Any] | None = None) -> list[Matrix]:
+def limb_frames(
+    mechanism: Mechanism, limb: Limb, q: Sequence[Any], values: Mapping[str, Any] | None = None, base: Matrix | None = None
+) -> list[Matrix]:
     """Mount, then the frame that moves with each joint, then the tip; in the limb's own platform's frame.
 
     Args:
@@ -68,20 +60,27 @@ def limb_frames(mechanism: Mechanism, limb: Limb, q: Sequence[Any], values: Mapp
         limb: a leg or a connecting chain.
         q: joint values [n], rad or m.
         values: runtime parameters by name; the defaults where not given.
+        base: the platform's pose in another frame, for the result in that frame.
     """
     values = defaults(mechanism) if values is None else values
-    frames = [matrix_of(limb.mount, values)]
+    frames = [along(CONTEXT.eye(4) if base is None else base, limb.mount, values)]
     for joint, value in zip(limb.joints, q, strict=True):
-        frames.append(frames[-1] * joint_matrix(joint, value, values))
-    return [*frames, frames[-1] * matrix_of(limb.tip, values)]
+        frames.append(_past(joint, value, frames[-1], values))
+    return [*frames, along(frames[-1], limb.tip, values)]
+
+
+def _past(joint: Joint, q: Any, frame: Matrix, values: Mapping[str, Any]) -> Matrix:
+    """From the frame before the joint to the frame that moves with it."""
+    amount = joint.sign * CONTEXT.mpf(q) + evaluate(joint.zero, CONTEXT, values)
+    kind = "rotate" if joint.kind == "revolute" else "translate"
+    return along(moved(along(frame, joint.before, values), kind, 2, amount), joint.after, values)
 
 
 def joint_axis(mechanism: Mechanism, limb: Limb, index: int, values: Mapping[str, Any]) -> Matrix:
     """Direction of a joint's axis at q = 0, positive for growing q, in the limb's platform's frame (3x1)."""
     frames = limb_frames(mechanism, limb, [0] * len(limb.joints), values)
     joint = limb.joints[index]
-    frame = frames[index] * matrix_of(joint.before, values)
-    return frame[:3, 2] * joint.sign
+    return along(frames[index], joint.before, values)[:3, 2] * joint.sign
 
 
 def platform_poses(mechanism: Mechanism, q: Sequence[Any]) -> list[Matrix]:
@@ -91,5 +90,5 @@ def platform_poses(mechanism: Mechanism, q: Sequence[Any]) -> list[Matrix]:
         for chain in mechanism.ancestors(index):
             start = mechanism.offset(chain)
             values = q[start : start + len(chain.joints)]
-            poses[chain.child or 0] = poses[chain.platform] * limb_frames(mechanism, chain, values)[-1]
+            poses[chain.child or 0] = limb_frames(mechanism, chain, values, base=poses[chain.platform])[-1]
     return poses
