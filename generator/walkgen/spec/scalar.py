@@ -1,6 +1,7 @@
 """Exact numbers of a spec: a whitelisted arithmetic tree over decimals, pi and named parameters; never eval."""
 
 import ast
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
@@ -43,6 +44,7 @@ _BINARY: dict[type[ast.operator], str] = {ast.Add: "add", ast.Sub: "sub", ast.Mu
 _LONGEST = 1000
 _DEEPEST = 50
 _LARGEST_POWER = 64
+_LARGEST_BITS = 1 << 15
 
 
 class ExpressionError(ValueError):
@@ -64,26 +66,26 @@ def is_zero(scalar: Scalar) -> bool:
 
 
 def add(left: Scalar, right: Scalar) -> Scalar:
-    """left + right, folded where both are rational."""
+    """Left + right, folded where both are rational."""
     if is_zero(left) or is_zero(right):
         return right if is_zero(left) else left
     return _fold("add", left, right)
 
 
 def sub(left: Scalar, right: Scalar) -> Scalar:
-    """left - right, folded where both are rational."""
+    """Left - right, folded where both are rational."""
     return left if is_zero(right) else _fold("sub", left, right)
 
 
 def mul(left: Scalar, right: Scalar) -> Scalar:
-    """left * right, folded where both are rational."""
+    """Left * right, folded where both are rational."""
     if ONE in (left, right):
         return right if left == ONE else left
     return ZERO if ZERO in (left, right) else _fold("mul", left, right)
 
 
 def div(left: Scalar, right: Scalar) -> Scalar:
-    """left / right, folded where both are rational."""
+    """Left / right, folded where both are rational."""
     if right == ZERO:
         raise ExpressionError("division by zero")
     return _fold("div", left, right)
@@ -99,18 +101,29 @@ def neg(scalar: Scalar) -> Scalar:
 
 
 def power(base: Scalar, exponent: Scalar) -> Scalar:
-    """base ** exponent for a whole exponent up to 64 either way."""
+    """Base ** exponent for a whole exponent up to 64 either way."""
     if not isinstance(exponent, Exact) or exponent.value.denominator != 1 or abs(exponent.value) > _LARGEST_POWER:
         raise ExpressionError(f"an exponent is a whole number up to {_LARGEST_POWER}")
     if isinstance(base, Exact):
         if base.value == 0 and exponent.value < 0:
             raise ExpressionError("division by zero")
+        _bounded(_bits(base.value) * int(abs(exponent.value)))
         return Exact(base.value ** int(exponent.value))
     return Apply("pow", (base, exponent))
 
 
+def _bits(value: Fraction) -> int:
+    return max(value.numerator.bit_length(), value.denominator.bit_length())
+
+
+def _bounded(bits: int) -> None:
+    if bits > _LARGEST_BITS:
+        raise ExpressionError("the arithmetic gives a number of thousands of digits")
+
+
 def _fold(function: str, left: Scalar, right: Scalar) -> Scalar:
     if isinstance(left, Exact) and isinstance(right, Exact):
+        _bounded(_bits(left.value) + _bits(right.value))
         return Exact(_ARITHMETIC[function](left.value, right.value))
     return Apply(function, (left, right))
 
@@ -121,6 +134,7 @@ _ARITHMETIC: dict[str, Callable[[Fraction, Fraction], Fraction]] = {
     "mul": lambda a, b: a * b,
     "div": lambda a, b: a / b,
 }
+_OPERATORS: dict[str, Callable[..., Any]] = {**_ARITHMETIC, "neg": lambda a: -a, "pow": lambda a, b: a ** int(b)}
 _BUILDERS: dict[str, Callable[..., Scalar]] = {"add": add, "sub": sub, "mul": mul, "div": div, "neg": neg, "pow": power}
 
 
@@ -144,7 +158,8 @@ def parse(text: str) -> Scalar:
     if len(text) > _LONGEST:
         raise ExpressionError(f"an expression is at most {_LONGEST} characters long")
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        with warnings.catch_warnings(action="ignore"):
+            tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
         raise ExpressionError(f"not an arithmetic expression: {text!r}") from error
     return _scalar(tree.body, text.strip(), 0)
@@ -164,7 +179,8 @@ def _scalar(node: ast.expr, text: str, depth: int) -> Scalar:
         return apply(_BINARY[type(node.op)], _scalar(node.left, text, depth + 1), _scalar(node.right, text, depth + 1))
     if isinstance(node, ast.Call):
         return _call(node, text, depth)
-    raise ExpressionError(f"{ast.get_source_segment(text, node)!r} is not arithmetic; allowed: numbers, parameter names, pi, + - * / **, {', '.join(FUNCTIONS)}")
+    allowed = f"numbers, parameter names, pi, + - * / **, {', '.join(FUNCTIONS)}"
+    raise ExpressionError(f"{ast.get_source_segment(text, node)!r} is not arithmetic; allowed: {allowed}")
 
 
 def _number(node: ast.Constant, text: str) -> Scalar:
@@ -218,10 +234,6 @@ def evaluate(scalar: Scalar, context: Any, values: Mapping[str, Any]) -> Any:
     if isinstance(scalar, Name):
         return values[scalar.name]
     arguments = [evaluate(argument, context, values) for argument in scalar.arguments]
-    if scalar.function == "pow":
-        return arguments[0] ** int(arguments[1])
-    if scalar.function == "neg":
-        return -arguments[0]
-    if scalar.function in _ARITHMETIC:
-        return _ARITHMETIC[scalar.function](*arguments)
+    if scalar.function in _OPERATORS:
+        return _OPERATORS[scalar.function](*arguments)
     return getattr(context, scalar.function)(*arguments)

@@ -7,6 +7,7 @@ from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_val
 from pydantic_core import PydanticCustomError
 
 from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
+from walkgen.spec.terrain import TerrainPatch
 
 Kind = Literal["revolute", "prismatic"]
 Target = Literal["c", "casadi", "numpy"]
@@ -108,7 +109,7 @@ class Design(Table):
 
     dh: Literal["classic", "craig"] | None = None
     """DH convention: classic (distal) or craig (modified, proximal); there is no default."""
-    joints: Annotated[tuple[JointRow, ...], Field(max_length=_MOST_JOINTS)]
+    joints: tuple[JointRow, ...] = Field(default=(), max_length=_MOST_JOINTS)
     signs: tuple[Sign, ...] | None = None
     """One a joint: mechanism angle = sign * q + zero."""
     zeros: tuple[Number, ...] | None = None
@@ -223,45 +224,6 @@ class LegSpec(Table):
     """What the robot's makers call the joints."""
 
 
-class Domain(Table):
-    """Where a terrain patch holds."""
-
-    x: Pair | None = None
-    y: Pair | None = None
-    u: Pair | None = None
-    v: Pair | None = None
-
-
-class TerrainPatch(Table):
-    """A piece of ground; the first whose domain holds the point counts."""
-
-    name: StrictStr
-    surface: Literal["explicit", "implicit", "parametric", "plane", "heightmap"]
-    height: Number | None = None
-    """explicit: height as an expression in x and y (m)."""
-    f: Number | None = None
-    """implicit: an expression in x, y, z that is 0 on the surface."""
-    x: Number | None = None
-    """parametric: expressions in u and v (m)."""
-    y: Number | None = None
-    z: Number | None = None
-    point: Triple | None = None
-    """plane: one of its points (m)."""
-    normal: Triple | None = None
-    """plane: its normal."""
-    file: StrictStr | None = None
-    """heightmap: file beside the spec."""
-    spacing: Number | None = None
-    """heightmap: distance of its points (m)."""
-    domain: Domain | None = None
-    mu: Number | None = None
-    """Coefficient of friction."""
-    kn: Number | None = None
-    """Stiffness along the normal (N/m); rigid where left out."""
-    kt: Number | None = None
-    """Stiffness across the normal (N/m)."""
-
-
 class RobotTable(Table):
     """What the robot is called and where down is."""
 
@@ -272,10 +234,22 @@ class RobotTable(Table):
     """m/s^2, in the world frame for floating functions, in the first platform's for legs."""
 
 
+def _functions_kind(value: Any) -> str:
+    return "functions:word" if isinstance(value, str) else "functions:list"
+
+
+Functions = Annotated[
+    Annotated[Literal["all"], Tag("functions:word")] | Annotated[tuple[StrictStr, ...], Tag("functions:list")],
+    Discriminator(_functions_kind),
+]
+TAGS = frozenset({"end:word", "end:pose", "functions:word", "functions:list"})
+"""Parts of pydantic's error places that are no keys."""
+
+
 class Generate(Table):
     """What is generated."""
 
-    functions: Literal["all"] | tuple[StrictStr, ...] = "all"
+    functions: Functions = "all"
     derivatives: StrictBool = False
     """Derivatives to the runtime parameters: <name>_d_param."""
     targets: tuple[Target, ...] = ("c", "casadi", "numpy")

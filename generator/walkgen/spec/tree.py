@@ -1,0 +1,46 @@
+"""How legs, platforms and chains hang together, tolerant of what is broken, for every check that must follow a reference."""
+
+from collections.abc import Iterator
+
+from walkgen.spec.schema import LegDesign, LegSpec, RobotSpec
+
+
+def originals(spec: RobotSpec, leg: LegSpec) -> Iterator[LegSpec]:
+    """The leg, the leg that it mirrors, and so on; ends at an unknown name or before a leg met earlier."""
+    legs = {entry.name: entry for entry in spec.legs}
+    met: set[str] = set()
+    step: LegSpec | None = leg
+    while step is not None and step.name not in met:
+        yield step
+        met.add(step.name)
+        step = legs.get(step.mirror_of) if step.mirror_of is not None else None
+
+
+def _source(spec: RobotSpec, leg: LegSpec) -> LegSpec:
+    *_, last = originals(spec, leg)
+    return last
+
+
+def design_of(spec: RobotSpec, leg: LegSpec) -> LegDesign | None:
+    """The leg's design, its own or that of the leg it mirrors."""
+    return spec.leg_designs.get(_source(spec, leg).design or "")
+
+
+def platform_of(spec: RobotSpec, leg: LegSpec) -> str | None:
+    """Name of the platform that the leg, or the leg it mirrors, is mounted on."""
+    return _source(spec, leg).platform
+
+
+def mirror_circle(spec: RobotSpec, leg: LegSpec) -> list[str]:
+    """Names of the legs that mirror each other in a circle through this leg; empty if there is none."""
+    names = [entry.name for entry in originals(spec, leg)]
+    return [*names, leg.name] if _source(spec, leg).mirror_of == leg.name else []
+
+
+def platform_circle(spec: RobotSpec, name: str) -> list[str]:
+    """Names of the platforms that are each other's parents in a circle through this one; empty if there is none."""
+    parents = {entry.name: entry.parent for entry in spec.platforms}
+    names = [name]
+    while (parent := parents.get(names[-1])) is not None and parent not in names:
+        names.append(parent)
+    return [*names, name] if parent == name else []
