@@ -108,7 +108,8 @@ def _check_stale(specs: list[Path], output: Path, options: "BuildOptions") -> No
     def one(spec: Path) -> None:
         for name in pipeline.stale(spec, output, options):
             found.append(name)
-            typer.echo(f"{name} is stale; run: walkgen build {spec}")
+            elsewhere = "" if output == Path("generated") else f" -o {output}"
+            typer.echo(f"{name} is stale; run: walkgen build {spec}{elsewhere}")
 
     _for_each(specs, one)
     if found:

@@ -1,0 +1,61 @@
+"""The README says only what is so: its spec becomes its C, its programs run and print what it prints."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from walkgen import pipeline
+from walkgen.toolchain import build_program
+
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def workplace(shipped, tmp_path_factory):
+    """A folder with generated/mero, as after the README's first command."""
+    folder = tmp_path_factory.mktemp("readme")
+    (folder / "generated").symlink_to(shipped("mero").folder.parent, target_is_directory=True)
+    return folder
+
+
+def test_the_two_commands_are_single_lines():
+    commands = [block.strip() for block in blocks("sh")]
+    assert len(commands) == 2
+    assert all("\n" not in command for command in commands)
+    assert commands[0].endswith("walkgen build specs/mero.toml")
+    assert commands[1].endswith("pytest -n 2")
+
+
+def test_twelve_lines_become_the_function_shown(tmp_path):
+    toml, shown = blocks("toml")[0], blocks("c")[0]
+    assert len([line for line in toml.splitlines() if line]) == 12
+    (tmp_path / "hop.toml").write_text(toml, encoding="utf-8")
+    pipeline.build(tmp_path / "hop.toml", tmp_path, pipeline.BuildOptions(targets=("c",)))
+    assert shown in (tmp_path / "hop" / "hop.c").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("program", blocks("python"))
+def test_python_runs(workplace, program):
+    subprocess.run([sys.executable, "-c", program], cwd=workplace, check=True)
+
+
+def test_the_c_program_prints_what_is_shown(workplace, tmp_path):
+    mero = (workplace / "generated" / "mero").resolve()
+    (tmp_path / "main.c").write_text(blocks("c")[1], encoding="utf-8")
+    for source in mero.glob("*.[ch]"):
+        (tmp_path / source.name).write_bytes(source.read_bytes())
+    program = build_program(tmp_path, ("main.c", "mero.c"), tmp_path / "main")
+    printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    assert blocks("console")[0].partition("\n")[2] == printed
+
+
+def test_links_lead_somewhere():
+    for target in re.findall(r"\]\(([^)]+)\)", README):
+        assert (Path(__file__).parents[2] / target).exists(), target
