@@ -47,7 +47,7 @@ def _is_ours(path: Path) -> bool:
 
 @contextmanager
 def staged(artifacts: tuple[Artifact, ...], folder: Path) -> Iterator[Path]:
-    """A folder beside the final one that holds the new files and the user's own; it takes the final name when the block ends.
+    """A folder beside the final one with the new files and the user's own; it takes the final name when the block ends.
 
     Whatever stops the block, the old folder stays as it was.
 
@@ -64,7 +64,9 @@ def staged(artifacts: tuple[Artifact, ...], folder: Path) -> Iterator[Path]:
         folder.parent.mkdir(parents=True, exist_ok=True)
         stage = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
     except OSError as error:
-        raise OutputError(Problem("WG302", f"cannot write below {folder.parent}: {error.strerror}", "give another folder with -o")) from error
+        raise OutputError(
+            Problem("WG302", f"cannot write below {folder.parent}: {error.strerror}", "give another folder with -o")
+        ) from error
     try:
         stage.chmod(0o755)
         _fill(stage, artifacts, folder)
@@ -77,7 +79,8 @@ def staged(artifacts: tuple[Artifact, ...], folder: Path) -> Iterator[Path]:
 def _refuse_foreign(artifacts: tuple[Artifact, ...], folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
         raise OutputError(Problem("WG302", f"{folder} is a file", "move it away, or give another folder with -o"))
-    foreign = [folder / artifact.path for artifact in artifacts if (folder / artifact.path).is_file() and not _is_ours(folder / artifact.path)]
+    present = [folder / artifact.path for artifact in artifacts if (folder / artifact.path).is_file()]
+    foreign = [path for path in present if not _is_ours(path)]
     if foreign:
         cure = "it carries no banner of walkgen, so it is yours: move it away, or give another folder with -o"
         raise OutputError(*(Problem("WG301", f"{path} would be overwritten", cure) for path in foreign))

@@ -27,7 +27,10 @@ def derivative(program: Program, port: str) -> Program:
 
 
 def _signature(signature: Signature, port: Port) -> Signature:
-    outputs = tuple(replace(out, name=f"{out.name}_d_{port.name}", shape=out.shape + port.shape, unit=f"{out.unit} per unit") for out in signature.outputs)
+    outputs = tuple(
+        replace(out, name=f"{out.name}_d_{port.name}", shape=out.shape + port.shape, unit=f"{out.unit} per unit")
+        for out in signature.outputs
+    )
     doc = f"Derivatives of {signature.name} by {port.name}."
     return replace(signature, name=f"{signature.name}_d_{port.name}", outputs=outputs, doc=doc, source="forward differentiation")
 

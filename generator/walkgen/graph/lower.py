@@ -162,5 +162,3 @@ def _decimal(number: sympy.Expr) -> Decimal:
     if number.is_Integer:
         return Decimal(int(number))
     return Decimal(str(number.evalf(_DIGITS)))
-
-

@@ -25,9 +25,7 @@ class Numbering:
     @property
     def ops(self) -> tuple[Op, ...]:
         """The ops so far, with their names."""
-        return tuple(
-            Op(op.code, op.arguments, op.element, op.value, self._names.get(number, "")) for number, op in enumerate(self._ops)
-        )
+        return tuple(Op(op.code, op.arguments, op.element, op.value, self._names.get(number, "")) for number, op in enumerate(self._ops))
 
     def constant(self, value: Decimal) -> int:
         """The number of a constant; equal values share it."""
@@ -75,6 +73,10 @@ class Numbering:
             return self.constant(_FOLDED[code](left, right))
         if code is Code.NEG and values[0] is not None:
             return self.constant(-values[0])
+        return self._neutral(code, arguments, values)
+
+    def _neutral(self, code: Code, arguments: tuple[int, ...], values: list[Decimal | None]) -> int | None:
+        """What adding 0 or multiplying by 1 or 0 leaves."""
         if code is Code.ADD and _ZERO in values:
             return arguments[1 - values.index(_ZERO)]
         if code in (Code.SUB, Code.DIV) and values[1] == (_ZERO if code is Code.SUB else _ONE):

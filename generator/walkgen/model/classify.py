@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from walkgen.model.mechanism import Limb, Mechanism
@@ -50,7 +51,7 @@ def _lever(mechanism: Mechanism, leg: Limb, values: dict[str, Any]) -> Any:
     frames = limb_frames(mechanism, leg, [0, 0, 0], values)
     points = [along(frames[index], leg.joints[index].before, values)[:3, 3] for index in (1, 2)] + [frames[-1][:3, 3]]
     axis = joint_axis(mechanism, leg, 1, values)
-    return min(_norm(_cross(axis, end - start)) for start, end in zip(points, points[1:], strict=False))
+    return min(_norm(_cross(axis, end - start)) for start, end in pairwise(points))
 
 
 def _samples(mechanism: Mechanism) -> Iterator[dict[str, Any]]:

@@ -49,7 +49,7 @@ def _mirrored_joint(joint: Joint) -> Joint:
         joint,
         before=mirrored(joint.before),
         after=mirrored(joint.after),
-        sign=cast(Sign, -joint.sign if turned else joint.sign),
+        sign=-joint.sign if turned else joint.sign,
         zero=neg(joint.zero) if turned else joint.zero,
         body=_mirrored_body(joint.body) if joint.body else None,
     )
@@ -94,7 +94,7 @@ def _geometry(row: JointRow, convention: str | None, values: Values) -> tuple[Tr
     if row.axis is not None:
         turned, direction = align(values.vector(row.axis))
         place = origin(values.vector(row.si("xyz")), values.vector(row.si("rpy")))
-        return place + turned, inverse(turned), cast(Sign, direction)
+        return place + turned, inverse(turned), direction
     theta, offset = (values.resolve(row.si(key)) for key in ("theta", "d"))
     length, twist = (values.resolve(row.si(key)) for key in ("a", "alpha"))
     screw = translation(X, length) + rotation(X, twist)

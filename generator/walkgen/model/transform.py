@@ -2,9 +2,10 @@
 
 from dataclasses import replace
 from fractions import Fraction
+from typing import Literal
 
 from walkgen.model.mechanism import Motion, Transform
-from walkgen.spec.scalar import ZERO, Exact, Pi, Scalar, Vector, apply, is_zero, mul, neg
+from walkgen.spec.scalar import Exact, Pi, Scalar, Vector, apply, is_zero, mul, neg
 
 X, Y, Z = 0, 1, 2
 _QUARTER = mul(Exact(Fraction(1, 2)), Pi())
@@ -26,26 +27,21 @@ def origin(xyz: Vector, rpy: Vector) -> Transform:
     return shift + sum((rotation(axis, rpy[axis]) for axis in (Z, Y, X)), ())
 
 
-def align(axis: Vector) -> tuple[Transform, int]:
+def align(axis: Vector) -> tuple[Transform, Literal[1, -1]]:
     """A rotation that carries z onto the axis, up to the returned sign (negative coordinate axes keep their zeros that way)."""
     nonzero = [index for index in (X, Y, Z) if not is_zero(axis[index])]
     first = axis[nonzero[0]]
     if len(nonzero) == 1 and isinstance(first, Exact):
-        sign = 1 if first.value > 0 else -1
-        return ({X: rotation(Y, _QUARTER), Y: rotation(X, neg(_QUARTER)), Z: ()}[nonzero[0]], sign)
+        turn = {X: rotation(Y, _QUARTER), Y: rotation(X, neg(_QUARTER)), Z: ()}[nonzero[0]]
+        return turn, 1 if first.value > 0 else -1
     azimuth = apply("atan2", axis[Y], axis[X])
     polar = apply("atan2", apply("hypot", axis[X], axis[Y]), axis[Z])
-    return (rotation(Z, azimuth) + rotation(Y, polar), 1)
+    return rotation(Z, azimuth) + rotation(Y, polar), 1
 
 
 def inverse(transform: Transform) -> Transform:
     """The inverse motion: reversed order, opposite amounts."""
     return tuple(replace(motion, amount=neg(motion.amount)) for motion in reversed(transform))
-
-
-def rotation_part(transform: Transform) -> Transform:
-    """The rotations alone, in order: the transform's rotation."""
-    return tuple(motion for motion in transform if motion.kind == "rotate")
 
 
 def mirrored(transform: Transform) -> Transform:
@@ -55,6 +51,3 @@ def mirrored(transform: Transform) -> Transform:
 
 def _flips(motion: Motion) -> bool:
     return (motion.axis == Y) == (motion.kind == "translate")
-
-
-ORIGIN: Vector = (ZERO, ZERO, ZERO)

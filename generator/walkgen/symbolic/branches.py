@@ -105,7 +105,8 @@ class Branches:
         if w == 0:
             angle = self.half_open(Angle(sign * y, sign * x), f"yaw_{name}")
             return self.tape.let(f"yaw_{name}", Select(self.on_axis, 0, angle))
-        return self.half_open(Angle(self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)), f"yaw_{name}")
+        sine, cosine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
+        return self.half_open(Angle(sine, cosine), f"yaw_{name}")
 
     def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
@@ -156,18 +157,20 @@ class Branches:
         g = self._geometry
         return self.tape.let(f"thigh_offset_{name}", Angle(g.l3 * knee.sine, g.a2 + g.l3 * knee.cosine))
 
-    def knee_value(self, gamma: sympy.Expr, name: str) -> sympy.Expr:
+    def knee_value(self, gamma: sympy.Expr, name: str, *, reaches_minus_pi: bool) -> sympy.Expr:
         """q3 of a knee angle within [-pi, pi]."""
         g = self._geometry
         value = g.sign3 * (gamma - g.zero3)
-        return self.half_open(value, f"q3_{name}") if g.zero3 == 0 else self.wrapped(value, f"q3_{name}")
+        if g.zero3 != 0:
+            return self.wrapped(value, f"q3_{name}")
+        return self.half_open(value, f"q3_{name}") if reaches_minus_pi else value
 
     def status(self, outside: sympy.Expr, duplicate: sympy.Expr, singular: sympy.Expr, bad: sympy.Expr) -> sympy.Expr:
         """The first that applies: BAD_INPUT, UNREACHABLE, DUPLICATE, SINGULAR, OK."""
         reachable = Select(duplicate, DUPLICATE, Select(singular, SINGULAR, OK))
         return Select(bad, BAD_INPUT, Select(Either(self.inside_cylinder, outside), UNREACHABLE, reachable))
 
-    def thigh_pair(self, X: sympy.Expr, knee: Knee, lift: sympy.Expr, offset: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
+    def thigh_pair(self, knee: Knee, lift: sympy.Expr, offset: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         """q2 of both knees of a sheet."""
         plus_knee = self.wrapped(lift - offset, f"q2_{name}_plus")
         minus_knee = self.wrapped(lift + offset, f"q2_{name}_minus")
@@ -181,14 +184,14 @@ class Branches:
         X = self.tape.let("X_plus", rho - g.a1)
         knee, lift = self.knee(X, "plus"), self.lift(X, "plus")
         offset = self.thigh_offset(knee, "plus")
-        plus_sheet = self._sheet(yaw, self.thigh_pair(X, knee, lift, offset, "plus"), knee, "plus", _FALSE)
+        plus_sheet = self._sheet(yaw, self.thigh_pair(knee, lift, offset, "plus"), knee, "plus", _FALSE)
         X_minus = self.tape.let("X_minus", -rho - g.a1)
         if g.a1 == 0:  # the knee triangle is the same; without a thigh zero the lift is its mirror image too
             mirrored = _PI - lift if g.zero2 == 0 else self.lift(X_minus, "minus")
-            pair = self.thigh_pair(X_minus, knee, mirrored, offset, "minus")
+            pair = self.thigh_pair(knee, mirrored, offset, "minus")
             return [*plus_sheet, *self._sheet(other, pair, knee, "plus", Same(rho, 0))]
         far = self.knee(X_minus, "minus")
-        pair = self.thigh_pair(X_minus, far, self.lift(X_minus, "minus"), self.thigh_offset(far, "minus"), "minus")
+        pair = self.thigh_pair(far, self.lift(X_minus, "minus"), self.thigh_offset(far, "minus"), "minus")
         return [*plus_sheet, *self._sheet(other, pair, far, "minus", Same(rho, 0))]
 
     def _sheet(self, yaw: sympy.Expr, thighs: tuple[sympy.Expr, sympy.Expr], knee: Knee, name: str, repeated: sympy.Expr) -> list[Row]:
@@ -197,7 +200,7 @@ class Branches:
         straight = Either(repeated, Same(knee.sine, 0))
         rows: list[Row] = []
         for sign, thigh, duplicate, word in ((1, thighs[0], repeated, "plus"), (-1, thighs[1], straight, "minus")):
-            values = (yaw, thigh, self.knee_value(sign * gamma, f"{name}_{word}"))
+            values = (yaw, thigh, self.knee_value(sign * gamma, f"{name}_{word}", reaches_minus_pi=sign != self._geometry.sign3))
             rows.append((values, self.status(knee.outside, duplicate, singular, self.bad)))
         return rows
 
@@ -216,7 +219,7 @@ class Branches:
         values = (
             self.yaw(rho, rho_sign, "one"),
             Select(knee.collapsed, 0, thigh),
-            self.knee_value(Angle(sine, knee.cosine), "one"),
+            self.knee_value(Angle(sine, knee.cosine), "one", reaches_minus_pi=True),
         )
         straight = Both(Same(knee.sine, 0), Less(knee_sign, 0))
         duplicate = Either(straight, Both(Same(self.rho, 0), Less(rho_sign, 0)))

@@ -36,7 +36,9 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
 def routes(mechanism: Mechanism) -> tuple[Route, ...]:
     """Chains and leg from the root platform to each foot that does not stand on it."""
     return tuple(
-        Route(f"root_to_{leg.name}", (*mechanism.ancestors(leg.platform), leg)) for leg in mechanism.legs if mechanism.ancestors(leg.platform)
+        Route(f"root_to_{leg.name}", (*mechanism.ancestors(leg.platform), leg))
+        for leg in mechanism.legs
+        if mechanism.ancestors(leg.platform)
     )
 
 

@@ -107,11 +107,19 @@ _EQ_H = "H_ij = D_min(i,j) D_max(i,j) p"
 
 FOOT: dict[str, Entry] = {
     "foot_position": Entry(("q",), _port("p", "m", 3), lambda m: m.kinematics.position, "Foot position.", _EQ_1),
-    "foot_rotation": Entry(("q",), _port("R", "1", 3, 3), lambda m: flat(m.kinematics.rotation), "Foot rotation: columns are the foot's axes.", _EQ_1),
-    "foot_pose": Entry(
-        ("q",), _port("T", "1 and m", 4, 4), lambda m: pose(m.kinematics.rotation, m.kinematics.position), "Foot pose, homogeneous with the 1 last.", _EQ_1
+    "foot_rotation": Entry(
+        ("q",), _port("R", "1", 3, 3), lambda m: flat(m.kinematics.rotation), "Foot rotation: columns are the foot's axes.", _EQ_1
     ),
-    "foot_jacobian": Entry(("q",), _per_joint("J", "m/(q)", 3, -1), lambda m: flat(m.kinematics.jacobian), "Jacobian of the foot position.", _EQ_J),
+    "foot_pose": Entry(
+        ("q",),
+        _port("T", "1 and m", 4, 4),
+        lambda m: pose(m.kinematics.rotation, m.kinematics.position),
+        "Foot pose, homogeneous with the 1 last.",
+        _EQ_1,
+    ),
+    "foot_jacobian": Entry(
+        ("q",), _per_joint("J", "m/(q)", 3, -1), lambda m: flat(m.kinematics.jacobian), "Jacobian of the foot position.", _EQ_J
+    ),
     "foot_position_jacobian": Entry(
         ("q",),
         lambda joints: (*_port("p", "m", 3)(joints), *_per_joint("J", "m/(q)", 3, -1)(joints)),
@@ -123,10 +131,12 @@ FOOT: dict[str, Entry] = {
         ("q",),
         _per_joint("J", "m/(q) and rad/(q)", 6, -1),
         _spatial,
-        "Rows linear then angular, at the foot point, in the platform's axes (LOCAL_WORLD_ALIGNED; not Murray-Li-Sastry's spatial Jacobian).",
+        "Rows linear then angular, at the foot point, platform axes (LOCAL_WORLD_ALIGNED; not Murray-Li-Sastry's spatial Jacobian).",
         _EQ_J,
     ),
-    "foot_hessian": Entry(("q",), _per_joint("H", "m/(q)^2", 3, -1, -1), _hessian, "Second derivatives d2p/dq_i dq_j of the foot position.", _EQ_H),
+    "foot_hessian": Entry(
+        ("q",), _per_joint("H", "m/(q)^2", 3, -1, -1), _hessian, "Second derivatives d2p/dq_i dq_j of the foot position.", _EQ_H
+    ),
     "foot_velocity": Entry(("q", "qd"), _port("v", "m/s", 3), lambda m: _rates(m.kinematics.jacobian, m.qd), "Foot velocity J qd.", _EQ_J),
     "foot_acceleration": Entry(("q", "qd", "qdd"), _port("a", "m/s^2", 3), _acceleration, "Foot acceleration J qdd + qd' H qd.", _EQ_H),
     "foot_bias_acceleration": Entry(
@@ -136,18 +146,30 @@ FOOT: dict[str, Entry] = {
         "Jdot qd of the spatial Jacobian, linear then angular.",
         _EQ_H,
     ),
-    "foot_torque": Entry(("q", "f"), _port("tau", "N m or N", -1), _torque, "Joint torques J' f that a foot force f does work against.", "virtual work"),
+    "foot_torque": Entry(
+        ("q", "f"), _port("tau", "N m or N", -1), _torque, "Joint torques J' f that a foot force f does work against.", "virtual work"
+    ),
     "joint_frames": Entry(("q",), _port("T", "1 and m", -2, 4, 4), _frames, "The mount, then the frame that moves with each joint.", _EQ_1),
 }
 
 CHAIN: dict[str, Entry] = {
     "pose": Entry(
-        ("q",), _port("T", "1 and m", 4, 4), lambda m: pose(m.kinematics.rotation, m.kinematics.position), "Child platform in its parent's frame.", "eqs. (5)-(7): B A_1 A_2 A_3 E"
+        ("q",),
+        _port("T", "1 and m", 4, 4),
+        lambda m: pose(m.kinematics.rotation, m.kinematics.position),
+        "Child platform in its parent's frame.",
+        "eqs. (5)-(7): B A_1 A_2 A_3 E",
     ),
     "jacobian": Entry(
-        ("q",), _per_joint("J", "m/(q) and rad/(q)", 6, -1), _spatial, "Rows linear then angular, at the child's origin, in the parent's axes.", _EQ_J
+        ("q",),
+        _per_joint("J", "m/(q) and rad/(q)", 6, -1),
+        _spatial,
+        "Rows linear then angular, at the child's origin, in the parent's axes.",
+        _EQ_J,
     ),
-    "frames": Entry(("q",), _port("T", "1 and m", -2, 4, 4), _frames, "The chain's root, then the frame that moves with each joint.", "eqs. (5)-(7)"),
+    "frames": Entry(
+        ("q",), _port("T", "1 and m", -2, 4, 4), _frames, "The chain's root, then the frame that moves with each joint.", "eqs. (5)-(7)"
+    ),
 }
 
 
@@ -160,6 +182,7 @@ class Route:
 
     @property
     def joints(self) -> tuple[Joint, ...]:
+        """The path's joints from base to tip."""
         return tuple(joint for limb in self.limbs for joint in limb.joints)
 
 

@@ -41,7 +41,9 @@ def geometry(leg: Limb, parameters: Parameters, tape: Tape) -> Geometry:
     (axis1, point1), (axis2, point2), (axis3, point3), foot = _at_zero(leg, parameters, tape)
     forward = tape.vector("forward", cross(axis1, axis2))
     sideways = tape.vector("sideways", cross(axis1, forward))
-    hip, thigh, shank = (tape.vector(name, minus(b, a)) for name, a, b in (("hip", point1, point2), ("thigh", point2, point3), ("shank", point3, foot)))
+    hip, thigh, shank = (
+        tape.vector(name, minus(b, a)) for name, a, b in (("hip", point1, point2), ("thigh", point2, point3), ("shank", point3, foot))
+    )
     lift = tape.let("hip_height", dot(hip, axis1))
     length2, angle2 = _polar(thigh, forward, axis1, tape, "thigh")
     length3, angle3 = _polar(shank, forward, axis1, tape, "shank")

@@ -16,6 +16,7 @@ _CANONICAL = Port("target", (3,), "m")
 _GEOMETRY = Port("geometry", (10,), "m and rad")
 _SOURCE = "theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form"
 
+
 def inverse(mechanism: Mechanism, leg: Limb) -> Solve:
     """All four branches (rho, knee) = (+,+), (+,-), (-,+), (-,-), with a status each; the closest point off the fast path."""
     words = signature(

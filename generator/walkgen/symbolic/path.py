@@ -98,7 +98,9 @@ class Kinematics:
         if yaw is not None:
             return replace(place, offset=place.offset + place.flip * yaw, flip=place.flip * int(rotation[2][2]))
         here = self._columns(place)
-        x, y, z = (self.tape.vector(f"group_{place.label}_{name}", times(here, column)) for name, column in zip("xyz", rotation, strict=True))
+        x, y, z = (
+            self.tape.vector(f"group_{place.label}_{name}", times(here, column)) for name, column in zip("xyz", rotation, strict=True)
+        )
         return Place(world=(x, y, z), group=place.group + 1)
 
     def _cos_sin(self, place: Place) -> tuple[sympy.Expr, sympy.Expr]:

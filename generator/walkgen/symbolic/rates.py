@@ -39,7 +39,9 @@ def inverse_acceleration(mechanism: Mechanism, leg: Limb) -> Solve:
     path = PathFunctions(mechanism, Route(leg.name, (leg,)))
     wanted = path.tape.vector("wanted", minus(_vector(symbols_of(inputs[2])), bias(path.motion)[0]))
     rest = Port("rest", (3,), "m/s^2")
-    kernel = path.tape.function(_kernel(words, "acceleration_jacobian", words.inputs, (rest,)), (*flat(path.motion.kinematics.jacobian), *wanted))
+    kernel = path.tape.function(
+        _kernel(words, "acceleration_jacobian", words.inputs, (rest,)), (*flat(path.motion.kinematics.jacobian), *wanted)
+    )
     closed = _closed_form(words, path.tape, path.motion.kinematics.jacobian, wanted, _damping(mechanism, leg))
     arguments = (*(port.name for port in words.inputs), "J", "rest")
     return Solve(words, (_JACOBIAN, rest), (Step(kernel, arguments), _solve(mechanism, leg, "rest", "qdd")), closed)
@@ -75,7 +77,9 @@ def _closed_form(words: Signature, tape: Tape, columns: tuple[Vec, ...], rate: V
     direct = _cramer(columns, rate, tape, "direct")
     loaded = [[gram[i][j] + (lambda2 if i == j else 0) for j in range(3)] for i in range(3)]
     along = _cramer(tuple(_vector3([loaded[i][j] for i in range(3)]) for j in range(3)), rate, tape, "damped")
-    rates = [tape.let("rate", Select(damped, dot(column, along), value)) for column, value in zip((first, second, third), direct, strict=True)]
+    rates = [
+        tape.let("rate", Select(damped, dot(column, along), value)) for column, value in zip((first, second, third), direct, strict=True)
+    ]
     finite = Finite(tape.let("sum", sympy.Add(*rate, *(entry for column in columns for entry in column))))
     return tape.function(words, [*rates, Select(finite, Select(damped, _SINGULAR, _OK), _BAD_INPUT)])
 
