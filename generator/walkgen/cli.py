@@ -58,7 +58,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-Specs = Annotated[list[Path], typer.Argument(metavar="SPEC...", help="Robot specs (TOML).")]
+Specs = Annotated[list[Path], typer.Argument(metavar="SPEC", help="Robot specs (TOML).")]
 Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Each robot gets its own folder DIR/<robot>/.")]
 
 
@@ -127,7 +127,7 @@ def _print_report(report: "BuildReport") -> None:
 
 @app.command(name="check")
 def check_specs(
-    specs: Annotated[list[Path] | None, typer.Argument(metavar="SPEC...", help="Robot specs (TOML).")] = None,
+    specs: Annotated[list[Path] | None, typer.Argument(metavar="SPEC", help="Robot specs (TOML).")] = None,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of the spec language, for editors.")] = False,
     form: Annotated[Format, typer.Option("--format", help="How problems are printed.")] = Format.TEXT,
 ) -> None:

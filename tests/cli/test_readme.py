@@ -35,7 +35,7 @@ def test_the_two_commands_are_single_lines():
 
 def test_twelve_lines_become_the_function_shown(tmp_path):
     toml, shown = blocks("toml")[0], blocks("c")[0]
-    assert len([line for line in toml.splitlines() if line]) == 12
+    assert len(toml.splitlines()) == 12
     (tmp_path / "hop.toml").write_text(toml, encoding="utf-8")
     pipeline.build(tmp_path / "hop.toml", tmp_path, pipeline.BuildOptions(targets=("c",)))
     assert shown in (tmp_path / "hop" / "hop.c").read_text(encoding="utf-8")
