@@ -1,12 +1,11 @@
 """The package around a generated robot: `__init__.py`, which loads it, and `__init__.pyi`, which tells editors what it has."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.layout import lay_out
-from walkgen.emit.python_text import banner, port_line, printable, title
-from walkgen.model.mechanism import Limb
+from walkgen.emit.python_text import banner, docstring, port_line, title
 from walkgen.signature import Port, Signature
 
 
@@ -31,7 +30,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Family:
-    """All legs, or all chains: the classes of their mapping and of its values, and what both say beside their methods."""
+    """All legs, chains or routes: their mapping's class, the classes of its values and what these have beside methods."""
 
     name: str
     base: str
@@ -40,52 +39,66 @@ class Family:
     attributes: tuple[str, ...]
 
 
+_FUNCTIONS = "functions: Mapping[str, Callable[..., Any]]"
+_LIMB = ("joints: tuple[str, ...]", "slice: builtins.slice", "limits: NDArray[np.float64]", _FUNCTIONS)
+_ATTRIBUTES = {
+    "Leg": ("name: str", "platform: str", *_LIMB, "branch_names: tuple[str, ...]", "inverse_class: str"),
+    "Chain": ("name: str", "parent: str", "child: str", *_LIMB),
+    "Route": ("name: str", "owner: str", "indices: NDArray[np.intp]", _FUNCTIONS),
+}
 _ROBOT = (
     "name: str",
-    "legs: _Legs",
-    "chains: _Chains",
+    "description: str",
+    "folder: Path",
     "platforms: tuple[str, ...]",
-    "parameters: Mapping[str, float]",
     "joint_names: tuple[str, ...]",
     "limits: NDArray[np.float64]",
-    "functions: Mapping[str, Callable[..., Any]]",
+    "parameters: Mapping[str, float]",
+    "legs: _Legs",
+    "chains: _Chains",
+    "routes: _Routes",
+    _FUNCTIONS,
     'backend: Literal["c", "numpy"]',
+    "backend_reason: str",
 )
-_ATTRIBUTES = {
-    "Leg": ("name: str", "platform: str", "joint_names: tuple[str, ...]", "slice: builtins.slice", "branch_names: tuple[str, ...]"),
-    "Chain": ("name: str", "parent: str", "child: str", "joint_names: tuple[str, ...]", "slice: builtins.slice"),
-}
+"""What walkgen.runtime gives a robot and its parts beside their functions."""
 
 
 def package_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
     """`__init__.py` and `__init__.pyi` of the robot's folder."""
     robot = code.mechanism
     common = {"banner": banner(code), "title": title(code, "Python")}
-    legs, chains = (_family(code, kind, limbs) for kind, limbs in (("Leg", robot.legs), ("Chain", robot.chains)))
+    routed = tuple(leg.name for leg in robot.legs if robot.ancestors(leg.platform))
+    families = (
+        _family(code, "Leg", {leg.name: leg.name for leg in robot.legs}),
+        _family(code, "Chain", {chain.name: chain.name for chain in robot.chains}),
+        _family(code, "Route", {name: f"root_to_{name}" for name in routed}),
+    )
     real = "np.floating[Any]" if code.float32 else "np.float64"
-    own = {"families": [legs, chains], "attributes": _ROBOT, "methods": _methods(code, "")}
+    own = {"families": families, "attributes": _ROBOT, "methods": _methods(code, ""), "functions": _methods(code, "", "    ")}
     stub = lay_out("package.pyi.jinja", "__init__.pyi", **common, **own, real=real)
     return lay_out("package.py.jinja", "__init__.py", **common, robot=robot.name), stub
 
 
-def _family(code: RobotCode, kind: str, limbs: tuple[Limb, ...]) -> Family:
+def _family(code: RobotCode, kind: str, owners: Mapping[str, str]) -> Family:
+    """The parts of one kind; `owners` are their functions' owners by the parts' names."""
     alike: dict[tuple[Method, ...], list[str]] = {}
-    for limb in limbs:
-        alike.setdefault(_methods(code, limb.name), []).append(limb.name)
+    for name, owner in owners.items():
+        alike.setdefault(_methods(code, owner), []).append(name)
     groups = tuple(
         Group(f"_{kind}{number if len(alike) > 1 else ''}", _literal(names), methods)
         for number, (methods, names) in enumerate(alike.items(), start=1)
     )
-    key, value = _literal(limb.name for limb in limbs), " | ".join(group.name for group in groups) or "Never"
+    key, value = _literal(owners), " | ".join(group.name for group in groups) or "Never"
     return Family(f"_{kind}s", f"Mapping[{key}, {value}]", _lookups(groups, key, value), groups, _ATTRIBUTES[kind])
 
 
 def _lookups(groups: tuple[Group, ...], key: str, value: str) -> tuple[str, ...]:
-    """The mapping's `[]`: each name gives its own class, an unknown one of them any."""
-    if len(groups) < 2:
-        return ("...",)
-    pairs = [*((group.key, group.name) for group in groups), (key, value)]
-    return tuple(line for given, gives in pairs for line in ("@overload", f"def __getitem__(self, name: {given}, /) -> {gives}: ..."))
+    """The mapping's own methods: each name gives its own class, an unknown one of them any."""
+    pairs = [*((group.key, group.name) for group in groups if len(groups) > 1), (key, value)]
+    overload = ("@overload",) if len(pairs) > 1 else ()
+    found = (line for given, gives in pairs for line in (*overload, f"def __getitem__(self, name: {given}, /) -> {gives}: ..."))
+    return *found, f"def __iter__(self) -> Iterator[{key}]: ...", "def __len__(self) -> int: ..."
 
 
 def _literal(names: Iterable[str]) -> str:
@@ -93,20 +106,19 @@ def _literal(names: Iterable[str]) -> str:
     return f"Literal[{quoted}]" if quoted else "Never"
 
 
-def _methods(code: RobotCode, owner: str) -> tuple[Method, ...]:
+def _methods(code: RobotCode, owner: str, indent: str = "        ") -> tuple[Method, ...]:
     """The callables of one limb, or of the robot for an empty owner."""
-    return tuple(_method(body.signature) for body in code.functions if body.signature.owner == owner)
+    return tuple(_method(body.signature, indent) for body in code.functions if body.signature.owner == owner)
 
 
-def _method(signature: Signature) -> Method:
+def _method(signature: Signature, indent: str) -> Method:
     inputs = [f"{port.name}: ArrayLike" for port in signature.inputs if port.name != "param"]
     keywords = ["*", *(f"{port.name}: ArrayLike | None = None" for port in signature.inputs if port.name == "param"), "out: Any = None"]
-    lines = (signature.doc, port_line(signature), signature.source)
     return Method(
         signature.name,
         ", ".join([*inputs, *keywords]),
         _returned(signature.outputs),
-        tuple(printable(line) for line in lines if line),
+        docstring(indent, signature.doc or signature.name, port_line(signature), signature.source),
     )
 
 

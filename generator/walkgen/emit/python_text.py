@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable
 from decimal import Decimal
+from itertools import chain
 from math import isfinite
+from textwrap import wrap
 
 from walkgen import __version__
 from walkgen.emit.artifact import Body, RobotCode
@@ -61,10 +63,21 @@ def port_line(signature: Signature) -> str:
 
 
 def summary(body: Body) -> tuple[str, ...]:
-    """Docstring lines: what the function is, its ports, how much it costs and where it comes from."""
+    """A function's docstring: what it is; its ports, how much it costs and where it comes from."""
     signature = body.signature
-    parts = (port_line(signature), f"{operations(body)} operations", signature.source)
-    return tuple(printable(line) for line in (signature.doc or short_name(signature), "; ".join(part for part in parts if part)))
+    cost = "; ".join(part for part in (f"{operations(body)} operations", signature.source) if part)
+    return docstring("    ", signature.doc or short_name(signature), port_line(signature), cost)
+
+
+def docstring(indent: str, first: str, *rest: str) -> tuple[str, ...]:
+    """Lines of a docstring, escaped and filled: the first text, an empty line, then each other text on lines of its own."""
+    head, *others = (_filled(text) for text in (first, *rest) if text)
+    lines = (f'"""{head[0]}', *head[1:], *([""] if others else []), *chain(*others), '"""')
+    return tuple(f"{indent}{line}".rstrip() for line in lines)
+
+
+def _filled(text: str) -> list[str]:
+    return wrap(printable(text), _WIDEST, break_long_words=False, break_on_hyphens=False)
 
 
 def shape_text(shape: Iterable[int]) -> str:
@@ -78,7 +91,7 @@ def unpacked(names: Iterable[str]) -> str:
     return f"({', '.join(everything)}{',' if len(everything) == 1 else ''})"
 
 
-def wrap(items: Iterable[str], indent: str) -> tuple[str, ...]:
+def filled(items: Iterable[str], indent: str) -> tuple[str, ...]:
     """The items, each followed by a comma, filled into indented lines."""
     lines: list[str] = []
     for item in items:
@@ -95,4 +108,4 @@ def listing(opening: str, items: Iterable[str], closing: str, indent: str = "   
     line = f"{indent}{opening}{', '.join(everything)}{closing}"
     if len(line) <= _WIDEST:
         return (line,)
-    return (f"{indent}{opening}", *wrap(everything, indent + "    "), f"{indent}{closing}")
+    return (f"{indent}{opening}", *filled(everything, indent + "    "), f"{indent}{closing}")
