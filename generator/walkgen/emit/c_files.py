@@ -18,8 +18,7 @@ _ALWAYS = ("walkgen_status.h", "walkgen_math.h")
 
 def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
     """What the library is compiled from: `<robot>.h`, `<robot>.c`, with float32 the same in float, and the support headers."""
-    precisions = (DOUBLE, FLOAT) if code.float32 else (DOUBLE,)
-    pairs = [artifact for precision in precisions for artifact in _pair(code, precision)]
+    pairs = [artifact for precision in _precisions(code) for artifact in _pair(code, precision)]
     return (*pairs, *(_support(name) for name in support_headers(code)))
 
 
@@ -33,8 +32,11 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
     """Names of the csupport headers that the robot's sources include."""
-    precisions = [DOUBLE.header, FLOAT.header] if code.float32 else [DOUBLE.header]
-    return tuple(dict.fromkeys([*_ALWAYS, *precisions, *_routine_headers(code)]))
+    return tuple(dict.fromkeys([*_ALWAYS, *(precision.header for precision in _precisions(code)), *_routine_headers(code)]))
+
+
+def _precisions(code: RobotCode) -> tuple[Precision, ...]:
+    return (DOUBLE, FLOAT) if code.float32 else (DOUBLE,)
 
 
 def _routine_headers(code: RobotCode) -> list[str]:
@@ -102,13 +104,13 @@ def _free(wanted: str, taken: set[str]) -> str:
 def build_files(code: RobotCode) -> tuple[Artifact, ...]:
     """CMakeLists.txt and `<robot>.pc`."""
     robot = code.mechanism.name
-    sources = c_sources(code)
+    stems = [_stem(code, precision) for precision in _precisions(code)]
     described = comment_text(code.mechanism.description).replace("$", "$$") or f"Kinematics of {robot}"
     values = {
         "robot": robot,
         "version": __version__,
-        "sources": [str(source.path) for source in sources if source.path.suffix == ".c"],
-        "headers": [str(source.path) for source in sources if source.path.suffix == ".h"],
+        "sources": [f"{stem}.c" for stem in stems],
+        "headers": [*(f"{stem}.h" for stem in stems), *support_headers(code)],
     }
     return (
         lay_out("CMakeLists.txt.jinja", "CMakeLists.txt", **values),

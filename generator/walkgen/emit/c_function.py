@@ -1,6 +1,6 @@
 """Programs and Composites as C functions: declaration, body, batch variant and the comment above them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -13,6 +13,7 @@ from walkgen.graph.routines import ROUTINES
 from walkgen.signature import Port, Signature
 
 _INDENT = "    "
+_COLUMNS = 116
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ def function_name(signature: Signature, precision: Precision) -> str:
 def kernel(program: Program, name: str, printer: CPrinter) -> CFunction:
     """A Program as a static function that writes every output through a pointer."""
     signature = program.signature
-    head = f"static void {name}({_parameters(signature.inputs, signature.outputs, printer.precision)})"
+    head = _declared(f"static void {name}", _parameters(signature.inputs, signature.outputs, printer.precision))
     body = walk(program, printer)
     return CFunction(name, head, tuple(_program_lines(program, body, printer, None)), locals_size=_locals_size(body, printer.precision))
 
@@ -71,7 +72,7 @@ def batch_function(signature: Signature, precision: Precision) -> CFunction:
     returned = _returned(signature)
     inputs = [_batch_parameter(port, "const ", precision) for port in signature.inputs]
     outputs = [_batch_parameter(port, "", precision) for port in signature.outputs]
-    head = f"{'size_t' if signature.status else 'void'} {single}_batch({', '.join(['size_t rows', *inputs, *outputs])})"
+    head = _declared(f"{'size_t' if signature.status else 'void'} {single}_batch", ["size_t rows", *inputs, *outputs])
     arguments = [_row(port, by_value=not port.shape) for port in signature.inputs]
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
     step = f"{single}({', '.join(arguments)})"
@@ -117,10 +118,20 @@ def _returned(signature: Signature) -> Port | None:
     return signature.status if signature.status and not signature.status.shape else None
 
 
-def _parameters(inputs: tuple[Port, ...], outputs: tuple[Port, ...], precision: Precision) -> str:
-    texts = [_input_parameter(port, precision) for port in inputs]
-    texts += [f"{_type(port, precision)} *WG_RESTRICT {port.name}" for port in outputs]
-    return ", ".join(texts) or "void"
+def _parameters(inputs: tuple[Port, ...], outputs: tuple[Port, ...], precision: Precision) -> list[str]:
+    written = [f"{_type(port, precision)} *WG_RESTRICT {port.name}" for port in outputs]
+    return [*(_input_parameter(port, precision) for port in inputs), *written]
+
+
+def _declared(start: str, parameters: Sequence[str]) -> str:
+    """A declaration, its parameters filled into lines where one is not enough."""
+    lines = [f"{start}("]
+    for place, text in enumerate(parameters or ["void"]):
+        piece = text + (", " if place + 1 < len(parameters) else ")")
+        if len(lines[-1]) + len(piece) > _COLUMNS:
+            lines.append(_INDENT)
+        lines[-1] += piece
+    return "\n".join(line.rstrip() for line in lines)
 
 
 def _input_parameter(port: Port, precision: Precision) -> str:
@@ -132,7 +143,7 @@ def _public(body: Program | Composite, precision: Precision, lines: tuple[str, .
     name = function_name(signature, precision)
     returned = _returned(signature)
     outputs = tuple(port for port in signature.outputs if port is not returned)
-    head = f"{'int32_t' if signature.status else 'void'} {name}({_parameters(signature.inputs, outputs, precision)})"
+    head = _declared(f"{'int32_t' if signature.status else 'void'} {name}", _parameters(signature.inputs, outputs, precision))
     return CFunction(name, head, lines, _doc(body, stack), stack)
 
 
