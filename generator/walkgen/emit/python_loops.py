@@ -15,6 +15,7 @@ _WORD = 8
 """Bytes that a core buffer's entries are aligned to; also the size of NumPy's integers here (int64 in, int32 out)."""
 
 _HEADER = "walkgen_loops.h"
+_WIDEST = 110
 _MOST_PORTS, _HIGHEST_RANK = 32, 6
 
 
@@ -102,11 +103,21 @@ def _lines(signature: Signature, name: str, precision: Precision) -> Iterator[st
             returned = f"*{place} = "
         else:
             arguments.append(place)
-    yield f"{returned or _discard(signature)}{name}({', '.join(arguments)});"
+    yield from _call(f"{returned or _discard(signature)}{name}(", arguments)
 
 
 def _discard(signature: Signature) -> str:
     return "(void)" if signature.status else ""
+
+
+def _call(opening: str, arguments: list[str]) -> Iterator[str]:
+    """The call on one line if it is short, else one argument a line."""
+    line = f"{opening}{', '.join(arguments)});"
+    if len(line) <= _WIDEST:
+        yield line
+        return
+    yield opening
+    yield from (f"    {argument}{',' if place < len(arguments) else ');'}" for place, argument in enumerate(arguments, 1))
 
 
 def _input(port: Port, local: str, place: str, precision: Precision) -> str:

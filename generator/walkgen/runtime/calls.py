@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from walkgen.signature import Signature
+from walkgen.signature import Port, Signature
 
 Function = Callable[..., Any]
 
@@ -55,7 +55,8 @@ class Vectorised:
             TypeError: a wrong number of inputs.
             ValueError: an input whose last dimensions are not its port's.
         """
-        results = self.function(*arguments)
+        narrow = (_narrowed(value, port) for value, port in zip(arguments, self.signature.inputs, strict=False))
+        results = self.function(*narrow, *arguments[len(self.signature.inputs) :])
         if out is None:
             return results
         single = len(self.signature.outputs) == 1
@@ -65,6 +66,14 @@ class Vectorised:
 
     def __repr__(self) -> str:
         return f"<function {self.signature.full_name!r} in NumPy>"
+
+
+def _narrowed(value: Any, port: Port) -> Any:
+    """An integer that int32 cannot hold becomes -1, which is never valid, as in the compiled loops; all else is left to the function."""
+    if port.kind != "integer":
+        return value
+    array = np.asarray(value)
+    return np.where((array < 0) | (array > np.iinfo(np.int32).max), -1, array) if array.dtype.kind in "iu" else array
 
 
 def _filled(place: Any, result: Any) -> Any:

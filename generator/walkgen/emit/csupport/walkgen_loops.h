@@ -12,6 +12,13 @@
 #include <stdint.h>
 #include <string.h>
 
+/* One copy of the shared body for all loops: inlining it into each of hundreds would cost seconds of compiling. */
+#if defined(__GNUC__) || defined(__clang__)
+#define WALKGEN_SHARED static __attribute__((noinline, unused))
+#else
+#define WALKGEN_SHARED static
+#endif
+
 #define WALKGEN_MAX_PORTS 32
 #define WALKGEN_MAX_RANK 6
 
@@ -73,8 +80,8 @@ static inline void walkgen_copy(const walkgen_port *port, char *data, const intp
 }
 
 /* The rows one by one through the buffer, for the arguments that are not dense. */
-static inline void walkgen_gather(walkgen_rows run, const walkgen_port *ports, int count, const char *dense, char *buffer,
-                                  char *const *arguments, const intptr_t *dimensions, const intptr_t *steps) {
+WALKGEN_SHARED void walkgen_gather(walkgen_rows run, const walkgen_port *ports, int count, const char *dense, char *buffer,
+                                   char *const *arguments, const intptr_t *dimensions, const intptr_t *steps) {
     char *row[WALKGEN_MAX_PORTS];
     intptr_t at;
     for (at = 0; at < dimensions[0]; at++) {
@@ -98,8 +105,8 @@ static inline void walkgen_gather(walkgen_rows run, const walkgen_port *ports, i
 }
 
 /* The body of every loop. Flags that untaken branches raised are lowered: a status, not a warning, says what failed. */
-static inline void walkgen_loop(walkgen_rows run, const walkgen_port *ports, int count, char *buffer, char *const *arguments,
-                                const intptr_t *dimensions, const intptr_t *steps) {
+WALKGEN_SHARED void walkgen_loop(walkgen_rows run, const walkgen_port *ports, int count, char *buffer, char *const *arguments,
+                                 const intptr_t *dimensions, const intptr_t *steps) {
     char dense[WALKGEN_MAX_PORTS];
     const intptr_t *core = steps + count;
     int all = 1;
