@@ -103,6 +103,16 @@ def test_the_distance_is_the_least_of_the_sheet(geometry, target):
         assert abs(found[row] - least_distance(geometry, target, SIGMA[row])) <= 1e-12 * scale
 
 
+@given(st.floats(0.5, 2.0), st.floats(0.3, 1.5), st.floats(0.3, 2.0), st.floats(-0.4, 0.4), st.floats(1e-6, 0.3))
+@settings(max_examples=150, deadline=None)
+def test_inside_the_folded_circle_two_minima_compete(hip, folded, w, beside, height):
+    geometry = np.array([hip, folded + 0.2, 0.2, w, *PLAIN])
+    target = (np.hypot(hip + beside, w), 0.0, height)
+    found = distances(geometry, target, solved(geometry, target))
+    assert abs(found[0] - least_distance(geometry, target, 1.0)) <= 1e-12
+    assert abs(found[2] - least_distance(geometry, target, -1.0)) <= 1e-12
+
+
 @given(legs(), st.tuples(coordinate, coordinate, coordinate))
 @settings(max_examples=150, deadline=None)
 def test_the_row_lies_on_its_branch(geometry, target):
