@@ -63,11 +63,11 @@ def test_wrong_code_fails(tmp_path, length):
 
 def crooked() -> Mechanism:
     """A chain with a slider, then a leg with a slider, a backward joint and skew axes."""
-    yaw = Joint("yaw", "revolute", (Motion("rotate", 0, exact(1)),), -1, exact(Decimal("0.2")), (), None, None, None, None, "", "")
-    slide = Joint(
-        "slide", "prismatic", (Motion("rotate", 1, Pi()),), 1, ZERO, (Motion("rotate", 0, exact(2)),), None, None, None, None, "", ""
-    )
-    lift = Joint("lift", "prismatic", (Motion("rotate", 1, exact(1)),), -1, ZERO, (), None, None, None, None, "", "")
+    tilt, turn = (Motion("rotate", 0, exact(1)),), (Motion("rotate", 1, Pi()),)
+    nothing = (None, None, None, None, "", "")
+    yaw = Joint("yaw", "revolute", tilt, -1, exact(Decimal("0.2")), (), *nothing)
+    slide = Joint("slide", "prismatic", turn, 1, ZERO, tilt, *nothing)
+    lift = Joint("lift", "prismatic", tilt, -1, ZERO, (), *nothing)
     reach = (Motion("translate", 0, exact(Decimal("0.4"))), Motion("rotate", 2, exact(1)))
     chain = Limb("waist", 0, (Motion("translate", 1, exact(1)),), (yaw, slide), reach, child=1)
     leg = Limb("leg", 1, reach, (yaw, lift, yaw), reach)
