@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy
 
 from oracles import chapter, theory
 from oracles.backends import BACKENDS
@@ -103,6 +104,42 @@ def test_second_derivatives_by_the_operators(shipped, leg_b, backend):
         products = [chapter.chain(rows, pairs, row) for row in q]
         assert difference(robot.call(backend, "leg", "foot_jacobian", q), [chapter.jacobian(W, pairs, foot) for W in products]) <= 1e-13
         assert difference(robot.call(backend, "leg", "foot_hessian", q), [chapter.hessian(W, pairs, foot) for W in products]) <= 1e-13
+
+
+def fig_7():
+    """The theory's closed form of the general yaw-pitch-pitch leg B, for sympy to differentiate."""
+    q = sympy.symbols("theta1:4", real=True)
+    (_, s1, a1, _), (_, s2, a2, _), (_, s3, a3, _) = theory.LEG_B
+    x4, y4, z4 = theory.LEG_B_FOOT
+    u, v, w, both = a3 + x4, y4, s2 + s3 + z4, q[1] + q[2]
+    rho = a1 + a2 * sympy.cos(q[1]) + u * sympy.cos(both) - v * sympy.sin(both)
+    h = a2 * sympy.sin(q[1]) + u * sympy.sin(both) + v * sympy.cos(both)
+    p = (rho * sympy.cos(q[0]) + w * sympy.sin(q[0]), rho * sympy.sin(q[0]) - w * sympy.cos(q[0]), s1 + h)
+    det = -a2 * rho * (u * sympy.sin(q[2]) + v * sympy.cos(q[2]))
+    return q, sympy.Matrix(p), det
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_closed_form_differentiated_by_sympy(leg_b, backend):
+    symbols, p, det = fig_7()
+    hessian = [[[p[k].diff(a, b) for b in symbols] for a in symbols] for k in range(3)]
+    q = np.random.default_rng(4).uniform(-3, 3, (8, 3))
+    position, jacobian, second, determinant = (sympy.lambdify(symbols, part) for part in (p, p.jacobian(symbols), hessian, det))
+    J = leg_b.call(backend, "leg", "foot_jacobian", q)
+    assert difference(leg_b.call(backend, "leg", "foot_position", q), [position(*row).ravel() for row in q]) <= 1e-14
+    assert difference(J, [jacobian(*row) for row in q]) <= 1e-14
+    assert difference(leg_b.call(backend, "leg", "foot_hessian", q), [second(*row) for row in q]) <= 1e-14
+    assert difference(np.linalg.det(J), [determinant(*row) for row in q]) <= 1e-14
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_derivatives_are_differences(leg_b, backend):
+    """Central differences of the generated functions themselves."""
+    q, step = np.random.default_rng(5).uniform(-3, 3, (4, 3)), 1e-5
+    for lower, upper in (("foot_position", "foot_jacobian"), ("foot_jacobian", "foot_hessian")):
+        sides = [[leg_b.call(backend, "leg", lower, q + sign * row) for row in step * np.eye(3)] for sign in (1, -1)]
+        slope = np.stack([(one - other) / (2 * step) for one, other in zip(*sides, strict=True)], axis=-1)
+        assert difference(leg_b.call(backend, "leg", upper, q), slope) <= 1e-9
 
 
 def library(robot, backend):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mechanisms.random_specs import specs
 from oracles.backends import BACKENDS, interpreted, programs
 from oracles.measure import difference
+from oracles.peer import PinocchioLeg
 from oracles.walker import Walker, WalkerLimb, read
 
 ACCURACY = 1e-12
@@ -102,3 +103,16 @@ def test_compiled_robot(compiled, backend):
         for owner, name, inputs, value in expectations(walker, seed):
             rows = [np.asarray(part)[None] for part in inputs]
             assert difference(robot.call(backend, owner, name, *rows)[0], value) <= ACCURACY, (owner, name)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_compiled_robot_moves_as_pinocchios(compiled, backend):
+    walker, robot = compiled
+    generator = np.random.default_rng(9)
+    for leg in walker.legs:
+        peer = PinocchioLeg(leg)
+        q, qd = generator.uniform(-np.pi, np.pi, (2, 4, len(leg.joints)))
+        J = robot.call(backend, leg.name, "foot_spatial_jacobian", q)
+        bias = robot.call(backend, leg.name, "foot_bias_acceleration", q, qd)
+        assert difference(J, [peer.spatial_jacobian(row) for row in q]) <= ACCURACY
+        assert difference(bias, [peer.bias_acceleration(*row) for row in zip(q, qd, strict=True)]) <= ACCURACY
