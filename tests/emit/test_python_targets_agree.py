@@ -13,10 +13,12 @@ from walkgen.graph.interpret import interpret
 from walkgen.graph.lower import lower
 from walkgen.graph.program import Composite, Program
 from walkgen.model.assemble import assemble
+from walkgen.signature import STATUSES
 from walkgen.spec.read import read
 from walkgen.symbolic.derive import derive
 
 SPECS = Path(__file__).parents[2] / "specs"
+BAD_INPUT = STATUSES.index("BAD_INPUT")
 ROBOTS = ("mero_leg", "mero_leg_param", "ambler_rrp", "mero_style")
 
 
@@ -40,11 +42,11 @@ def robot(request, tmp_path_factory):
 
 
 def drawn(signature, random, rows=4):
-    """Inputs by port; a branch is an index, runtime parameters are lengths."""
+    """Inputs by port; a branch is an index, or just outside the indices; runtime parameters are lengths."""
     inputs = {}
     for port in signature.inputs:
         if port.kind == "integer":
-            inputs[port.name] = random.integers(0, 4, size=(rows, *port.shape))
+            inputs[port.name] = random.integers(-1, 5, size=(rows, *port.shape))
         else:
             low = 0.2 if port.name == "param" else -1
             inputs[port.name] = random.uniform(low, 1, size=(rows, *port.shape))
@@ -99,12 +101,28 @@ def test_closed_forms_of_composites(robot):
                 *symbolic, symbolic_status = with_casadi(robot, body, inputs, row)
                 np.testing.assert_array_equal(status[row].ravel(), expected_status)
                 np.testing.assert_array_equal(symbolic_status, expected_status)
+                bad = np.atleast_1d(status[row]) == BAD_INPUT
                 good = np.atleast_1d(status[row]) == 0
                 compared += good.sum()
                 for value, other, third in zip(values, expected, symbolic, strict=True):
                     near(value[row].reshape(len(good), -1)[good], other.reshape(len(good), -1)[good], body.signature.full_name)
                     near(third, other, body.signature.full_name)
+                    assert np.isnan(value[row].reshape(len(bad), -1)[bad]).all()
     assert compared > 0 or not any(isinstance(body, Composite) for body in robot.bodies)
+
+
+def test_no_nan_goes_with_ok(robot):
+    """NaN in a target, joint value or rate gives BAD_INPUT: in NumPy with its routines, and in CasADi."""
+    random = np.random.default_rng(10)
+    for body in robot.bodies:
+        if isinstance(body, Composite):
+            for poisoned in (port.name for port in body.signature.inputs if port.kind == "real" and port.name != "param"):
+                inputs = drawn(body.signature, random)
+                inputs[poisoned][..., -1] = np.nan
+                *_, status = listed(robot.vectorised(body)(*inputs.values()))
+                assert (status == BAD_INPUT).all(), f"{body.signature.full_name} with NaN in {poisoned}"
+                if closed_form(body) is not None:
+                    np.testing.assert_array_equal(with_casadi(robot, body, inputs, 0)[-1], np.full(status[0].size, BAD_INPUT))
 
 
 def test_nan_passes_through_alike(robot):

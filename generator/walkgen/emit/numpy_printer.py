@@ -100,8 +100,12 @@ def numpy_artifact(code: RobotCode) -> Artifact:
 def _kernels(code: RobotCode) -> tuple[Program, ...]:
     """The Programs inside Composites, each once, in order of first use."""
     bodies = [body for body in code.functions if isinstance(body, Composite)]
-    programs = [call.callee for body in bodies for call in body.calls if isinstance(call.callee, Program)]
-    return tuple({program.signature.full_name: program for program in programs}.values())
+    found: dict[str, Program] = {}
+    for program in (call.callee for body in bodies for call in body.calls if isinstance(call.callee, Program)):
+        name = program.signature.full_name
+        if found.setdefault(name, program) != program:
+            raise AssertionError(f"two kernels are called {name}")
+    return tuple(found.values())
 
 
 def _imports(code: RobotCode) -> tuple[str, ...]:
