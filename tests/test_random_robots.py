@@ -8,14 +8,14 @@ import pytest
 from hypothesis import Phase, find, given, settings
 from hypothesis import strategies as st
 
-from mechanisms.random_specs import specs
+from mechanisms.random_specs import CONVENTIONS, specs
 from oracles.backends import BACKENDS, interpreted, programs
 from oracles.measure import difference
 from oracles.peer import PinocchioLeg
 from oracles.walker import Walker, WalkerLimb, read
 
 ACCURACY = 1e-12
-ONCE = settings(max_examples=10, derandomize=True, deadline=None, phases=[Phase.explicit, Phase.generate])
+UNSHRUNK = settings(derandomize=True, deadline=None, phases=[Phase.generate])
 
 
 def leg_functions(leg: WalkerLimb, q, qd, qdd, force):
@@ -68,9 +68,7 @@ def route_functions(robot: Walker, leg: WalkerLimb, q):
     yield owner, "foot_jacobian", (own,), J[:, indices]
 
 
-@ONCE
-@given(specs(), st.integers(0, 2**32 - 1))
-def test_programs(text, seed):
+def assert_programs(text: str, seed: int) -> None:
     robot = read(text)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "spec.toml"
@@ -78,6 +76,19 @@ def test_programs(text, seed):
         found = {(program.signature.owner, program.signature.name): program for program in programs(path).values()}
     for owner, name, inputs, value in expectations(robot, seed):
         assert difference(interpreted(found[owner, name], *inputs), value) <= ACCURACY, (owner, name)
+
+
+@settings(UNSHRUNK, max_examples=8)
+@given(specs(), st.integers(0, 2**32 - 1))
+def test_programs(text, seed):
+    assert_programs(text, seed)
+
+
+@pytest.mark.nightly
+@settings(UNSHRUNK, max_examples=300)
+@given(specs(), st.integers(0, 2**32 - 1))
+def test_many_programs(text, seed):
+    assert_programs(text, seed)
 
 
 def has_everything(text: str) -> bool:
@@ -88,11 +99,11 @@ def has_everything(text: str) -> bool:
     return nested and len(kinds) == 2 and any(leg.mirrored for leg in robot.legs) and robot.joint_count <= 16
 
 
-@pytest.fixture(scope="module", params=["classic", "craig", "axis"])
+@pytest.fixture(scope="module", params=CONVENTIONS)
 def compiled(request, built):
-    """The first random robot that has everything, and legs or chains in this convention."""
-    search = settings(max_examples=5000, derandomize=True, deadline=None, phases=[Phase.generate])
-    text = find(specs(), lambda text: request.param in text and has_everything(text), settings=search)
+    """The first random robot in this convention that has everything."""
+    search = settings(UNSHRUNK, max_examples=5000)
+    text = find(specs(most_joints=5, conventions=[request.param]), has_everything, settings=search)
     return read(text), built(text.replace('name = "robot"', f'name = "random_{request.param}"'))
 
 
