@@ -172,6 +172,19 @@ def test_names_are_mapped_and_the_sources_kept(imported):
     assert ("HAA", "haa") in result.names
 
 
+@pytest.mark.parametrize(("name", "key"), [("Solo-12", "solo_12"), ("7up", "n7up"), ("", "robot"), ("Walkgen", "robot"), ("int", "int_1")])
+def test_the_robot_is_called_as_near_as_can_be(imported, name, key):
+    assert tomllib.loads(imported(LEG, "foot", name=name).toml)["robot"]["name"] == key
+
+
+def test_a_rod_without_thickness_is_marked_so_that_the_spec_passes(imported, tmp_path):
+    body = inertial("1.0", origin="", moments=("0", "1", "1", "0", "0", "0"))
+    result = imported([LEG[0].replace('<link name="Hip"/>', f'<link name="Hip">{body}</link>'), *LEG[1:]], "foot")
+    assert [warning.code for warning in result.warnings] == ["WG514"]
+    (tmp_path / "rod.toml").write_text(result.toml, encoding="utf-8")
+    assert read(tmp_path / "rod.toml").leg_designs["foot"].joints[0].link.allow_unphysical
+
+
 def test_free_text_is_escaped(imported):
     parts = [LEG[0], LEG[1], joint("x&#127;&quot;\\é", "revolute", "Hip", "thigh"), LEG[3]]
     assert tomllib.loads(imported(parts, "foot").toml)["legs"][0]["source_names"] == ["HAA", 'x\x7f"\\é']
@@ -241,6 +254,8 @@ def test_joints_on_the_way_to_no_foot_are_named(imported):
         ([*LEG, '<link name="Hip"/>'], "WG510", "given twice"),
         ([LEG[0], LEG[1].replace("HAA", "hfe"), *LEG[2:]], "WG511", "both become 'hfe'"),
         ([LEG[0], LEG[1].replace("HAA", "1st"), *LEG[2:]], "WG511", "not a name"),
+        ([LEG[0], LEG[1].replace("HAA", "Double"), *LEG[2:]], "WG511", "'double', which is a keyword of C"),
+        ([LEG[0].replace('<link name="Hip"/>', f'<link name="Hip">{inertial("-1")}</link>'), *LEG[1:]], "WG508", "negative"),
         ([LEG[0], "<xacro:macro xmlns:xacro='http://www.ros.org/wiki/xacro'/>", *LEG[1:]], "WG503", "xacro"),
         ([LEG[0], LEG[1].replace("0.1946", "${x}"), *LEG[2:]], "WG503", "xacro"),
     ],

@@ -125,14 +125,14 @@ def _inertia(path: Path, body: Link | PlatformSpec, numbers: Numbers) -> Iterato
     if mass is None or mass < 0 or len(known) < len(moments):
         return
     place = (*path, "inertia") if body.inertia else (*path, "mass")
-    message = _unphysical(mass, known)
+    message = unphysical(mass, known)
     if message:
         cure = "mend it (ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, kg m^2), or write allow_unphysical = true"
         rests_on = tuple((*path, key) for key in ("mass", "inertia", "allow_unphysical"))
         yield Finding("WG162", place, message, cure, rests_on)
 
 
-def _unphysical(mass: Value, moments: Sequence[Value]) -> str:
+def unphysical(mass: Value, moments: Sequence[Value]) -> str:
     """What keeps the inertia from being a real body's, or nothing."""
     if not any(moments):
         return "a body with mass has an inertia" if mass else ""

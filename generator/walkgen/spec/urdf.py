@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from walkgen.errors import Problem, SpecError, UnsupportedMechanism
-from walkgen.spec.urdf_pose import IDENTITY, Inertial, Pose, compose, merge, off_grid, unphysical
+from walkgen.spec.names import PATTERN, RESERVED, is_own_prefix, suggestion
+from walkgen.spec.urdf_pose import IDENTITY, Inertial, Pose, compose, merge, off_grid
 from walkgen.spec.urdf_read import Urdf, UrdfJoint, UrdfLink, read_urdf
-from walkgen.spec.urdf_write import Leg, Row, write
-
-_NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
+from walkgen.spec.urdf_write import Leg, Row, oddity, write
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,7 @@ def convert(path: Path, feet: tuple[str, ...]) -> Imported:
     legs = tuple(_leg(tree, foot, path) for foot, path in zip(feet, paths, strict=True))
     base = tree.body(tree.root)
     keys = _names(tree, feet, legs)
-    robot = _key(tree.urdf.name) if _NAME.fullmatch(_key(tree.urdf.name)) else "robot"
-    return Imported(write(robot, path.name, (_key(tree.root), base), legs), keys, _warnings(tree, base, legs))
+    return Imported(write(_robot(tree.urdf.name), path.name, (_key(tree.root), base), legs), keys, _warnings(tree, base, legs))
 
 
 class Tree:
@@ -181,6 +179,19 @@ def _key(name: str) -> str:
     return re.sub(r"[^a-z0-9_]", "_", name.lower())
 
 
+def _robot(name: str) -> str:
+    """The robot's name; where its own cannot be one, the nearest that can."""
+    near = suggestion(name)
+    return near if near and not is_own_prefix(near) else "robot"
+
+
+def _unusable(key: str) -> str:
+    """What keeps a key from being a name; empty if nothing does."""
+    if not PATTERN.fullmatch(key):
+        return "not a name: a letter first, at most 31 letters, digits and underscores"
+    return RESERVED.get(key, "")
+
+
 def _names(tree: Tree, feet: tuple[str, ...], legs: tuple[Leg, ...]) -> tuple[tuple[str, str], ...]:
     """Each of the URDF's names that the spec uses, with the spec's name."""
     links = [(name, _key(name), tree.links[name].place) for name in (tree.root, *feet)]
@@ -189,9 +200,8 @@ def _names(tree: Tree, feet: tuple[str, ...], legs: tuple[Leg, ...]) -> tuple[tu
     for group in groups:
         first: dict[str, str] = {}
         for source, key, place in group:
-            if not _NAME.fullmatch(key):
-                cure = "rename it in the URDF: a letter first, at most 31 letters, digits and underscores"
-                problems.append(Problem("WG511", f"{source!r} becomes {key!r}, which is not a name", cure, place))
+            if _unusable(key):
+                problems.append(Problem("WG511", f"{source!r} becomes {key!r}, which is {_unusable(key)}", "rename it in the URDF", place))
             elif first.setdefault(key, source) != source:
                 message = f"{first[key]!r} and {source!r} both become {key!r}"
                 problems.append(Problem("WG511", message, "rename one of them in the URDF", place))
@@ -204,7 +214,7 @@ def _warnings(tree: Tree, base: Inertial | None, legs: tuple[Leg, ...]) -> tuple
     rows = [row for leg in legs for row in leg.rows]
     warnings = []
     for link, body in ((tree.root, base), *((row.joint.child, row.body) for row in rows)):
-        reason = unphysical(body) if body else ""
+        reason = oddity(body) if body else ""
         if reason:
             cure = "kept with allow_unphysical = true; correct it in the spec if you can"
             warnings.append(Problem("WG514", f"link {link!r} (with what is fixed to it): {reason}", cure, tree.links[link].place))

@@ -79,17 +79,6 @@ def merge(bodies: Sequence[tuple[Pose, Inertial]]) -> Inertial:
     return Inertial(mass, Pose(_triple(centre, _BODY_DIGITS), ORIGIN), (xx, yy, zz, xy, xz, yz))
 
 
-def unphysical(body: Inertial) -> str:
-    """Why no distribution of mass has this inertia; empty if one has (a thin plate, the limit, does)."""
-    if body.mass <= 0:
-        return "the mass is not positive"
-    small, middle, large = sorted(_MP.eigsy(_matrix(body.moments), eigvals_only=True))
-    tolerance = large * _MP.mpf("1e-30")
-    if small < -tolerance or large <= 0:
-        return "the inertia is not positive definite"
-    return "the inertia breaks the triangle inequality" if small + middle < large - tolerance else ""
-
-
 def off_grid(angle: Decimal) -> bool:
     """Whether an angle looks like a rounded multiple of pi/12: closer than 1e-4 rad, yet not equal to double precision."""
     error = abs(_mpf(angle) - _MP.nint(_mpf(angle) / _STEP) * _STEP)

@@ -151,6 +151,8 @@ class _Reader:
         value = Decimal(0) if mass is None else self._number(mass, "value", None)
         if mass is None:
             self._add("WG507", "<inertial> without <mass>", 'add <mass value="..."/> (kg)', element)
+        if value < 0:
+            self._add("WG508", f"the mass is negative: {value}", "give it in kg; a frame without mass needs no <inertial>", element)
         xx, yy, zz, xy, xz, yz = moments
         inertial = Inertial(value, self._origin(element), (xx, yy, zz, xy, xz, yz))
         return inertial if value or any(moments) else None

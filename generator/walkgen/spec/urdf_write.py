@@ -4,8 +4,10 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
 
-from walkgen.spec.urdf_pose import IDENTITY, Inertial, Pose, unphysical
+from walkgen.spec.checks_values import unphysical
+from walkgen.spec.urdf_pose import IDENTITY, Inertial, Pose
 from walkgen.spec.urdf_read import MOVABLE, UrdfJoint
 
 
@@ -90,7 +92,12 @@ def _body(body: Inertial | None) -> list[str]:
     if body is None:
         return []
     lines = [f"mass = {_number(body.mass)}", f"com = {_array(body.origin.xyz)}", f"inertia = {_array(body.moments)}"]
-    return [*lines, "allow_unphysical = true"] if unphysical(body) else lines
+    return [*lines, "allow_unphysical = true"] if oddity(body) else lines
+
+
+def oddity(body: Inertial) -> str:
+    """Why no real body has this inertia, by the rules that specs are checked with; empty if one has."""
+    return unphysical(Fraction(body.mass), [Fraction(moment) for moment in body.moments])
 
 
 def _pose(pose: Pose) -> str:
