@@ -40,14 +40,15 @@ class Branches:
     def __init__(self, mechanism: Mechanism, leg: Limb, p: Sequence[sympy.Expr], index: sympy.Expr = sympy.S.Zero) -> None:
         self.tape = Tape()
         self._p, self._index = p, index
-        self._geometry: Geometry = geometry(leg, parameter_symbols(mechanism), self.tape)
+        self._parameters = parameter_symbols(mechanism)
+        self._geometry: Geometry = geometry(leg, self._parameters, self.tape)
 
     @cached_property
     def _taint(self) -> sympy.Expr:
-        """0 for a finite target and a known branch, NaN otherwise: it poisons every angle and decides BAD_INPUT."""
+        """0 for finite inputs and a known branch, NaN otherwise: it poisons every angle and decides BAD_INPUT."""
         valid = Both(LessEqual(0, self._index), LessEqual(self._index, 3))
         stray = sympy.S.Zero if self._index == 0 else Select(valid, 0, sympy.sqrt(-1 - self._index**2))
-        return self.tape.let("taint", sympy.Add(*(Residue(x) for x in self._p)) + stray)
+        return self.tape.let("taint", sympy.Add(*(Residue(x) for x in (*self._p, *self._parameters.values()))) + stray)
 
     @cached_property
     def target(self) -> Vec:
