@@ -1,5 +1,6 @@
 """Programs and Composites as C functions: declaration, body, batch variant and the comment above them."""
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -168,20 +169,31 @@ def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Po
     for number, port in enumerate(program.signature.inputs):
         if number not in used:
             yield f"{_INDENT}(void){port.name};"
-    for statement in body.statements:
-        kind = "int" if statement.truth else printer.precision.real
+    yield from _interleaved(program.signature, body, printer.precision, returned)
+
+
+def _interleaved(signature: Signature, body: Body, precision: Precision, returned: Port | None) -> Iterator[str]:
+    """Statements, each output as soon as it can be written: fewer values stay alive, so fewer are spilled to the stack."""
+    due: dict[int, list[str]] = defaultdict(list)
+    for after, line in _output_lines(signature, body, returned):
+        due[after].append(line)
+    for place, statement in enumerate(body.statements):
+        yield from due[place]
+        kind = "int" if statement.truth else precision.real
         yield f"{_INDENT}const {kind} {statement.name} = {statement.text};"
-    texts = iter(text.text for text in body.outputs)
-    last = ""
-    for port in program.signature.outputs:
-        for element in range(port.size):
-            text = next(texts) if port.kind == "real" else f"(int32_t)({next(texts)})"
-            if port is returned:
-                last = f"{_INDENT}return {text};"
-            else:
-                yield f"{_INDENT}{f'{port.name}[{element}]' if port.shape else f'*{port.name}'} = {text};"
-    if last:
-        yield last
+    yield from due[len(body.statements)]
+
+
+def _output_lines(signature: Signature, body: Body, returned: Port | None) -> Iterator[tuple[int, str]]:
+    """Every output's assignment and how many statements it follows; the returned status last."""
+    texts = iter(body.outputs)
+    written = [(port, element, next(texts)) for port in signature.outputs for element in range(port.size)]
+    for port, element, output in sorted(written, key=lambda one: one[0] is returned):
+        text = output.text if port.kind == "real" else f"(int32_t)({output.text})"
+        if port is returned:
+            yield len(body.statements), f"{_INDENT}return {text};"
+        else:
+            yield output.after, f"{_INDENT}{f'{port.name}[{element}]' if port.shape else f'*{port.name}'} = {text};"
 
 
 def _locals_size(body: Body, precision: Precision) -> int:
