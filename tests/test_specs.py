@@ -15,6 +15,7 @@ from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Mechanism
 from walkgen.model.walk import CONTEXT, limb_frames, number, platform_poses
 from walkgen.spec.read import read
+from walkgen.spec.schema import schema_json
 
 FOLDER = Path(__file__).parents[1] / "specs"
 NAMES = ("ambler_rpp", "ambler_rrp", "mero", "mero_leg", "mero_leg_param", "mero_star", "mero_style", "phantomx_leg", "solo12")
@@ -35,6 +36,11 @@ def floats(matrix) -> np.ndarray:
 
 def test_every_file_is_tested():
     assert sorted(path.stem for path in FOLDER.glob("*.toml")) == sorted(NAMES)
+
+
+def test_schema_beside_the_specs_is_the_languages():
+    committed = (FOLDER / "walkgen-spec-1.json").read_text(encoding="utf-8")
+    assert committed.rstrip() == schema_json().rstrip(), "stale; run: walkgen check --schema > specs/walkgen-spec-1.json"
 
 
 @pytest.mark.parametrize("name", NAMES)
