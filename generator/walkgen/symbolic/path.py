@@ -11,7 +11,7 @@ from functools import cached_property
 import sympy
 
 from walkgen.model.mechanism import Joint, Limb
-from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of
+from walkgen.symbolic.frames import Frame, Parameters, cosine_sine, expression, frame_of
 from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Columns, Tape, Vec, cross, plus, scaled, times
 
 
@@ -104,13 +104,15 @@ class Kinematics:
         return Place(world=(x, y, z), group=place.group + 1)
 
     def _cos_sin(self, place: Place) -> tuple[sympy.Expr, sympy.Expr]:
+        """Of the place's whole angle; quarter turns only swap and negate, so that the names keep their meaning."""
         if place.angle == 0:
-            angle = place.offset
-        else:
-            quarter = (2 * place.offset / sympy.pi).is_integer
-            angle = place.angle + place.offset if quarter else self.tape.let(f"turned_{place.label}", place.angle + place.offset)
-        cosine = self.tape.let(f"cos_{place.label}", sympy.cos(angle))
-        return cosine, self.tape.let(f"sin_{place.label}", sympy.sin(angle))
+            return cosine_sine(place.offset)
+        quarters = 2 * place.offset / sympy.pi
+        label, angle = place.label, place.angle
+        if not quarters.is_integer:
+            label, angle, quarters = f"turned_{label}", self.tape.let(f"turned_{label}", angle + place.offset), sympy.S.Zero
+        cosine, sine = self.tape.let(f"cos_{label}", sympy.cos(angle)), self.tape.let(f"sin_{label}", sympy.sin(angle))
+        return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[int(quarters) % 4]
 
     def _planar(self, place: Place, vector: Vec, name: str) -> Vec:
         """Rz(angle) diag(1, flip, flip) * vector: into the group's axes."""
