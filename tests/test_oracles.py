@@ -147,6 +147,13 @@ def library(robot, backend):
 
 
 @pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_position_with_jacobian_in_one_call(leg_b, backend):
+    p, J = library(leg_b, backend).foot_position_jacobian(theory.Q)
+    assert difference(p, theory.O3_P) <= 1e-14
+    assert difference(J, theory.O3_J) <= 1e-14
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_o2_inverse(leg_a, backend):
     leg = library(leg_a, backend)
     q, status = leg.inverse(theory.O2_P)
