@@ -1,6 +1,7 @@
 """Rules of names: what they look like, that they differ, and that they still differ when joined to the names of generated code."""
 
 from collections.abc import Iterator
+from typing import TypeVar
 
 from walkgen.spec.functions import CHAIN_FUNCTIONS, FORWARD_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS
 from walkgen.spec.names import PATTERN, RESERVED, is_own_prefix, suggestion
@@ -11,6 +12,7 @@ from walkgen.spec.table import Path
 from walkgen.spec.tree import design_of, platform_of
 
 _LONGEST_TEXT = 500
+_Entry = TypeVar("_Entry", PlatformSpec, LegSpec)
 
 
 def check_names(spec: RobotSpec) -> Iterator[Finding]:
@@ -83,13 +85,19 @@ def _duplicates(group: list[tuple[Path, str]]) -> Iterator[Finding]:
         seen.add(name)
 
 
+def _first(listed: tuple[_Entry, ...]) -> list[tuple[int, _Entry]]:
+    """The entries with their indices, without those that repeat a name (which is a problem of its own)."""
+    names = [entry.name for entry in listed]
+    return [(index, entry) for index, entry in enumerate(listed) if names.index(entry.name) == index]
+
+
 def _function_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     """Where each generated function's owner is named, and the function's full name."""
     robot = spec.robot.name
     yield from ((("robot", "name"), f"{robot}_{function}") for function in ROBOT_FUNCTIONS)
-    for index, platform in enumerate(spec.platforms[1:], start=1):
+    for index, platform in _first(spec.platforms)[1:]:
         yield from ((("platforms", index, "name"), f"{robot}_{platform.name}_{function}") for function in CHAIN_FUNCTIONS)
-    for index, leg in enumerate(spec.legs):
+    for index, leg in _first(spec.legs):
         path: Path = ("legs", index, "name")
         yield from ((path, f"{prefix}_{leg.name}_{function}") for function in LEG_FUNCTIONS for prefix in (robot, f"{robot}_f32"))
         if spec.platforms and platform_of(spec, leg) != spec.platforms[0].name:
@@ -100,9 +108,9 @@ def _joint_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     """Where each joint of the robot gets its name, and that name."""
     chains = spec.chain_designs
     owners: list[tuple[Path, PlatformSpec | LegSpec, Design | None]] = [
-        (("platforms", index), platform, chains.get(platform.chain or "")) for index, platform in enumerate(spec.platforms)
+        (("platforms", index), platform, chains.get(platform.chain or "")) for index, platform in _first(spec.platforms)
     ]
-    owners += [(("legs", index), leg, design_of(spec, leg)) for index, leg in enumerate(spec.legs)]
+    owners += [(("legs", index), leg, design_of(spec, leg)) for index, leg in _first(spec.legs)]
     for path, owner, design in owners:
         for index, joint in enumerate(design.joints if design else ()):
             sources = owner.source_names

@@ -116,7 +116,8 @@ def _designs(spec: RobotSpec) -> Iterator[Finding]:
                 yield Finding("WG144", (key, name, "joints"), f"the {what} has no joints", f"write [[{key}.{name}.joints]] for every joint")
     uses: tuple[Path, ...] = (("platforms",), *(("platforms", index, "chain") for index in range(len(spec.platforms))))
     used = {platform.chain for platform in spec.platforms}
+    astray = used - {None} - spec.chain_designs.keys()  # an unknown name may have meant the unused design
     for name in spec.chain_designs:
-        if name not in used:
+        if name not in used and not astray:
             cure = f'write chain = "{shown(name)}" at a platform, or remove the design'
             yield Finding("WG145", ("chain_designs", name), "the chain joins nothing: no platform uses it", cure, uses)

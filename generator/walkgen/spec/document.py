@@ -11,12 +11,13 @@ import tomli
 from walkgen.errors import Place, Problem, SpecError
 
 _LARGEST_FILE = 1 << 20
+_MOST_ENTRIES = 30_000
 _MOST_PARTS = 12
 _DEEPEST = 32
 _KEY_PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _LONG_KEY = re.compile(rf"(?:^|[\[{{,])[ \t]*(?:{_KEY_PART}[ \t]*\.[ \t]*){{{_MOST_PARTS}}}", re.MULTILINE)
 _TOKEN = re.compile(r'"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*|[\[{]|[\]}]')
-_LONG_NUMBER = re.compile(r"\d[\d_]{2000,}")
+_LONG_NUMBER = re.compile(r"0x[\da-fA-F_]{1000,}|\d[\d_]{1000,}")
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,8 @@ def open_document(path: Path) -> Document:
     """
     text = _text(path)
     _refuse_long_keys(path, text)
+    _refuse_bulk(path, text)
+    _refuse_long_numbers(path, text)
     try:
         return Document(str(path), text, tomli.loads(text, parse_float=_decimal))
     except tomli.TOMLDecodeError as error:
@@ -43,10 +46,6 @@ def open_document(path: Path) -> Document:
         raise SpecError(Problem("WG104", f"not TOML: {error.msg}", "see https://toml.io for the syntax", place)) from None
     except RecursionError:
         raise _too_deep(path, text, _first_too_deep(text)) from None
-    except ValueError:
-        match = _LONG_NUMBER.search(text)
-        place = place_at(str(path), text, match.start() if match else 0)
-        raise SpecError(Problem("WG113", "a number of thousands of digits", "give a number that a double can hold", place)) from None
 
 
 def place_at(file: str, text: str, offset: int) -> Place:
@@ -78,11 +77,27 @@ def _text(path: Path) -> str:
 
 def _decoded(path: Path, content: bytes) -> str:
     try:
-        return content.decode("utf-8").replace("\r\n", "\n")
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8")
         place = place_at(str(path), before, len(before))
         raise SpecError(Problem("WG103", "the file is not UTF-8 text", "save it as UTF-8", place)) from None
+
+
+def _refuse_bulk(path: Path, text: str) -> None:
+    """Refuse what would take seconds to say little: tens of thousands of keys or list entries."""
+    if sum(map(text.count, "=,.[")) > _MOST_ENTRIES:
+        cure = "describe repeated legs once, as a leg design"
+        raise SpecError(
+            Problem("WG107", f"more than {_MOST_ENTRIES} keys, list entries and decimal points", cure, place_at(str(path), text, 0))
+        )
+
+
+def _refuse_long_numbers(path: Path, text: str) -> None:
+    match = _LONG_NUMBER.search(text)
+    if match:
+        place = place_at(str(path), text, match.start())
+        raise SpecError(Problem("WG113", "a number of thousands of digits", "give a number that a double can hold", place))
 
 
 def _refuse_long_keys(path: Path, text: str) -> None:

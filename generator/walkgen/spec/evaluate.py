@@ -10,7 +10,7 @@ from walkgen.spec.problems import Finding
 from walkgen.spec.scalar import Apply, ExpressionError, Name, Scalar, evaluate, names, substitute
 from walkgen.spec.schema import ParameterSpec
 
-_MOST_TERMS = 20_000
+_MOST_TERMS = 5_000
 
 
 class Uncomputable(ValueError):

@@ -6,6 +6,8 @@ from difflib import get_close_matches
 
 from walkgen.spec.table import Path
 
+_LONGEST_WORD = 40
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -34,7 +36,9 @@ def shown(text: str, longest: int = 60) -> str:
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
     """The known word most like the misspelt one, if any comes close."""
-    plain = word[:100].lower().replace("-", "_")
+    if len(word) > _LONGEST_WORD:
+        return None
+    plain = word.lower().replace("-", "_")
     return next(iter(get_close_matches(plain, list(known), n=1, cutoff=0.6)), None)
 
 

@@ -77,9 +77,8 @@ def _error(document: Document, findings: tuple[Finding, ...]) -> SpecError | Uns
     positions = Positions(document)
     problems = [_problem(finding, positions) for finding in dict.fromkeys(findings)]
     problems.sort(key=lambda problem: (problem.place.line, problem.place.column) if problem.place else (0, 0))
-    left = len(problems) - _MOST_PROBLEMS
-    if left > 0:
-        problems[_MOST_PROBLEMS:] = [Problem("WG106", f"{left} more problems are not listed", "mend those above first")]
+    if len(problems) > _MOST_PROBLEMS:
+        problems[_MOST_PROBLEMS:] = [Problem("WG106", "there are more problems than are listed", "mend those above first")]
     kind = UnsupportedMechanism if all(finding.code == _UNSUPPORTED for finding in findings) else SpecError
     return kind(*problems)
 

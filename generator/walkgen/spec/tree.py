@@ -7,7 +7,7 @@ from walkgen.spec.schema import LegDesign, LegSpec, RobotSpec
 
 def originals(spec: RobotSpec, leg: LegSpec) -> Iterator[LegSpec]:
     """The leg, the leg that it mirrors, and so on; ends at an unknown name or before a leg met earlier."""
-    legs = {entry.name: entry for entry in spec.legs}
+    legs = {entry.name: entry for entry in reversed(spec.legs)}
     met: set[str] = set()
     step: LegSpec | None = leg
     while step is not None and step.name not in met:
@@ -32,15 +32,17 @@ def platform_of(spec: RobotSpec, leg: LegSpec) -> str | None:
 
 
 def mirror_circle(spec: RobotSpec, leg: LegSpec) -> list[str]:
-    """Names of the legs that mirror each other in a circle through this leg; empty if there is none."""
+    """Names of the legs that mirror each other in a circle through this leg; empty if there is none, or if names are not unique."""
+    if sum(other.name == leg.name for other in spec.legs) > 1:
+        return []
     names = [entry.name for entry in originals(spec, leg)]
     return [*names, leg.name] if _source(spec, leg).mirror_of == leg.name else []
 
 
 def platform_circle(spec: RobotSpec, name: str) -> list[str]:
-    """Names of the platforms that are each other's parents in a circle through this one; empty if there is none."""
-    parents = {entry.name: entry.parent for entry in spec.platforms}
+    """Names of the platforms that are each other's parents in a circle through this one but not the root; empty if there is none."""
+    parents = {entry.name: entry.parent for entry in reversed(spec.platforms)}
     names = [name]
     while (parent := parents.get(names[-1])) is not None and parent not in names:
         names.append(parent)
-    return [*names, name] if parent == name else []
+    return [*names, name] if parent == name and spec.platforms[0].name not in names else []
