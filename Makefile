@@ -2,6 +2,8 @@
 .PHONY: check lint test nightly bench
 
 BIN ?= .venv/bin
+SHELL := /bin/bash
+.SHELLFLAGS := -o pipefail -c
 
 check: lint test
 

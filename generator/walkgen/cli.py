@@ -38,6 +38,14 @@ class Format(StrEnum):
     JSON = "json"
 
 
+class Verify(StrEnum):
+    """What `walkgen build` proves of what it built."""
+
+    NONE = "none"
+    TEST = "test"
+    FULL = "full"
+
+
 class _Commands(TyperGroup):
     """Turns what the user can mend into its report and exit code 2; anything else is our bug and keeps its traceback."""
 
@@ -83,21 +91,29 @@ def build(
     float32: Annotated[bool, typer.Option("--float32", help="Add a single-precision library.")] = False,
     targets: Annotated[str, typer.Option(metavar="LIST", help="Any of c,casadi,numpy instead of the spec's targets.")] = "",
     no_fma: Annotated[bool, typer.Option("--no-fma", help="No fused multiply-add: equal bits on every machine.")] = False,
+    verify: Annotated[Verify, typer.Option(help="Run the self-test; full: with strict warnings and sanitizers.")] = Verify.NONE,
 ) -> None:
     """Generate and compile each robot into DIR/<robot>/."""
-    from walkgen import pipeline
+    from walkgen import pipeline, selftest
+    from walkgen.toolchain import FLAGS
 
     options = pipeline.BuildOptions(targets=_targets(targets), float32=float32, fma=not no_fma)
     if check:
         _check_stale(specs, output, options)
         return
 
+    failed: list[Path] = []
+
     def one(spec: Path) -> None:
         with _progress(spec) as progress:
             report = pipeline.build(spec, output, options, progress)
         _print_report(report)
+        if verify is not Verify.NONE and selftest.run(report.folder, selftest.STRICT if verify is Verify.FULL else FLAGS):
+            failed.append(report.folder)
 
     _for_each(specs, one)
+    if failed:
+        raise typer.Exit(DIFFERENCE)
 
 
 def _check_stale(specs: list[Path], output: Path, options: "BuildOptions") -> None:

@@ -4,17 +4,25 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from walkgen.errors import OutputError, Problem
-from walkgen.toolchain import build_program
+from walkgen.toolchain import FLAGS, build_program
+
+STRICT = (
+    *("-std=c99", "-O1", "-g", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
+    *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror"),
+)
+"""Every warning an error, every stray access or undefined operation the program's end."""
 
 
-def run(folder: Path) -> int:
+def run(folder: Path, flags: Sequence[str] = FLAGS) -> int:
     """Build and run the self-test; it prints what it compares to standard output.
 
     Args:
         folder: a built robot, such as generated/mero.
+        flags: what to compile with: the library's own flags, or `STRICT`.
 
     Returns:
         0 if every value agrees, 1 otherwise.
@@ -26,7 +34,7 @@ def run(folder: Path) -> int:
     robot = _robot(folder)
     with tempfile.TemporaryDirectory(prefix="walkgen-test-") as work:
         suffix = ".exe" if sys.platform == "win32" else ""
-        program = build_program(folder.resolve(), (f"{robot}.c", f"{robot}_test.c"), Path(work) / f"{robot}_test{suffix}")
+        program = build_program(folder.resolve(), (f"{robot}.c", f"{robot}_test.c"), Path(work) / f"{robot}_test{suffix}", flags)
         sys.stdout.flush()
         return int(subprocess.run((str(program),), check=False).returncode != 0)
 

@@ -7,23 +7,13 @@ from keyword import kwlist
 
 from walkgen.emit.artifact import Artifact, Body, RobotCode
 from walkgen.emit.layout import lay_out
-from walkgen.emit.python_text import banner, listing, literal, printable, short_name, summary, title
-from walkgen.emit.walker import Form, Level, Text, walk
+from walkgen.emit.python_text import OPERATORS, banner, listing, literal, printable, short_name, summary, title
+from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Op, Program
 from walkgen.signature import Port
 
-_SUMS = (Level.SUM, Level.PRODUCT)
-_PRODUCTS = (Level.PRODUCT, Level.UNARY)
-_BETWEEN_SUMS = (Level.SUM, Level.SUM)
 _FORMS: Mapping[Code, Form] = {
-    Code.NEG: Form("-{0}", Level.UNARY, (Level.ATOM,)),
-    Code.ADD: Form("{0} + {1}", Level.SUM, _SUMS),
-    Code.SUB: Form("{0} - {1}", Level.SUM, _SUMS),
-    Code.MUL: Form("{0} * {1}", Level.PRODUCT, _PRODUCTS),
-    Code.DIV: Form("{0} / {1}", Level.PRODUCT, _PRODUCTS),
-    Code.FMA: Form("{0} * {1} + {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
-    Code.FMS: Form("{0} * {1} - {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
-    Code.FNMA: Form("{2} - {0} * {1}", Level.SUM, (*_PRODUCTS, Level.SUM)),
+    **OPERATORS,
     Code.SQRT: Form("ca.sqrt({0})"),
     Code.SIN: Form("ca.sin({0})"),
     Code.COS: Form("ca.cos({0})"),
@@ -32,9 +22,6 @@ _FORMS: Mapping[Code, Form] = {
     Code.ABS: Form("ca.fabs({0})"),
     Code.MIN: Form("_least({0}, {1})"),
     Code.MAX: Form("_greatest({0}, {1})"),
-    Code.LESS: Form("{0} < {1}", Level.COMPARE, _BETWEEN_SUMS),
-    Code.LESS_EQUAL: Form("{0} <= {1}", Level.COMPARE, _BETWEEN_SUMS),
-    Code.EQUAL: Form("{0} == {1}", Level.COMPARE, _BETWEEN_SUMS),
     Code.FINITE: Form("_finite({0})"),
     Code.AND: Form("ca.logic_and({0}, {1})"),
     Code.OR: Form("ca.logic_or({0}, {1})"),

@@ -1,7 +1,6 @@
 """emit: a robot's programs become all of its files, text only, in a fixed order."""
 
 from dataclasses import replace
-from pathlib import Path, PurePosixPath
 
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_files import build_files, c_sources
@@ -9,10 +8,8 @@ from walkgen.emit.casadi_printer import casadi_artifact
 from walkgen.emit.manifest import manifest
 from walkgen.emit.numpy_printer import numpy_artifact
 from walkgen.emit.python_files import package_artifacts
-from walkgen.emit.python_loops import python_loops
+from walkgen.emit.python_loops import python_sources
 from walkgen.emit.selftest import selftest_artifact
-
-_LOOPS = "walkgen_loops.h"
 
 
 def emit(code: RobotCode) -> tuple[Artifact, ...]:
@@ -25,5 +22,4 @@ def emit(code: RobotCode) -> tuple[Artifact, ...]:
 
 
 def _library(code: RobotCode) -> tuple[Artifact, ...]:
-    loops = Artifact(PurePosixPath(_LOOPS), (Path(__file__).parent / "csupport" / _LOOPS).read_text(encoding="utf-8"))
-    return tuple(replace(artifact, in_library=True) for artifact in (*c_sources(code), python_loops(code), loops))
+    return tuple(replace(artifact, in_library=True) for artifact in (*c_sources(code), *python_sources(code)))

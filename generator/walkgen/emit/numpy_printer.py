@@ -8,24 +8,14 @@ from keyword import kwlist
 
 from walkgen.emit.artifact import Artifact, Body, RobotCode
 from walkgen.emit.layout import lay_out
-from walkgen.emit.python_text import banner, listing, literal, shape_text, short_name, summary, title, unpacked
-from walkgen.emit.walker import Form, Level, Text, walk
+from walkgen.emit.python_text import OPERATORS, banner, listing, literal, shape_text, short_name, summary, title, unpacked
+from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES, Routine
 from walkgen.signature import Port
 
-_SUMS = (Level.SUM, Level.PRODUCT)
-_PRODUCTS = (Level.PRODUCT, Level.UNARY)
-_BETWEEN_SUMS = (Level.SUM, Level.SUM)
 _FORMS: Mapping[Code, Form] = {
-    Code.NEG: Form("-{0}", Level.UNARY, (Level.ATOM,)),
-    Code.ADD: Form("{0} + {1}", Level.SUM, _SUMS),
-    Code.SUB: Form("{0} - {1}", Level.SUM, _SUMS),
-    Code.MUL: Form("{0} * {1}", Level.PRODUCT, _PRODUCTS),
-    Code.DIV: Form("{0} / {1}", Level.PRODUCT, _PRODUCTS),
-    Code.FMA: Form("{0} * {1} + {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
-    Code.FMS: Form("{0} * {1} - {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
-    Code.FNMA: Form("{2} - {0} * {1}", Level.SUM, (*_PRODUCTS, Level.SUM)),
+    **OPERATORS,
     Code.SQRT: Form("np.sqrt({0})"),
     Code.SIN: Form("np.sin({0})"),
     Code.COS: Form("np.cos({0})"),
@@ -34,9 +24,6 @@ _FORMS: Mapping[Code, Form] = {
     Code.ABS: Form("np.abs({0})"),
     Code.MIN: Form("_least({0}, {1})"),
     Code.MAX: Form("_greatest({0}, {1})"),
-    Code.LESS: Form("{0} < {1}", Level.COMPARE, _BETWEEN_SUMS),
-    Code.LESS_EQUAL: Form("{0} <= {1}", Level.COMPARE, _BETWEEN_SUMS),
-    Code.EQUAL: Form("{0} == {1}", Level.COMPARE, _BETWEEN_SUMS),
     Code.FINITE: Form("np.isfinite({0})"),
     Code.AND: Form("np.logical_and({0}, {1})"),
     Code.OR: Form("np.logical_or({0}, {1})"),

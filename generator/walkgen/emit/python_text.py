@@ -1,6 +1,6 @@
 """What every generated Python file shares: its banner, escaped text, literals and lists."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from itertools import chain
 from math import isfinite
@@ -9,8 +9,27 @@ from textwrap import wrap
 from walkgen import __version__
 from walkgen.emit.artifact import Body, RobotCode
 from walkgen.emit.manifest import operations
-from walkgen.emit.walker import Level, Text
+from walkgen.emit.walker import Form, Level, Text
+from walkgen.graph.program import Code
 from walkgen.signature import Port, Signature
+
+_SUMS = (Level.SUM, Level.PRODUCT)
+_PRODUCTS = (Level.PRODUCT, Level.UNARY)
+_BETWEEN_SUMS = (Level.SUM, Level.SUM)
+OPERATORS: Mapping[Code, Form] = {
+    Code.NEG: Form("-{0}", Level.UNARY, (Level.ATOM,)),
+    Code.ADD: Form("{0} + {1}", Level.SUM, _SUMS),
+    Code.SUB: Form("{0} - {1}", Level.SUM, _SUMS),
+    Code.MUL: Form("{0} * {1}", Level.PRODUCT, _PRODUCTS),
+    Code.DIV: Form("{0} / {1}", Level.PRODUCT, _PRODUCTS),
+    Code.FMA: Form("{0} * {1} + {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
+    Code.FMS: Form("{0} * {1} - {2}", Level.SUM, (*_PRODUCTS, Level.PRODUCT)),
+    Code.FNMA: Form("{2} - {0} * {1}", Level.SUM, (*_PRODUCTS, Level.SUM)),
+    Code.LESS: Form("{0} < {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.LESS_EQUAL: Form("{0} <= {1}", Level.COMPARE, _BETWEEN_SUMS),
+    Code.EQUAL: Form("{0} == {1}", Level.COMPARE, _BETWEEN_SUMS),
+}
+"""What Python writes with operators, whatever the values are; multiply-adds are two roundings here."""
 
 _WIDEST = 110
 _SPECIAL = '"\\'

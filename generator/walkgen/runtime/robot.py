@@ -17,8 +17,24 @@ from walkgen.runtime.manifest import FunctionEntry
 from walkgen.runtime.modules import execute
 
 
+class _Owner:
+    """What has functions of its own: each is also an attribute, and a missing one says why it is missing."""
+
+    name: str
+    functions: Mapping[str, Function]
+
+    def __post_init__(self) -> None:
+        self.__dict__.update(self.functions)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        closed_inverse = vars(self).get("inverse_class") != ""
+        raise absent(type(self).__name__.lower(), self.name, name, self.functions, closed_inverse=closed_inverse)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Leg:
+class Leg(_Owner):
     """A leg: `q` is in the order of `joints`, results are in the frame of its `platform`.
 
     `slice` cuts the leg's part out of the robot's q; `limits` [n,2] are infinite where the spec gives none; `branch_names`
@@ -36,21 +52,13 @@ class Leg:
     inverse_class: str
     functions: Mapping[str, Function]
 
-    def __post_init__(self) -> None:
-        self.__dict__.update(self.functions)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise absent("leg", self.name, name, self.functions, closed_inverse=bool(self.inverse_class))
-
     def __repr__(self) -> str:
         inverse = f"inverse {self.inverse_class}" if self.inverse_class else "no closed-form inverse"
         return f"<leg {self.name!r} on {self.platform!r}: {', '.join(self.joints)}; {inverse}; {len(self.functions)} functions>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Chain:
+class Chain(_Owner):
     """A connecting chain from the platform `parent` to the platform `child`; its functions are also attributes, as a leg's are."""
 
     name: str
@@ -61,34 +69,18 @@ class Chain:
     limits: np.ndarray
     functions: Mapping[str, Function]
 
-    def __post_init__(self) -> None:
-        self.__dict__.update(self.functions)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise absent("chain", self.name, name, self.functions)
-
     def __repr__(self) -> str:
         return f"<chain {self.name!r} from {self.parent!r} to {self.child!r}: {', '.join(self.joints)}; {len(self.functions)} functions>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Route:
+class Route(_Owner):
     """The way from the first platform through the chains to one leg's foot: q is `robot_q[..., indices]`."""
 
     name: str
     owner: str
     indices: np.ndarray
     functions: Mapping[str, Function]
-
-    def __post_init__(self) -> None:
-        self.__dict__.update(self.functions)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise absent("route", self.name, name, self.functions)
 
     def __repr__(self) -> str:
         return f"<route to {self.name!r}: joints {self.indices.tolist()}; {len(self.functions)} functions>"
