@@ -94,7 +94,8 @@ try:
 except SpecError as error:
     code = error.problems[0].code
 after = resource.getrusage(resource.RUSAGE_SELF)
-print(code, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, after.ru_maxrss / 1024)
+peak = next(line.split()[1] for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
+print(code, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, int(peak) / 1024)
 """
 
 
