@@ -23,8 +23,9 @@ def pose_transform(pose: Pose | None, values: Values) -> Transform:
 def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> Limb:
     """A design mounted as one leg."""
     joints = _joints(leg, design, values)
-    tip = pose_transform(design.foot, values)
-    return Limb(leg.name, platform, pose_transform(leg.mount, values), joints, tip, damping=_damping(design, joints, tip, values))
+    mount, tip = pose_transform(leg.mount, values), pose_transform(design.foot, values)
+    damping = _damping(design, joints, tip, values)
+    return Limb(leg.name, platform, mount, joints, tip, damping=damping, senses=_signs(leg, design))
 
 
 def chain_limb(platform: PlatformSpec, design: ChainDesign, parent: int, child: int, values: Values) -> Limb:
@@ -40,7 +41,8 @@ def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> 
     """The leg reflected in its platform's plane y = 0, so that the same joint values give the mirrored foot."""
     sources = source_names or [""] * len(limb.joints)
     joints = tuple(replace(_mirrored_joint(joint), source_name=source) for joint, source in zip(limb.joints, sources, strict=True))
-    return replace(limb, name=name, mount=mirrored(limb.mount), joints=joints, tip=mirrored(limb.tip))
+    senses = tuple(-sense if index == 0 else sense for index, sense in enumerate(limb.senses))
+    return replace(limb, name=name, mount=mirrored(limb.mount), joints=joints, tip=mirrored(limb.tip), senses=senses)
 
 
 def _mirrored_joint(joint: Joint) -> Joint:
@@ -64,11 +66,16 @@ def _mirrored_body(body: Body) -> Body:
 def _joints(user: LegSpec | PlatformSpec, design: LegDesign | ChainDesign, values: Values) -> tuple[Joint, ...]:
     count = len(design.joints)
     own = user if isinstance(user, LegSpec) else None
-    signs = (own.signs if own else None) or design.signs or (1,) * count
+    signs = _signs(own, design)
     zeros = (own.si("zeros") if own else None) or design.si("zeros") or (ZERO,) * count
     sources = user.source_names or ("",) * count
     rows = zip(design.joints, signs, zeros, sources, strict=True)
-    return tuple(_joint(row, design.dh, cast(Sign, sign), values.resolve(zero), source, values) for row, sign, zero, source in rows)
+    return tuple(_joint(row, design.dh, sign, values.resolve(zero), source, values) for row, sign, zero, source in rows)
+
+
+def _signs(own: LegSpec | None, design: LegDesign | ChainDesign) -> tuple[Sign, ...]:
+    """The user's signs, a leg's own before its design's."""
+    return cast(tuple[Sign, ...], tuple((own.signs if own else None) or design.signs or (1,) * len(design.joints)))
 
 
 def _joint(row: JointRow, convention: str | None, sign: Sign, zero: Scalar, source: str, values: Values) -> Joint:

@@ -68,6 +68,8 @@ class Limb:
 
     `platform` and `child` index `Mechanism.platforms`; a leg has no child.
     `damping` is (epsilon, lambda_max) of the damped inverse, in the units of the foot's Jacobian.
+    `senses`, one a joint (empty: all 1), say whether q runs with the design's own angle, so that the branches of the inverse keep
+    their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
     """
 
     name: str
@@ -77,6 +79,7 @@ class Limb:
     tip: Transform
     child: int | None = None
     damping: tuple[Scalar, Scalar] | None = None
+    senses: tuple[Literal[1, -1], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -100,14 +100,14 @@ class Branches:
         return Opposite(Finite(self._taint))
 
     def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str) -> sympy.Expr:
-        """t of the sheet with this signed rho; the target turned back by the leg plane's own angle."""
+        """q1 of the sheet with this signed rho; the target turned back by the leg plane's own angle."""
         x, y, _ = self._tainted
-        w = self._geometry.w
+        w, turn = self._geometry.w, self._geometry.sign1
         if w == 0:
-            angle = self.half_open(Angle(sign * y, sign * x), f"yaw_{name}")
+            angle = self.half_open(Angle(turn * sign * y, sign * x), f"yaw_{name}")
             return self.tape.let(f"yaw_{name}", Select(self.on_axis, 0, angle))
         sine, cosine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
-        return self.half_open(Angle(sine, cosine), f"yaw_{name}")
+        return self.half_open(Angle(turn * sine, cosine), f"yaw_{name}")
 
     def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
@@ -142,16 +142,16 @@ class Branches:
         return Knee(clamped, sine, outside, _FALSE if never else Same(hypotenuse2, 0))
 
     def lift(self, X: sympy.Expr, name: str) -> sympy.Expr:
-        """Angle of the hip-foot vector, counted from the thigh's zero."""
+        """Angle of the hip-foot vector, counted from the thigh's zero and in q2's sense."""
         z = self._tainted[2]
         return self.tape.let(f"lift_{name}", Angle(*self._from_zero(z, X, name)))
 
     def _from_zero(self, sine: sympy.Expr, cosine: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
-        zero = self._geometry.zero2
+        zero, turn = self._geometry.zero2, self._geometry.sign2
         if zero == 0:
-            return sine, cosine
+            return turn * sine, cosine
         c, s = (self.tape.let(f"thigh_zero_{word}", function(zero)) for word, function in (("cos", sympy.cos), ("sin", sympy.sin)))
-        return self.tape.let(f"lift_{name}_sin", sine * c - cosine * s), self.tape.let(f"lift_{name}_cos", cosine * c + sine * s)
+        return turn * self.tape.let(f"lift_{name}_sin", sine * c - cosine * s), self.tape.let(f"lift_{name}_cos", cosine * c + sine * s)
 
     def thigh_offset(self, knee: Knee, name: str) -> sympy.Expr:
         """Angle between thigh and hip-foot vector."""
@@ -173,8 +173,9 @@ class Branches:
 
     def thigh_pair(self, knee: Knee, lift: sympy.Expr, offset: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         """q2 of both knees of a sheet."""
-        plus_knee = self.wrapped(lift - offset, f"q2_{name}_plus")
-        minus_knee = self.wrapped(lift + offset, f"q2_{name}_minus")
+        ahead = self._geometry.sign2 * offset
+        plus_knee = self.wrapped(lift - ahead, f"q2_{name}_plus")
+        minus_knee = self.wrapped(lift + ahead, f"q2_{name}_minus")
         return Select(knee.collapsed, 0, plus_knee), Select(knee.collapsed, 0, minus_knee)
 
     def all_rows(self) -> list[Row]:

@@ -17,7 +17,7 @@ from walkgen.symbolic.tape import Tape, Vec, constant, constant_vector, cross, d
 class Geometry:
     """Lengths (m), the canonical frame (columns X, Y, K and origin, in the platform's frame) and the angles' zeros.
 
-    Joint values are q1 = t, q2 = phi - zero2, q3 = sign3 * (gamma - zero3).
+    Joint values are q1 = sign1 * t, q2 = sign2 * (phi - zero2), q3 = sign3 * (gamma - zero3).
     """
 
     a1: sympy.Expr
@@ -26,19 +26,23 @@ class Geometry:
     w: sympy.Expr
     axes: tuple[Vec, Vec, Vec]
     origin: Vec
+    sign1: int
+    sign2: int
     zero2: sympy.Expr
     sign3: int
     zero3: sympy.Expr
 
     def numbers(self) -> tuple[sympy.Expr, ...]:
         """The ten numbers of the closest-point routine: a1, a2, l3, w, then sign and zero of each angle."""
-        one = sympy.S.One
-        return (self.a1, self.a2, self.l3, self.w, one, sympy.S.Zero, one, self.zero2, sympy.Integer(self.sign3), self.zero3)
+        first, second, third = (sympy.Integer(sign) for sign in (self.sign1, self.sign2, self.sign3))
+        return (self.a1, self.a2, self.l3, self.w, first, sympy.S.Zero, second, self.zero2, third, self.zero3)
 
 
 def geometry(leg: Limb, parameters: Parameters, tape: Tape) -> Geometry:
     """Read the canonical form off the joint axes at q = 0; constants fold, runtime parameters stay."""
-    (axis1, point1), (axis2, point2), (axis3, point3), foot = _at_zero(leg, parameters, tape)
+    (turn1, point1), (turn2, point2), (turn3, point3), foot = _at_zero(leg, parameters, tape)
+    sign1, sign2 = leg.senses[:2] or (1, 1)
+    axis1, axis2 = (scaled(sympy.Integer(sign), turn) for sign, turn in ((sign1, turn1), (sign2, turn2)))
     forward = tape.vector("forward", cross(axis1, axis2))
     sideways = tape.vector("sideways", cross(axis1, forward))
     hip, thigh, shank = (
@@ -54,8 +58,10 @@ def geometry(leg: Limb, parameters: Parameters, tape: Tape) -> Geometry:
         w=tape.let("w", dot(plus(plus(hip, thigh), shank), axis2)),
         axes=(forward, sideways, axis1),
         origin=tape.vector("shoulder", plus(point1, scaled(lift, axis1))),
+        sign1=sign1,
+        sign2=sign2,
         zero2=angle2,
-        sign3=_parallel(axis2, axis3, parameters),
+        sign3=_parallel(axis2, turn3, parameters),
         zero3=tape.let("knee_zero", angle3 - angle2),
     )
 
