@@ -6,7 +6,7 @@ from decimal import Decimal
 
 from walkgen.graph.number import Numbering
 from walkgen.graph.passes import pruned
-from walkgen.graph.program import Code, Program
+from walkgen.graph.program import TRUTH_CODES, Code, Program
 from walkgen.signature import Port, Signature
 
 _ZERO, _ONE, _TWO = Decimal(0), Decimal(1), Decimal(2)
@@ -49,31 +49,33 @@ class _Forward:
 
     def __init__(self, numbering: Numbering, program: Program, element: tuple[int, int]) -> None:
         self._op, self._constant = numbering.op, numbering.constant
+        self._zero = self._constant(_ZERO)
         self.tangents: list[int] = []
         numbers: list[int] = []
         for position, op in enumerate(program.ops):
             if op.code is Code.INPUT:
                 numbers.append(position)
-                self.tangents.append(self._constant(_ONE if op.element == element else _ZERO))
+                self.tangents.append(self._constant(_ONE) if op.element == element else self._zero)
             elif op.code is Code.CONSTANT:
                 numbers.append(self._constant(op.value))
-                self.tangents.append(self._constant(_ZERO))
+                self.tangents.append(self._zero)
             else:
                 arguments = tuple(numbers[argument] for argument in op.arguments)
                 numbers.append(numbering.named(self._op(op.code, *arguments), op.name))
                 value = _Value(numbers[-1], arguments, tuple(self.tangents[argument] for argument in op.arguments))
-                self.tangents.append(_RULES.get(op.code, _Forward.truth)(self, value))
+                self.tangents.append(self._tangent(op.code, value))
+
+    def _tangent(self, code: Code, value: _Value) -> int:
+        """Zero where no argument moves (a condition never does): the rules below would divide 0 by what may be 0."""
+        if code in TRUTH_CODES or all(tangent == self._zero for tangent in value.tangents):
+            return self._zero
+        return _RULES[code](self, value)
 
     def _plus(self, left: int, right: int) -> int:
         return self._op(Code.ADD, left, right)
 
     def _times(self, left: int, right: int) -> int:
         return self._op(Code.MUL, left, right)
-
-    def truth(self, value: _Value) -> int:
-        """A condition does not move."""
-        del value
-        return self._constant(_ZERO)
 
     def product(self, value: _Value) -> int:
         """(ab)' = a'b + ab'."""

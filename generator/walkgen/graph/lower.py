@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from decimal import Decimal
+from typing import Any
 
 import sympy
 
@@ -12,6 +13,7 @@ from walkgen.graph.routines import ROUTINES
 from walkgen.symbolic import function as symbolic
 from walkgen.symbolic.function import Derivation, Function, Solve
 
+Shape = tuple[Any, ...]
 _DIGITS = 40
 _UNARY = {sympy.sin: Code.SIN, sympy.cos: Code.COS, sympy.tan: Code.TAN, sympy.Abs: Code.ABS}
 _DIRECT: dict[type, Code] = {
@@ -63,28 +65,16 @@ class _Lowering:
     def __init__(self, numbering: Numbering, function: Function) -> None:
         self._numbering = numbering
         self._numbers: dict[sympy.Basic, int] = {symbol: index for index, symbol in enumerate(function.inputs)}
-        self._definitions = dict(function.intermediates)
+        for symbol, definition in _needed(function):
+            self._numbers[symbol] = numbering.named(self.number(definition), str(symbol))
 
     def number(self, expression: sympy.Basic) -> int:
         """The op that computes the expression."""
         known = self._numbers.get(expression)
         if known is None:
-            known = self._symbol(expression) if expression.is_Symbol else self._compute(expression)
+            known = self._compute(expression)
             self._numbers[expression] = known
         return known
-
-    def _symbol(self, symbol: sympy.Symbol) -> int:
-        """Intermediates are resolved without recursion, however long the tape is."""
-        waiting = [symbol]
-        while waiting:
-            definition = self._definitions[waiting[-1]]
-            missing = [other for other in _ordered(definition.free_symbols) if other not in self._numbers]
-            if missing:
-                waiting.extend(missing)
-                continue
-            name = waiting.pop()
-            self._numbers[name] = self._numbering.named(self.number(definition), str(name))
-        return self._numbers[symbol]
 
     def _compute(self, expression: sympy.Basic) -> int:
         if expression.is_number:
@@ -102,8 +92,8 @@ class _Lowering:
 
     def _sum(self, terms: Sequence[sympy.Expr]) -> int:
         ordered = sorted(terms, key=self._rank)
-        positive = [term for term in ordered if not term.could_extract_minus_sign()]
-        negative = [-term for term in ordered if term.could_extract_minus_sign()]
+        positive = [term for term in ordered if not _is_negated(term)]
+        negative = [-term for term in ordered if _is_negated(term)]
         return self._combined(positive, negative, Code.ADD, Code.SUB)
 
     def _combined(self, first: Sequence[sympy.Expr], second: Sequence[sympy.Expr], join: Code, part: Code) -> int:
@@ -125,7 +115,7 @@ class _Lowering:
 
     def _product(self, factors: Sequence[sympy.Expr]) -> int:
         ordered = sorted(factors, key=self._rank)
-        sign = any(factor.is_number and factor.is_negative for factor in ordered)
+        sign = sum(factor.is_number and bool(factor.is_negative) for factor in ordered) % 2
         absolute = [abs(factor) if factor.is_number else factor for factor in ordered]
         above = [self.number(factor) for factor in absolute if factor != 1 and not _is_reciprocal(factor)]
         below = [self.number(1 / factor) for factor in absolute if _is_reciprocal(factor)]
@@ -145,13 +135,34 @@ class _Lowering:
         assert half == sympy.Rational(1, 2), exponent
         return self._numbering.op(Code.MUL, self.number(base**whole), self.number(sympy.sqrt(base)))
 
-    def _rank(self, term: sympy.Expr) -> tuple[tuple[int, ...], str]:
-        """Order of operands: by the numbers of the values they use, never by the algebra system's sort."""
-        return tuple(sorted(self.number(symbol) for symbol in term.free_symbols)), str(term)
+    def _rank(self, term: sympy.Expr) -> tuple[tuple[int, ...], Shape]:
+        """Order of operands: by the numbers of the values they use, never by names or the algebra system's sort."""
+        return tuple(sorted(self.number(symbol) for symbol in term.free_symbols)), self._shape(term)
+
+    def _shape(self, expression: sympy.Basic) -> Shape:
+        """The expression as nested tuples that compare alike whatever its symbols are called."""
+        if expression.is_Symbol:
+            return ("", self.number(expression))
+        if not expression.args:
+            return (str(expression),)
+        arguments = [self._shape(argument) for argument in expression.args]
+        commutes = expression.is_Add or expression.is_Mul
+        return (expression.func.__name__, *(sorted(arguments) if commutes else arguments))
 
 
-def _ordered(symbols: set[sympy.Symbol]) -> list[sympy.Symbol]:
-    return sorted(symbols, key=str)
+def _needed(function: Function) -> list[tuple[sympy.Symbol, sympy.Expr]]:
+    """The intermediates that the outputs use, as written."""
+    used = {symbol for output in function.outputs for symbol in output.free_symbols}
+    kept: list[tuple[sympy.Symbol, sympy.Expr]] = []
+    for symbol, definition in reversed(function.intermediates):
+        if symbol in used:
+            used |= definition.free_symbols
+            kept.append((symbol, definition))
+    return kept[::-1]
+
+
+def _is_negated(term: sympy.Expr) -> bool:
+    return bool(term.as_coeff_Mul()[0].is_negative)
 
 
 def _is_reciprocal(factor: sympy.Expr) -> bool:

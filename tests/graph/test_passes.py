@@ -1,0 +1,71 @@
+"""Passes keep values and never add work: pruning and fusing on random Programs."""
+
+from collections import Counter
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from small_expressions import expressions, function_of
+
+from mechanisms.hand_programs import constant, inputs, made
+from walkgen.graph.interpret import interpret
+from walkgen.graph.lower import lower
+from walkgen.graph.passes import fused, pruned
+from walkgen.graph.program import Code, Op
+from walkgen.signature import Port
+
+QUICK = settings(derandomize=True, deadline=None, max_examples=100)
+ROWS = st.lists(st.floats(-3, 3), min_size=3, max_size=3)
+
+
+def toy(ops, outputs):
+    return made("toy", (Port("x", (3,)),), (Port("y", (len(outputs),)),), (*inputs(3), *ops), outputs)
+
+
+def test_pruning_keeps_inputs_and_what_outputs_need():
+    program = pruned(toy([Op(Code.SIN, (0,)), Op(Code.ADD, (0, 1)), constant(3), Op(Code.MUL, (4, 1))], (6, 4)))
+    assert [op.code for op in program.ops] == [Code.INPUT] * 3 + [Code.ADD, Code.MUL]
+    assert interpret(program, {"x": [2, 5, 0]})["y"] == [35, 7]
+
+
+@QUICK
+@given(expressions(), expressions(), ROWS)
+def test_pruning_keeps_values(kept, dropped, row):
+    both = lower(function_of(dropped, kept), fma=False)
+    one = made("toy", both.signature.inputs, (Port("y", (1,)),), both.ops, both.outputs[1:])
+    assert interpret(pruned(one), {"x": row})["y"] == interpret(both, {"x": row})["y"][1:]
+    assert {number for op in pruned(one).ops for number in op.arguments} | set(pruned(one).outputs) >= set(range(3, len(pruned(one).ops)))
+
+
+@QUICK
+@given(expressions(), expressions(), ROWS)
+def test_fusing_keeps_values_and_never_adds_operations(first, second, row):
+    plain = lower(function_of(first, second), fma=False)
+    quick = fused(plain)
+    assert interpret(quick, {"x": row}) == interpret(plain, {"x": row})  # the interpreter rounds a fused operation twice
+    saved = sum(op.code in (Code.FMA, Code.FMS, Code.FNMA) for op in quick.ops)
+    assert quick.operation_count == plain.operation_count - saved
+
+
+def test_each_form_is_fused():
+    product = Op(Code.MUL, (0, 1))
+    for code, arguments, expected in (
+        (Code.ADD, (2, 3), Code.FMA),
+        (Code.ADD, (3, 2), Code.FMA),
+        (Code.SUB, (3, 2), Code.FMS),
+        (Code.SUB, (2, 3), Code.FNMA),
+    ):
+        plain = toy([product, Op(code, arguments)], (4,))
+        quick = fused(plain)
+        assert Counter(op.code for op in quick.ops)[expected] == 1
+        assert quick.operation_count == 1
+        assert interpret(quick, {"x": [2, 3, 10]}) == interpret(plain, {"x": [2, 3, 10]})
+
+
+def test_a_product_used_twice_is_not_computed_twice():
+    for ops, outputs in (
+        ([Op(Code.MUL, (0, 1)), Op(Code.ADD, (3, 2)), Op(Code.SIN, (3,))], (4, 5)),
+        ([Op(Code.MUL, (0, 1)), Op(Code.ADD, (3, 3))], (4,)),
+        ([Op(Code.MUL, (0, 1)), Op(Code.ADD, (3, 2))], (3, 4)),
+    ):
+        plain = toy(ops, outputs)
+        assert fused(plain) == plain
