@@ -121,6 +121,12 @@ def test_messages_escape_what_terminals_obey(tmp_path: Path) -> None:
         assert "\x1b" not in str(problem)
 
 
+def test_keys_that_look_like_inner_marks_are_unknown(tmp_path: Path) -> None:
+    text = EXAMPLE.replace("walkgen = 1", 'walkgen = 1\n"end:pose" = 1', 1).replace('end = "level"', 'end = { "end:pose" = 2 }\n#', 1)
+    found = problems(tmp_path, text)
+    assert [(problem.code, problem.place.column) for problem in found if problem.place] == [("WG110", 1), ("WG110", 9), ("WG124", 1)]
+
+
 def test_marks_are_unique() -> None:
     assert all(bad.marked.count(MARK) == 1 for bad in ONE)
     assert len({bad.name for bad in ONE}) == len(ONE)

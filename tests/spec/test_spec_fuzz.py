@@ -73,7 +73,9 @@ KEYS = st.sampled_from(
         "bounds",
         "value",
         '"a b"',
-        "end:pose",
+        '"end:pose"',
+        "x",
+        "height",
     ]
 )
 HEADERS = st.sampled_from(
@@ -89,6 +91,8 @@ HEADERS = st.sampled_from(
         "[x.y]",
         "[chain_designs]",
         "[sections.a]",
+        "[parameters.domain]",
+        '[leg_designs."end:pose"]',
         "[[terrain]]",
         "[generate]",
         "[[leg_designs.mero_leg.joints]]",

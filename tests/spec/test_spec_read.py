@@ -100,3 +100,10 @@ def test_numbers_are_evaluated_at_the_parameters() -> None:
     assert numbers.number(product) == 0.125
     assert numbers.number(Name("unknown")) is None
     assert numbers.number(Apply("hypot", (exact(3), exact(4)))) == math.hypot(3, 4)
+
+
+def test_names_may_be_keys_of_the_language(tmp_path: Path) -> None:
+    names = ("domain", "value", "limits", "alpha", "name", "end", "parameters")
+    rows = "\n".join(f"{name} = {index + 100}" for index, name in enumerate(names))
+    spec = reread(tmp_path, EXAMPLE.replace("[parameters]", f"[parameters]\n{rows}", 1).replace('a = "shank"', 'a = "domain/alpha"', 1))
+    assert list(spec.parameters)[: len(names)] == list(names)

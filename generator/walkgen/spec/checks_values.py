@@ -9,7 +9,7 @@ from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
 from walkgen.spec.schema import Damping, JointRow, Link, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec
 from walkgen.spec.table import Path, Table, entries, is_scalar
-from walkgen.spec.terrain import TerrainPatch
+from walkgen.spec.terrain import Domain, TerrainPatch
 
 _TOLERANCE = 1e-9
 _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
@@ -92,7 +92,7 @@ def _directions(path: Path, table: Table, numbers: Numbers) -> Iterator[Finding]
 
 
 def _pairs(path: Path, table: Table, numbers: Numbers) -> Iterator[Finding]:
-    keys = tuple(type(table).model_fields) if path[-1:] == ("domain",) else _PAIRS
+    keys = tuple(type(table).model_fields) if isinstance(table, Domain) else _PAIRS
     for key in keys:
         pair = getattr(table, key, None)
         low, high = (numbers.number(entry) for entry in pair) if pair else (None, None)

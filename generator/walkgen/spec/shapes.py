@@ -71,7 +71,7 @@ def _path(tables: Mapping[str, Any], location: tuple[str | int, ...]) -> Path:
     path: Path = ()
     value: Any = tables
     for part in location:
-        if part in TAGS:
+        if part in TAGS and _child(value, part) is None:
             continue
         if not isinstance(value, dict | list):
             break
