@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from walkgen.emit.artifact import Artifact
@@ -116,8 +116,9 @@ def _fill(stage: Path, artifacts: tuple[Artifact, ...], folder: Path) -> None:
 def _exchange(stage: Path, folder: Path) -> None:
     """Swap the two names; where the system cannot, move the old folder aside first."""
     if not folder.exists():
-        stage.rename(folder)
-        return
+        with suppress(OSError):  # another build may have put it there just now
+            stage.rename(folder)
+            return
     rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if os.name == "posix" else None
     if rename and rename(_HERE, os.fsencode(stage), _HERE, os.fsencode(folder), _EXCHANGE) == 0:
         return
