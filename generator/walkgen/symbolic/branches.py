@@ -72,14 +72,19 @@ class Branches:
         return abs(g.a1) + g.a2 + g.l3 + abs(g.w)
 
     @cached_property
+    def _touching2(self) -> sympy.Expr:
+        """The square of a distance that counts as none: 1e-12 of the reach."""
+        return self.tape.let("touching2", (_TOLERANCE * self._reach) ** 2)
+
+    @cached_property
     def _rho2(self) -> sympy.Expr:
         return self.tape.let("rho2", self._distance2 - self._geometry.w**2)
 
     @cached_property
     def rho(self) -> sympy.Expr:
-        """|rho|, 0 where the target is inside the hip cylinder."""
+        """|rho|, 0 where the target is on axis 1 or inside the hip cylinder."""
         inside = self._distance2 if self._geometry.w == 0 else self.tape.let("rho2_clamped", Select(Less(self._rho2, 0), 0, self._rho2))
-        return self.tape.let("rho", sympy.sqrt(inside))
+        return self.tape.let("rho", Select(self.on_axis, 0, self.tape.let("radius", sympy.sqrt(inside))))
 
     @cached_property
     def inside_cylinder(self) -> sympy.Expr:
@@ -91,8 +96,9 @@ class Branches:
 
     @cached_property
     def on_axis(self) -> sympy.Expr:
-        """Whether the target lies on axis 1 and the leg plane holds it: any yaw will do."""
-        return Same(self._distance2, 0) if self._geometry.w == 0 else _FALSE
+        """Whether the target lies on axis 1, to 1e-12 of the reach, and the leg plane holds it: any yaw will do."""
+        w = self._geometry.w
+        return _FALSE if w.is_number and w != 0 else LessEqual(self._distance2 + w**2, self._touching2)
 
     @cached_property
     def bad(self) -> sympy.Expr:
@@ -104,10 +110,10 @@ class Branches:
         x, y, _ = self._tainted
         w, turn = self._geometry.w, self._geometry.sign1
         if w == 0:
-            angle = self.half_open(Angle(turn * sign * y, sign * x), f"yaw_{name}")
-            return self.tape.let(f"yaw_{name}", Select(self.on_axis, 0, angle))
-        sine, cosine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
-        return self.half_open(Angle(turn * sine, cosine), f"yaw_{name}")
+            sine, cosine = sign * y, sign * x
+        else:
+            sine, cosine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
+        return self.tape.let(f"yaw_{name}", Select(self.on_axis, 0, self.half_open(Angle(turn * sine, cosine), f"yaw_{name}")))
 
     def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
@@ -126,20 +132,23 @@ class Branches:
         return self.tape.let(f"{name}_wrapped", Select(Less(_PI, angle), angle - 2 * _PI, lower))
 
     def knee(self, X: sympy.Expr, name: str) -> Knee:
-        """The knee triangle over the hip-foot vector (X, z)."""
+        """The knee triangle over the hip-foot vector (X, z).
+
+        1 + cos is computed, not cos: it keeps its digits where the leg folds, and so does the foot's distance from the hip.
+        """
         g, z = self._geometry, self._tainted[2]
         hypotenuse2 = self.tape.let(f"distance2_{name}", X**2 + z**2)
+        bones, longest = self.tape.let("bones", abs(g.a2 - g.l3)), self.tape.let("longest", g.a2 + g.l3)
+        slack = 2 * _TOLERANCE * self._reach
+        outer2, inner2 = self.tape.let("outer2", longest * (longest + slack)), self.tape.let("inner2", bones * (bones - slack))
+        outside = Either(Less(outer2, hypotenuse2), Less(hypotenuse2, inner2))
+        collapsed = _FALSE if bones.is_number and bones != 0 else LessEqual(hypotenuse2, self._touching2)
         scale = self.tape.let("knee_scale", 1 / (2 * g.a2 * g.l3))
-        squares = self.tape.let("knee_squares", g.a2**2 + g.l3**2)
-        cosine = self.tape.let(f"knee_cos_{name}", (hypotenuse2 - squares) * scale)
-        slack = 2 * _TOLERANCE * self._reach * scale
-        longest = self.tape.let("knee_cos_max", 1 + slack * (g.a2 + g.l3))
-        shortest = self.tape.let("knee_cos_min", -1 - slack * abs(g.a2 - g.l3) - _TOLERANCE)
-        outside = Either(Less(longest, cosine), Less(cosine, shortest))
-        clamped = self.tape.let(f"knee_cos_{name}_clamped", Select(Less(1, cosine), 1, Select(Less(cosine, -1), -1, cosine)))
-        sine = self.tape.let(f"knee_sin_{name}", sympy.sqrt((1 - clamped) * (1 + clamped)))
-        never = (g.a2 - g.l3).is_number and g.a2 != g.l3
-        return Knee(clamped, sine, outside, _FALSE if never else Same(hypotenuse2, 0))
+        versine = self.tape.let(f"knee_{name}", (hypotenuse2 - bones**2) * scale)
+        folded = Either(Less(versine, 0), collapsed)
+        opening = self.tape.let(f"knee_{name}_clamped", Select(Less(2, versine), 2, Select(folded, 0, versine)))
+        sine = self.tape.let(f"knee_sin_{name}", sympy.sqrt(opening * (2 - opening)))
+        return Knee(self.tape.let(f"knee_cos_{name}", opening - 1), sine, outside, collapsed)
 
     def lift(self, X: sympy.Expr, name: str) -> sympy.Expr:
         """Angle of the hip-foot vector, counted from the thigh's zero and in q2's sense."""
