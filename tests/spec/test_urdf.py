@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oracles.measure import difference
 from walkgen.errors import SpecError, UnsupportedMechanism
 from walkgen.model.assemble import assemble
-from walkgen.model.walk import limb_frames
+from walkgen.model.walk import limb_frames, number
 from walkgen.spec.read import read
 from walkgen.spec.urdf import convert
 
@@ -161,6 +161,13 @@ def test_continuous_has_no_limits_and_zero_speed_means_not_given(imported):
     row = tomllib.loads(imported(parts, "foot").toml)["leg_designs"]["foot"]["joints"][1]
     assert row["type"] == "revolute"
     assert not {"limits", "max_speed", "max_effort"} & set(row)
+
+
+def test_limits_of_many_turns_pass_as_degrees(imported, tmp_path):
+    parts = [*LEG[:2], joint("HFE", "revolute", "Hip", "thigh", '<limit lower="-100" upper="100" effort="1" velocity="1"/>'), LEG[3]]
+    (tmp_path / "robot.toml").write_text(imported(parts, "foot").toml, encoding="utf-8")
+    mechanism = assemble(read(tmp_path / "robot.toml"))
+    assert [float(number(limit, mechanism)) for limit in mechanism.legs[0].joints[1].limits] == [-100.0, 100.0]
 
 
 def test_names_are_mapped_and_the_sources_kept(imported):

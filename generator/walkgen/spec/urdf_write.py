@@ -10,6 +10,9 @@ from walkgen.spec.checks_values import unphysical
 from walkgen.spec.urdf_pose import IDENTITY, Inertial, Pose
 from walkgen.spec.urdf_read import MOVABLE, UrdfJoint
 
+_MANY_TURNS = Decimal(12)
+_DEGREES = Decimal("57.29577951308232087679815481")
+
 
 @dataclass(frozen=True)
 class Row:
@@ -67,7 +70,7 @@ def _joint(design: str, row: Row) -> list[str]:
         f"axis = {_array(joint.axis)}",
     ]
     if joint.limits:
-        lines.append(f"limits = {_array(joint.limits)}")
+        lines.append(_limits(joint.kind, joint.limits))
     if joint.max_speed:
         lines.append(f"max_speed = {_number(joint.max_speed)}")
     if joint.max_effort:
@@ -75,6 +78,13 @@ def _joint(design: str, row: Row) -> list[str]:
     if row.body:
         lines.append(f"link = {{ {', '.join(_body(row.body))} }}")
     return lines
+
+
+def _limits(kind: str, limits: tuple[Decimal, Decimal]) -> str:
+    """Of many turns in degrees: a spec takes so many radians for degrees with their unit forgotten."""
+    if kind == "prismatic" or max(map(abs, limits)) < _MANY_TURNS:
+        return f"limits = {_array(limits)}"
+    return f"limits_deg = {_array(limit * _DEGREES for limit in limits)}"
 
 
 def _mounted(leg: Leg, platform: str) -> list[str]:
