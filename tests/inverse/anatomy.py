@@ -106,13 +106,14 @@ class Anatomy:
         across = np.linalg.norm(np.cross(self.axes[0], offset), axis=-1)
         return across, height
 
-    def point(self, across: float, height: float, azimuth: float = 0.7) -> Array:
-        """A target with this distance from axis 1 and this height over the hip."""
+    def point(self, across: Array | float, height: Array | float, azimuth: Array | float = 0.7) -> Array:
+        """Targets with these distances from axis 1 and heights over the hip, [..., 3]."""
+        across, height, azimuth = (value[..., None] for value in np.broadcast_arrays(across, height, azimuth))
         axis = self.axes[0]
         aside = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
         aside /= np.linalg.norm(aside)
         base = self.points[0] + axis * (axis @ (self.points[1] - self.points[0]))
-        return base + axis * height + turn(axis, np.array(azimuth), aside) * across
+        return base + axis * height + turn(axis, azimuth[..., 0], aside) * across
 
 
 def turned(q: Array, reference: Array) -> Array:
