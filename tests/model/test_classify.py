@@ -1,0 +1,83 @@
+"""Which legs have a closed-form inverse, and the sentence that says why or why not."""
+
+import pytest
+from float_walk import assembled, robot
+
+from walkgen.model.classify import inverse_class
+
+BRANCHES = ("rho_plus_knee_plus", "rho_plus_knee_minus", "rho_minus_knee_plus", "rho_minus_knee_minus")
+
+
+def row(name, kind="revolute", a="0.3", alpha="alpha_deg = 0", d="0.0"):
+    return f'{{ name = "{name}", type = "{kind}", a = {a}, {alpha}, d = {d} }},'
+
+
+def rows(alpha1="alpha_deg = 90", alpha2="alpha_deg = 0", a3="0.4", a2="0.35", kinds=("revolute",) * 3):
+    return row("one", kinds[0], "0.05", alpha1, "0.1") + row("two", kinds[1], a2, alpha2, "0.02") + row("three", kinds[2], a3)
+
+
+def axis(name, direction, xyz):
+    return f'{{ name = "{name}", type = "revolute", xyz = {xyz}, axis = {direction} }},'
+
+
+YAW_PITCH_PITCH = {
+    "yaw-pitch-pitch": robot(rows()),
+    "turned the other way": robot(rows("alpha_deg = -90", "alpha_deg = 180")),
+    "mounted askew": robot(rows(), legs="mount = { xyz = [0.1, 0.2, 0.3], rpy_deg = [13, 17, 19] }"),
+    "pi/2 as a double": robot(rows("alpha = 1.5707963267948966")),
+    "craig": robot(row("one") + row("two", alpha="alpha_deg = 90") + row("three"), 'dh = "craig"\nfoot = { xyz = [0.4, 0, 0] }'),
+    "roll-pitch-pitch": robot(
+        axis("roll", [1, 0, 0], [0, 0.1, 0]) + axis("pitch", [0, 1, 0], [0.1, 0, 0]) + axis("knee", [0, -1, 0], [0, 0, -0.3]),
+        "foot = { xyz = [0, 0, -0.3] }",
+    ),
+    "with runtime lengths": robot(
+        rows(a3='"shank"', a2='"2*shank"'), head='[parameters]\nshank = { value = 0.4, unit = "m", runtime = true }'
+    ),
+}
+OTHERS = {
+    "alpha rounded to 1.57": (robot(rows("alpha = 1.57")), "not perpendicular"),
+    "alpha 1.5708": (robot(rows("alpha = 1.5708")), "not perpendicular"),
+    "axes 2 and 3 askew": (robot(rows(alpha2="alpha_deg = 1")), "not parallel"),
+    "RRP": (robot(rows(kinds=("revolute", "revolute", "prismatic"))), "RRP"),
+    "RPP": (robot(rows(kinds=("revolute", "prismatic", "prismatic"))), "RPP"),
+    "two joints": (robot(row("one", alpha="alpha_deg = 90") + row("two")), "RR"),
+    "four joints": (robot(rows() + row("four")), "RRRR"),
+    "foot on axis 3": (robot(rows(a3="0.0")), "axis 3"),
+    "axis 3 on axis 2": (robot(rows(a2="0.0")), "axis 2"),
+    "perpendicular at the default only": (
+        robot(rows('alpha = "tilt"'), head='[parameters]\ntilt = { value = "pi/2", unit = "rad", runtime = true }'),
+        "not perpendicular",
+    ),
+}
+
+
+def class_of(tmp_path, text):
+    mechanism = assembled(tmp_path, text)
+    return inverse_class(mechanism, mechanism.legs[0])
+
+
+@pytest.mark.parametrize("name", YAW_PITCH_PITCH)
+def test_yaw_pitch_pitch(tmp_path, name):
+    found = class_of(tmp_path, YAW_PITCH_PITCH[name])
+    assert (found.name, found.branch_names) == ("yaw-pitch-pitch", BRANCHES)
+    assert "perpendicular" in found.reason
+    assert "parallel" in found.reason
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_no_closed_form(tmp_path, name):
+    text, reason = OTHERS[name]
+    found = class_of(tmp_path, text)
+    assert (found.name, found.branch_names) == ("", ())
+    assert reason in found.reason
+
+
+def test_the_reason_says_how_far_from_it(tmp_path):
+    """1.57 is 0.000796 rad short of a right angle; a person must be able to see that it was rounding."""
+    assert "1.57 rad" in class_of(tmp_path, OTHERS["alpha rounded to 1.57"][0]).reason
+    assert "0.0174533 rad" in class_of(tmp_path, OTHERS["axes 2 and 3 askew"][0]).reason
+
+
+def test_a_mirror_image_is_of_the_same_class(tmp_path):
+    mechanism = assembled(tmp_path, robot(rows(), legs='\n[[legs]]\nname = "image"\nmirror_of = "leg"'))
+    assert [inverse_class(mechanism, leg).name for leg in mechanism.legs] == ["yaw-pitch-pitch"] * 2
