@@ -117,7 +117,8 @@ class Branches:
 
     def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
-        turned = Select(Less(0, yaw), yaw - _PI, yaw + _PI)
+        back = self.tape.let("yaw_back", yaw - _PI)
+        turned = Select(Less(-_PI, back), back, yaw + _PI)
         return self.tape.let("yaw_minus", Select(self.on_axis, 0, turned))
 
     def half_open(self, angle: sympy.Expr, name: str) -> sympy.Expr:

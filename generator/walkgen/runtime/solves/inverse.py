@@ -107,7 +107,13 @@ def _closest_joints(geometry: Reals, target: Reals, sigma: Reals, knee_sign: Rea
     angles = np.stack([yaw, thigh, knee], axis=-1)
     joints = geometry[:, 4::2] * (angles - geometry[:, 5::2])
     loose = np.stack([free, point.extent <= 0.0, np.zeros_like(free)], axis=-1)
-    return np.where(loose, 0.0, joints - 2.0 * np.pi * np.ceil(joints / (2.0 * np.pi) - 0.5))
+    return np.where(loose, 0.0, _wrapped(joints))
+
+
+def _wrapped(angles: Reals) -> Reals:
+    """The angles less full turns, in (-pi, pi], roundings included."""
+    wrapped = angles - 2.0 * np.pi * np.ceil(angles / (2.0 * np.pi) - 0.5)
+    return np.where(wrapped > np.pi, wrapped - 2.0 * np.pi, np.where(wrapped <= -np.pi, np.pi, wrapped))
 
 
 def _scaled(geometry: Reals, target: Reals) -> tuple[Reals, Reals]:
