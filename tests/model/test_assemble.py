@@ -9,6 +9,8 @@ import pytest
 from float_walk import MIRROR, assembled, close, frames, number, pose, robot, rpy
 from scipy.spatial.transform import Rotation
 
+from walkgen.graph.interpret import interpret
+from walkgen.pipeline import programs_of
 from walkgen.spec.scalar import Exact, Name, names
 
 ROWS = """  { name = "yaw", type = "revolute", a = 0.05, alpha_deg = 80, d = 0.12, theta_deg = 20,
@@ -131,6 +133,25 @@ def test_coordinate_axes_stay_exact(tmp_path, axis):
     turns = [motion.amount for motion in leg.joints[0].before]
     assert len(turns) <= 1
     assert all(number(turn, {}) in (math.pi / 2, -math.pi / 2) for turn in turns)
+
+
+@pytest.mark.parametrize(
+    ("axis", "expected"),
+    [
+        ('[0, "sin(0)", 1]', [0, 0, 1]),
+        ('["pi - pi", 0, "-sqrt(2)"]', [0, 0, -1]),
+        ('["cos(pi/2)", "-cos(0)", 0]', [0, -1, 0]),
+        ('["sqrt(2)", "sin(pi)", "sqrt(2)"]', [math.sqrt(0.5), 0, math.sqrt(0.5)]),
+    ],
+)
+def test_axes_by_arithmetic(tmp_path, axis, expected):
+    """What comes to 0 is 0, also where sympy or 50 digits would leave a rest of it."""
+    row = f'{{ name = "only", type = "prismatic", xyz = [0, 0, 0], axis = {axis} }}'
+    text = robot(row, "")
+    (leg,) = assembled(tmp_path, text).legs
+    assert close(frames(leg, [0.5])[1], shifted(*(0.5 * np.array(expected))))
+    (program,) = [body for body in programs_of(tmp_path / "spec.toml") if body.signature.name == "foot_jacobian"]
+    assert close(interpret(program, {"q": [0.5]})["J"], expected)
 
 
 # ---- platforms and chains --------------------------------------------------------------------------------------------------------

@@ -99,7 +99,7 @@ def _joint(row: JointRow, convention: str | None, sign: Sign, zero: Scalar, sour
 def _geometry(row: JointRow, convention: str | None, values: Values) -> tuple[Transform, Transform, Sign]:
     """What stands before and after the motion about z, and whether the axis points along +z or -z."""
     if row.axis is not None:
-        turned, direction = align(values.vector(row.axis))
+        turned, direction = align(values.vector(row.axis), values.number)
         place = origin(values.vector(row.si("xyz")), values.vector(row.si("rpy")))
         return place + turned, inverse(turned), direction
     theta, offset = (values.resolve(row.si(key)) for key in ("theta", "d"))

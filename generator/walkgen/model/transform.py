@@ -1,14 +1,16 @@
 """Constant frames as elementary motions: built from DH rows, origins and axes, inverted, reflected, all exact."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Literal
 
 from walkgen.model.mechanism import Motion, Transform
-from walkgen.spec.scalar import Exact, Pi, Scalar, Vector, apply, is_zero, mul, neg
+from walkgen.spec.scalar import Exact, Pi, Scalar, Vector, apply, is_zero, mul, names, neg
 
 X, Y, Z = 0, 1, 2
 _QUARTER = mul(Exact(Fraction(1, 2)), Pi())
+_NEGLIGIBLE = 1e-40
 
 
 def rotation(axis: int, angle: Scalar) -> Transform:
@@ -27,13 +29,17 @@ def origin(xyz: Vector, rpy: Vector) -> Transform:
     return shift + sum((rotation(axis, rpy[axis]) for axis in (Z, Y, X)), ())
 
 
-def align(axis: Vector) -> tuple[Transform, Literal[1, -1]]:
-    """A rotation that carries z onto the axis, up to the returned sign (negative coordinate axes keep their zeros that way)."""
-    nonzero = [index for index in (X, Y, Z) if not is_zero(axis[index])]
-    first = axis[nonzero[0]]
-    if len(nonzero) == 1 and isinstance(first, Exact):
+def align(axis: Vector, size: Callable[[Scalar], float]) -> tuple[Transform, Literal[1, -1]]:
+    """A rotation that carries z onto the axis, up to the returned sign (negative coordinate axes keep their zeros that way).
+
+    Args:
+        axis: a direction of any length.
+        size: the value of a scalar; a constant that comes to 0, such as sin(0), is 0 here.
+    """
+    nonzero = [index for index in (X, Y, Z) if names(axis[index]) or abs(size(axis[index])) > _NEGLIGIBLE]
+    if len(nonzero) == 1:
         turn = {X: rotation(Y, _QUARTER), Y: rotation(X, neg(_QUARTER)), Z: ()}[nonzero[0]]
-        return turn, 1 if first.value > 0 else -1
+        return turn, 1 if size(axis[nonzero[0]]) > 0 else -1
     azimuth = apply("atan2", axis[Y], axis[X])
     polar = apply("atan2", apply("hypot", axis[X], axis[Y]), axis[Z])
     return rotation(Z, azimuth) + rotation(Y, polar), 1
