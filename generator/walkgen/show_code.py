@@ -29,6 +29,7 @@ _OPERATORS = {
     Code.OR: "{} or {}",
     Code.NOT: "not {}",
     Code.SELECT: "{1} if {0} else {2}",
+    Code.INDICATOR: "1 if {} else 0",
 }
 
 

@@ -20,6 +20,7 @@ class Port:
 
     @property
     def size(self) -> int:
+        """How many elements the port has."""
         return prod(self.shape)
 
 
@@ -41,6 +42,7 @@ class Signature:
 
     @property
     def full_name(self) -> str:
+        """The name in C: robot, owner and function, joined."""
         return "_".join(part for part in (self.robot, self.owner, self.name) if part)
 
     @property

@@ -61,6 +61,9 @@ TRUTH = {
     Code.OR: lambda a, b: a < b or b < a,
     Code.NOT: lambda a, b: not a < b,
 }
+ALL = REAL | TRUTH
+ORDER = [*REAL, *list(TRUTH)[::2], *list(TRUTH)[1::2]]
+"""The outputs of `everything`: numbers, truths through SELECT, truths through INDICATOR."""
 ARITY = dict.fromkeys((Code.FMA, Code.FMS, Code.FNMA), 3)
 ARITY |= dict.fromkeys((Code.NEG, Code.SQRT, Code.SIN, Code.COS, Code.TAN, Code.ABS, Code.FINITE), 1)
 
@@ -77,7 +80,7 @@ def everything() -> Program:
         Code.NOT: (less,),
     }
     truths = [b.add(opcode, *arguments.get(opcode, range(ARITY.get(opcode, 2)))) for opcode in TRUTH]
-    values += [b.add(Code.SELECT, truth, one, zero) for truth in truths]
+    values += [b.add(Code.SELECT, truth, one, zero) for truth in truths[::2]] + [b.add(Code.INDICATOR, truth) for truth in truths[1::2]]
     return b.program("everything", [Port("y", (len(values),))], values)
 
 
@@ -112,12 +115,12 @@ def literal(value: float) -> str:
 
 def expected(round_to=float) -> list[float]:
     rows = [tuple(round_to(value) for value in point) for point in POINTS]
-    return [float(function(*row[: ARITY.get(opcode, 2)])) for row in rows for opcode, function in (REAL | TRUTH).items()]
+    return [float(ALL[opcode](*row[: ARITY.get(opcode, 2)])) for row in rows for opcode in ORDER]
 
 
 def assert_close(got: list[str], wanted: list[float], relative: float) -> None:
     assert len(got) == len(wanted)
-    names = [opcode.value for opcode in (*REAL, *TRUTH)]
+    names = [opcode.value for opcode in ORDER]
     for place, (text, value) in enumerate(zip(got, wanted, strict=True)):
         where = f"{names[place % len(names)]} at {POINTS[place // len(names)]}"
         if math.isnan(value):
@@ -127,7 +130,7 @@ def assert_close(got: list[str], wanted: list[float], relative: float) -> None:
 
 
 def test_every_operation_is_covered():
-    assert {*REAL, *TRUTH, Code.SELECT, Code.INPUT, Code.CONSTANT} == set(Code)
+    assert {*REAL, *TRUTH, Code.SELECT, Code.INDICATOR, Code.EPSILON, Code.INPUT, Code.CONSTANT} == set(Code)
 
 
 @needs_gcc
@@ -150,6 +153,16 @@ def test_float_agrees_with_python(tmp_path):
     write(tmp_path, code(everything()))
     got = execute(tmp_path, main_of("float", "bot_f32", "bot_f32.h"), ["bot_f32.c"], *STRICT)
     assert_close(got, expected(single), 4e-7)
+
+
+@needs_gcc
+@pytest.mark.parametrize(("real", "prefix", "epsilon"), [("double", "bot", 2.0**-52), ("float", "bot_f32", 2.0**-23)])
+def test_epsilon_is_that_of_the_precision(tmp_path, real, prefix, epsilon):
+    b = Builder(Port("x", (1,)))
+    write(tmp_path, code(b.program("epsilon", [Port("y", (1,))], [b.add(Code.EPSILON)])))
+    call = f"{real} x[1] = {{0}}, y[1]; {prefix}_leg_epsilon(x, y);"
+    main = f'#include <stdio.h>\n#include "{prefix}.h"\nint main(void) {{ {call} printf("%.17g\\n", (double)y[0]); return 0; }}\n'
+    assert [float(text) for text in execute(tmp_path, main, [f"{prefix}.c"], *STRICT)] == [epsilon]
 
 
 @needs_gcc

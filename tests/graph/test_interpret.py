@@ -38,7 +38,7 @@ def test_logic(code):
 
 
 def test_every_operation_is_tested():
-    assert set(Code) == {*NUMBERS, *TRUTHS, *LOGIC, Code.INPUT, Code.CONSTANT, Code.SELECT}
+    assert set(Code) == {*NUMBERS, *TRUTHS, *LOGIC, Code.INPUT, Code.CONSTANT, Code.SELECT, Code.INDICATOR}
 
 
 @pytest.mark.parametrize("code", [code for code in NUMBERS if code is not Code.DIV], ids=lambda code: code.value)

@@ -29,6 +29,7 @@ NUMBERS: dict[Code, tuple[int, Callable[..., float]]] = {
     Code.ABS: (1, abs),
     Code.MIN: (2, lambda a, b: a if a < b else b),
     Code.MAX: (2, lambda a, b: a if a > b else b),
+    Code.EPSILON: (0, lambda: 2.0**-52),
 }
 """What Python's own arithmetic says an operation is: its number of arguments and the function."""
 
@@ -60,7 +61,7 @@ def logic(code: Code) -> Program:
     """Of x [3], y: (x0 < x1) and/or (x1 < x2), or not (x0 < x1), as 1 or 0."""
     arguments = (5,) if code is Code.NOT else (5, 6)
     comparisons = (Op(Code.LESS, (0, 1)), Op(Code.LESS, (1, 2)))
-    ops = (*inputs(3), constant(1), constant(0), *comparisons, Op(code, arguments), Op(Code.SELECT, (7, 3, 4)))
+    ops = (*inputs(3), constant(1), constant(0), *comparisons, Op(code, arguments), Op(Code.INDICATOR, (7,)))
     return made("logic", (Port("x", (3,)),), (Port("y"),), ops, (8,))
 
 

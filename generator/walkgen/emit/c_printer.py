@@ -62,6 +62,7 @@ _OPERATORS: dict[Code, Form] = {
     Code.AND: Form("{0} && {1}", Level.AND, (Level.COMPARE, Level.COMPARE)),
     Code.OR: Form("{0} || {1}", Level.OR, (Level.COMPARE, Level.COMPARE)),
     Code.NOT: Form("!{0}", Level.UNARY, (Level.ATOM,)),
+    Code.EPSILON: Form("WG_EPSILON"),
     Code.SELECT: Form("{0} ? {1} : {2}", Level.CONDITION, (Level.COMPARE, Level.SUM, Level.SUM)),
 }
 _FUSED: dict[Code, Form] = {
@@ -105,6 +106,7 @@ class CPrinter:
         """One entry for each operation."""
         suffix = self.precision.suffix
         calls = {code: Form(f"{name}{suffix}({{0}})") for code, name in _LIBM.items()}
+        calls[Code.INDICATOR] = Form(f"({self.precision.real}){{0}}", Level.UNARY, (Level.ATOM,))
         calls[Code.ATAN2] = Form(f"atan2{suffix}({{0}}, {{1}})")
         return _OPERATORS | calls | (_FUSED if self.fma else _APART)
 

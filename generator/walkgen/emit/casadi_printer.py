@@ -27,6 +27,8 @@ _FORMS: Mapping[Code, Form] = {
     Code.OR: Form("ca.logic_or({0}, {1})"),
     Code.NOT: Form("ca.logic_not({0})"),
     Code.SELECT: Form("ca.if_else({0}, {1}, {2})"),
+    Code.INDICATOR: Form("ca.if_else({0}, 1.0, 0.0)"),
+    Code.EPSILON: Form("2.220446049250313e-16"),
 }
 _HELPERS = frozenset({"ca", "float", "_least", "_greatest", "_finite", "_column", "_rows"})
 

@@ -29,6 +29,8 @@ _FORMS: Mapping[Code, Form] = {
     Code.OR: Form("np.logical_or({0}, {1})"),
     Code.NOT: Form("np.logical_not({0})"),
     Code.SELECT: Form("np.where({0}, {1}, {2})"),
+    Code.INDICATOR: Form("np.where({0}, 1.0, 0.0)"),
+    Code.EPSILON: Form("2.220446049250313e-16"),
 }
 _HELPERS = frozenset({"float", "np", "lead", "_least", "_greatest", "_elements", "_arrays", "_array", "_spread", "_real", "_integer"})
 

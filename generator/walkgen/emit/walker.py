@@ -176,8 +176,8 @@ class _Walk:
         form = self.printer.forms[op.code]
         operands = [self.written[argument] for argument in op.arguments]
         texts = [bracket(operand, level) for operand, level in zip(operands, form.needs, strict=False)]
-        depth = 1 + max(operand.depth for operand in operands)
-        return Text(form.template.format(*texts), form.level, depth, max(operand.after for operand in operands))
+        depth = 1 + max((operand.depth for operand in operands), default=0)
+        return Text(form.template.format(*texts), form.level, depth, max((operand.after for operand in operands), default=0))
 
     def bind(self, index: int) -> None:
         """Make what is written of the op a statement; from now on it is known by its name."""

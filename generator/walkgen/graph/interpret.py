@@ -94,6 +94,8 @@ _ARITHMETIC: dict[Code, Callable[..., Any]] = {
     Code.OR: lambda a, b: a or b,
     Code.NOT: lambda a: not a,
     Code.SELECT: _select,
+    Code.INDICATOR: lambda truth: 1.0 if truth else 0.0,
+    Code.EPSILON: lambda: math.ulp(1.0),
 }
 _FUNCTIONS: dict[Code, Callable[..., Any]] = {
     Code.SQRT: _sqrt,

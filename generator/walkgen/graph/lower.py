@@ -25,6 +25,8 @@ _DIRECT: dict[type, Code] = {
     symbolic.Either: Code.OR,
     symbolic.Opposite: Code.NOT,
     symbolic.Select: Code.SELECT,
+    symbolic.Indicator: Code.INDICATOR,
+    symbolic.Epsilon: Code.EPSILON,
     symbolic.Angle: Code.ATAN2,
     sympy.atan2: Code.ATAN2,
 }

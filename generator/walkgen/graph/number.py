@@ -72,7 +72,7 @@ class Numbering:
             left, right = (value or _ZERO for value in values)
             return self.constant(_FOLDED[code](left, right))
         if code is Code.NEG and values[0] is not None:
-            return self.constant(-values[0])
+            return self.constant(values[0].copy_negate())
         return self._neutral(code, arguments, values)
 
     def _neutral(self, code: Code, arguments: tuple[int, ...], values: list[Decimal | None]) -> int | None:

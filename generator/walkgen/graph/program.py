@@ -9,10 +9,11 @@ from walkgen.signature import Port, Signature
 
 
 class Code(Enum):
-    """The operations of a Program; truth values exist only as arguments of `SELECT`, `AND`, `OR`, `NOT`.
+    """The operations of a Program; truth values exist only as arguments of `SELECT`, `INDICATOR`, `AND`, `OR`, `NOT`.
 
     `FMA` is a*b + c, `FMS` a*b - c, `FNMA` c - a*b, each rounded once where the target has the instruction;
-    `SELECT` is (truth, then, otherwise) and evaluates both; `ATAN2` is (y, x).
+    `SELECT` is (truth, then, otherwise) and evaluates both; `INDICATOR` is 1 where its truth holds, else 0, for choices
+    that must not become jumps; `ATAN2` is (y, x); `EPSILON` is the distance from 1 to the target's next number.
     """
 
     INPUT = "input"
@@ -41,6 +42,8 @@ class Code(Enum):
     OR = "or"
     NOT = "not"
     SELECT = "select"
+    INDICATOR = "indicator"
+    EPSILON = "epsilon"
 
 
 TRUTH_CODES = frozenset({Code.LESS, Code.LESS_EQUAL, Code.EQUAL, Code.FINITE, Code.AND, Code.OR, Code.NOT})

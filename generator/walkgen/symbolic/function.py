@@ -77,6 +77,19 @@ class Select(sympy.Function):
         return otherwise if truth is sympy.false or then == otherwise else None
 
 
+class Indicator(sympy.Function):
+    """1 where a condition holds, 0 elsewhere: for choices that the data make unpredictable."""
+
+    nargs = 1
+
+
+class Epsilon(sympy.Function):
+    """The distance from 1 to the next number of the target's precision: no number until a target is chosen."""
+
+    nargs = 0
+    is_number = False
+
+
 class Residue(sympy.Function):
     """x - x: 0 for a finite x, NaN otherwise; algebra must not cancel it."""
 
