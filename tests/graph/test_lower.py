@@ -109,6 +109,12 @@ def test_conditions(name):
         assert interpret(program, {"x": row})["y"] == [1 if expected(*row[:2]) else -1], row
 
 
+def test_indicator_and_epsilon():
+    program = lower(function_of(symbolic.Indicator(symbolic.Less(x, y)) * z + symbolic.Epsilon()))
+    assert interpret(program, {"x": [1, 2, 4]})["y"] == [4 + 2.0**-52]
+    assert interpret(program, {"x": [2, 1, 4]})["y"] == [2.0**-52]
+
+
 def test_known_conditions_vanish():
     assert symbolic.Select(symbolic.Both(sympy.false, symbolic.Less(x, y)), x, y) == y
     assert symbolic.Either(symbolic.Less(x, y), sympy.false) == symbolic.Less(x, y)

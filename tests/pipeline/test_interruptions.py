@@ -121,7 +121,7 @@ def test_killed_at_many_moments(robots):
         killed_early += process.exitcode == -signal.SIGKILL
         assert robots.version != ""
         assert load(robots.out / "robot").legs["leg"].foot_position([0, 0, 0]).shape == (3,)
-    assert killed_early >= DELAYS // 2
+    assert killed_early >= 3  # a machine that becomes faster in between finishes some of them
 
 
 def test_leftovers_are_removed_after_a_day(robots):
