@@ -9,7 +9,7 @@ import sympy
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import STATUSES
 from walkgen.symbolic.frames import parameter_symbols
-from walkgen.symbolic.function import Angle, Both, Either, Finite, Less, LessEqual, Opposite, Residue, Same, Select
+from walkgen.symbolic.function import Angle, Both, Either, Epsilon, Finite, Indicator, Less, LessEqual, Opposite, Residue, Same, Select
 from walkgen.symbolic.geometry import Geometry, geometry
 from walkgen.symbolic.tape import Tape, Vec, constant, dot, minus
 
@@ -72,9 +72,15 @@ class Branches:
         return abs(g.a1) + g.a2 + g.l3 + abs(g.w)
 
     @cached_property
+    def _tolerance(self) -> sympy.Expr:
+        """1e-12 of the reach, or what rounding leaves of it in single precision."""
+        roundoff = 8 * self.tape.let("epsilon", Epsilon())
+        return self.tape.let("tolerance", Select(Less(_TOLERANCE, roundoff), roundoff, _TOLERANCE))
+
+    @cached_property
     def _touching2(self) -> sympy.Expr:
         """The square of a distance that counts as none: 1e-12 of the reach."""
-        return self.tape.let("touching2", (_TOLERANCE * self._reach) ** 2)
+        return self.tape.let("touching2", (self._tolerance * self._reach) ** 2)
 
     @cached_property
     def _rho2(self) -> sympy.Expr:
@@ -91,7 +97,7 @@ class Branches:
         """Whether the target is nearer to axis 1 than the leg plane's offset, by more than 1e-12 of the reach."""
         if self._geometry.w == 0:
             return _FALSE
-        slack = self.tape.let("cylinder_slack", -2 * abs(self._geometry.w) * _TOLERANCE * self._reach)
+        slack = self.tape.let("cylinder_slack", -2 * abs(self._geometry.w) * self._tolerance * self._reach)
         return Less(self._rho2, slack)
 
     @cached_property
@@ -118,8 +124,8 @@ class Branches:
     def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
         back = self.tape.let("yaw_back", yaw - _PI)
-        turned = Select(Less(-_PI, back), back, yaw + _PI)
-        return self.tape.let("yaw_minus", Select(self.on_axis, 0, turned))
+        half_turn = self.tape.let("half_turn", _PI - 2 * _PI * Indicator(Less(-_PI, back)))
+        return self.tape.let("yaw_minus", Select(self.on_axis, 0, yaw + half_turn))
 
     def half_open(self, angle: sympy.Expr, name: str) -> sympy.Expr:
         """-pi becomes pi: angles live in (-pi, pi]."""
@@ -129,8 +135,8 @@ class Branches:
     def wrapped(self, angle: sympy.Expr, name: str) -> sympy.Expr:
         """An angle within two turns brought into (-pi, pi]."""
         angle = self.tape.let(f"{name}_sum", angle)
-        lower = Select(LessEqual(angle, -_PI), angle + 2 * _PI, angle)
-        return self.tape.let(f"{name}_wrapped", Select(Less(_PI, angle), angle - 2 * _PI, lower))
+        turns = self.tape.let(f"{name}_turns", Indicator(Less(_PI, angle)) - Indicator(LessEqual(angle, -_PI)))
+        return self.tape.let(f"{name}_wrapped", angle - 2 * _PI * turns)
 
     def knee(self, X: sympy.Expr, name: str) -> Knee:
         """The knee triangle over the hip-foot vector (X, z).
@@ -140,7 +146,7 @@ class Branches:
         g, z = self._geometry, self._tainted[2]
         hypotenuse2 = self.tape.let(f"distance2_{name}", X**2 + z**2)
         bones, longest = self.tape.let("bones", abs(g.a2 - g.l3)), self.tape.let("longest", g.a2 + g.l3)
-        slack = 2 * _TOLERANCE * self._reach
+        slack = self.tape.let("slack", 2 * self._tolerance * self._reach)
         outer2, inner2 = self.tape.let("outer2", longest * (longest + slack)), self.tape.let("inner2", bones * (bones - slack))
         outside = Either(Less(outer2, hypotenuse2), Less(hypotenuse2, inner2))
         collapsed = _FALSE if bones.is_number and bones != 0 else LessEqual(hypotenuse2, self._touching2)
@@ -219,8 +225,8 @@ class Branches:
     def one_row(self) -> Row:
         """The branch with this index, by signs instead of choices."""
         g, index = self._geometry, self._index
-        rho_sign = self.tape.let("rho_sign", Select(Less(index, 2), 1, -1))
-        knee_sign = self.tape.let("knee_sign", Select(Either(Same(index, 0), Same(index, 2)), 1, -1))
+        rho_sign = self.tape.let("rho_sign", 1 - 2 * Indicator(LessEqual(2, index)))
+        knee_sign = self.tape.let("knee_sign", 1 - 2 * Indicator(Either(Same(index, 1), Same(index, 3))))
         rho = self.tape.let("rho_signed", rho_sign * self.rho)
         X, z = self.tape.let("X", rho - g.a1), self._tainted[2]
         knee = self.knee(X, "plus")
