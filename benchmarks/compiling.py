@@ -16,8 +16,8 @@ _LEVELS = (("-O2",), ("-O3",), ("-O3", "-march=native"))
 FLAG_SETS = tuple((*level, *slp) for level, slp in product(_LEVELS, ((), ("-fno-tree-slp-vectorize",))))
 MECHANICS = ("-fPIC", "-shared", "-fvisibility=hidden", "-fno-semantic-interposition")
 """What a contestant needs to be loaded and still be inlined within its own unit."""
-COMMON = ("-fno-math-errno", "-falign-functions=64")
-"""Given to everyone: square roots as one instruction, and no luck of the placement."""
+COMMON = ("-fno-math-errno", "-fno-trapping-math", "-falign-functions=64")
+"""Given to everyone: square roots as one instruction, selections without jumps, no luck of the placement; values stay the same."""
 COMPILERS = {"c": ("gcc", "-std=gnu99"), "c++": ("g++", "-std=c++17", "-DNDEBUG")}
 _PROCESSES = 2
 

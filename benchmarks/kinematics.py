@@ -15,11 +15,12 @@ from typing import Any
 import python_timing
 from compiling import COMMON, FLAG_SETS, compile_all, first_words, versions
 from leg import FUNCTIONS, RANGES, SEED, TOLERANCE, LegFunction, draw
+from peers import walkgen_c
 from peers.source import HERE, Caller, Peer, Source
 from report import packages, table, write
 from timing import METRICS, Bench, Contestant, Times, pin_core, race
 
-PEERS = ("walkgen_c", "hand_c", "casadi_c", "sympy_c", "symforce_cpp", "wrenfold_cpp", "pinocchio_cpp")
+PEERS = ("hand_c", "casadi_c", "sympy_c", "symforce_cpp", "wrenfold_cpp", "pinocchio_cpp")
 RIVALS = ("CasADi", "sympy cse", "symforce", "wrenfold")
 """The generators that walkgen is measured against; hand-written code and Pinocchio stand beside."""
 PACKAGES = ("casadi", "sympy", "symforce", "wrenfold", "pin", "numpy")
@@ -40,8 +41,8 @@ class Failures:
 
 
 def collect(failures: Failures) -> tuple[Source, ...]:
-    """Every peer's units; a peer that breaks is reported, whatever it raises."""
-    found: list[Source] = []
+    """walkgen's units, which must build, and every peer's; a peer that breaks is reported, whatever it raises."""
+    found = list(walkgen_c.PEER.make())
     for module in PEERS:
         try:
             peer: Peer = importlib.import_module(f"peers.{module}").PEER
