@@ -72,7 +72,7 @@ def test_sine_and_cosine_of_one_angle_stand_side_by_side():
     product = b.add(Code.MUL, sine, 1, name="product")
     cosine = b.add(Code.COS, 0)
     body = walked(b, b.add(Code.ADD, product, cosine))
-    assert lines(body) == ["sin_q0 = sin(q[0])", "cos_q0 = cos(q[0])", "product = sin_q0*q[1]"]
+    assert lines(body) == ["sin_q0 = WG_SIN(q[0])", "cos_q0 = WG_COS(q[0])", "product = sin_q0*q[1]"]
 
 
 def test_unused_operations_are_dropped():

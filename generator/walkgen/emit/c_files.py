@@ -13,7 +13,7 @@ from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
 
 _SUPPORT = Path(__file__).parent / "csupport"
-_ALWAYS = ("walkgen_status.h", "walkgen_math.h")
+_ALWAYS = ("walkgen_status.h", "walkgen_math.h", "walkgen_trig.h")
 
 
 def c_sources(code: RobotCode) -> tuple[Artifact, ...]:

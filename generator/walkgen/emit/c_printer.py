@@ -53,6 +53,9 @@ _OPERATORS: dict[Code, Form] = {
     Code.SUB: Form("{0} - {1}", Level.SUM, (Level.SUM, Level.PRODUCT)),
     Code.MUL: Form("{0}*{1}", Level.PRODUCT, (Level.PRODUCT, Level.UNARY)),
     Code.DIV: Form("{0}/{1}", Level.PRODUCT, (Level.PRODUCT, Level.UNARY)),
+    Code.SIN: Form("WG_SIN({0})"),
+    Code.COS: Form("WG_COS({0})"),
+    Code.ATAN2: Form("WG_ATAN2({0}, {1})"),
     Code.MIN: Form("WG_MIN({0}, {1})"),
     Code.MAX: Form("WG_MAX({0}, {1})"),
     Code.LESS: Form("{0} < {1}", Level.COMPARE, (Level.SUM, Level.SUM)),
@@ -75,7 +78,7 @@ _APART: dict[Code, Form] = {
     Code.FMS: Form("{0}*{1} - {2}", Level.SUM, (Level.PRODUCT, Level.UNARY, Level.PRODUCT)),
     Code.FNMA: Form("{2} - {0}*{1}", Level.SUM, (Level.PRODUCT, Level.UNARY, Level.SUM)),
 }
-_LIBM = {Code.SQRT: "sqrt", Code.SIN: "sin", Code.COS: "cos", Code.TAN: "tan", Code.ABS: "fabs"}
+_LIBM = {Code.SQRT: "sqrt", Code.TAN: "tan", Code.ABS: "fabs"}
 
 _WORDS = """
 alignas alignof and and_eq asm atomic auto bitand bitor bool break case catch char char8_t char16_t char32_t class compl concept const
@@ -107,7 +110,6 @@ class CPrinter:
         suffix = self.precision.suffix
         calls = {code: Form(f"{name}{suffix}({{0}})") for code, name in _LIBM.items()}
         calls[Code.INDICATOR] = Form(f"({self.precision.real}){{0}}", Level.UNARY, (Level.ATOM,))
-        calls[Code.ATAN2] = Form(f"atan2{suffix}({{0}}, {{1}})")
         return _OPERATORS | calls | (_FUSED if self.fma else _APART)
 
     @property

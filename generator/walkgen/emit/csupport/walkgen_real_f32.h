@@ -32,10 +32,7 @@
 #define WG_PI 3.14159265f
 #define WG_NAN ((float)NAN)
 #define WG_INFINITY ((float)INFINITY)
-#define WG_SIN(x) sinf(x)
-#define WG_COS(x) cosf(x)
 #define WG_TAN(x) tanf(x)
-#define WG_ATAN2(y, x) atan2f(y, x)
 #define WG_SQRT(x) sqrtf(x)
 #define WG_ABS(x) fabsf(x)
 #define WG_HYPOT(x, y) hypotf(x, y)
@@ -45,4 +42,15 @@
 #define WG_FMA(a, b, c) fmaf((a), (b), (c))
 #else
 #define WG_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+#if defined(WALKGEN_LIBM)
+#define WG_SIN(x) sinf(x)
+#define WG_COS(x) cosf(x)
+#define WG_ATAN2(y, x) atan2f(y, x)
+#else
+#define WG_SIN(x) wg_sin_f32(x)
+#define WG_COS(x) wg_cos_f32(x)
+#define WG_ATAN2(y, x) wg_atan2_f32(y, x)
+#include "walkgen_trig.h"
 #endif

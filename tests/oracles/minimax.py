@@ -1,0 +1,120 @@
+"""Computes the polynomials of walkgen_trig.h: minimax by Remez' exchange, each coefficient rounded and the later ones fitted anew."""
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import mpmath
+from mpmath import mpf
+
+mpmath.mp.dps = 60
+_SAMPLES = 60
+
+
+@dataclass(frozen=True)
+class Family:
+    """`target`(r) is fitted by a polynomial in r^2 for 0 < r <= `limit`; `weight`(r) turns its error into the function's relative error."""
+
+    name: str
+    limit: float
+    target: Callable[[mpf], mpf]
+    weight: Callable[[mpf], mpf]
+
+
+def families(limit: float, bound: float) -> tuple[Family, ...]:
+    """sin r = r - r^3 S, cos r = 1 - r^2/2 + r^4 C for |r| <= `limit`; atan r = r - r^3 A for |r| <= `bound`; S, C, A in r^2."""
+    return (
+        Family("sine", limit, lambda r: (r - mpmath.sin(r)) / r**3, lambda r: r**3 / mpmath.sin(r)),
+        Family("cosine", limit, lambda r: (mpmath.cos(r) - 1 + r**2 / 2) / r**4, lambda r: r**4 / mpmath.cos(r)),
+        Family("arctangent", bound, lambda r: (r - mpmath.atan(r)) / r**3, lambda r: r**3 / mpmath.atan(r)),
+    )
+
+
+def error(family: Family, coefficients: Sequence[mpf], r: mpf) -> mpf:
+    """Relative error of the function at r, its sum taken exactly."""
+    return family.weight(r) * (mpmath.polyval(list(reversed(coefficients)), r**2) - family.target(r))
+
+
+def _extrema(family: Family, coefficients: Sequence[mpf], count: int) -> list[mpf]:
+    """The `count` places of alternating sign where the error is largest, ascending."""
+    grid = [family.limit * mpmath.sin(mpmath.pi * mpf(i) / (2 * count * _SAMPLES)) for i in range(1, count * _SAMPLES + 1)]
+    errors = [error(family, coefficients, r) for r in grid]
+    peaks: list[tuple[mpf, mpf]] = []
+    for r, value in zip(grid, errors, strict=True):
+        if peaks and mpmath.sign(peaks[-1][1]) == mpmath.sign(value):
+            peaks[-1] = max(peaks[-1], (r, value), key=lambda peak: abs(peak[1]))
+        else:
+            peaks.append((r, value))
+    while len(peaks) > count:
+        peaks.pop(0 if abs(peaks[0][1]) < abs(peaks[-1][1]) else -1)
+    return [r for r, _ in peaks]
+
+
+def minimax(family: Family, fixed: Sequence[mpf], free: int) -> list[mpf]:
+    """`fixed` followed by the `free` coefficients with the least largest error."""
+    points = [family.limit * mpmath.sin(mpmath.pi * mpf(i) / (2 * free + 2)) for i in range(1, free + 2)]
+    coefficients = list(fixed)
+    for _ in range(8):
+        rows = mpmath.matrix(free + 1, free + 1)
+        rest = mpmath.matrix(free + 1, 1)
+        for i, r in enumerate(points):
+            for k in range(free):
+                rows[i, k] = family.weight(r) * r ** (2 * (len(fixed) + k))
+            rows[i, free] = mpf(-1) ** i
+            rest[i] = -error(family, fixed or [mpf(0)], r)
+        coefficients = [*fixed, *mpmath.lu_solve(rows, rest)[:free]]
+        found = _extrema(family, coefficients, free + 1)
+        if len(found) <= free:
+            break
+        points = found
+    return coefficients
+
+
+def rounded(value: mpf, bits: int) -> mpf:
+    """The nearest number of so many bits."""
+    with mpmath.workprec(bits):
+        return +value
+
+
+def fit(family: Family, count: int, bits: int) -> list[mpf]:
+    """`count` coefficients of `bits` bits, lowest first."""
+    fixed: list[mpf] = []
+    for _ in range(count):
+        fixed.append(rounded(minimax(family, fixed, count - len(fixed))[len(fixed)], bits))
+    return fixed
+
+
+def worst(family: Family, coefficients: Sequence[mpf]) -> mpf:
+    """The largest relative error over the range."""
+    return max(abs(error(family, coefficients, family.limit * mpf(i) / 1000)) for i in range(1, 1001))
+
+
+def parts(value: mpf, *bits: int) -> list[mpf]:
+    """The number as a sum of numbers of so many bits, all of them positive: cut off, only the last one rounded."""
+    found: list[mpf] = []
+    for count in bits[:-1]:
+        rest = value - mpmath.fsum(found)
+        unit = mpf(2) ** (mpmath.floor(mpmath.log(rest, 2)) + 1 - count)
+        found.append(mpmath.floor(rest / unit) * unit)
+    return [*found, rounded(value - mpmath.fsum(found), bits[-1])]
+
+
+def main() -> None:
+    """Print every table of walkgen_trig.h."""
+    for bits, ranges, counts in ((53, (0.7854, 0.5), (6, 6, 12)), (24, (0.7857, 0.5), (3, 3, 5))):
+        for family, count in zip(families(*ranges), counts, strict=True):
+            coefficients = fit(family, count, bits)
+            sys.stdout.write(f"{bits} bits, {family.name}, error 2^{mpmath.nstr(mpmath.log(worst(family, coefficients), 2), 4)}\n")
+            sys.stdout.writelines(f"    {mpmath.nstr(value, 17 if bits == 53 else 9)}\n" for value in coefficients)
+    for name, value, bits in (
+        ("pi/2", mpmath.pi / 2, (36, 36, 53)),
+        ("pi/2", mpmath.pi / 2, (14, 14, 14, 24)),
+        ("pi/4", mpmath.pi / 4, (50, 53)),
+        ("pi/4", mpmath.pi / 4, (21, 24)),
+    ):
+        found = " ".join(mpmath.nstr(part, 17 if max(bits) == 53 else 9) for part in parts(value, *bits))
+        sys.stdout.write(f"{name} in {bits} bits: {found}\n")
+
+
+if __name__ == "__main__":
+    main()
