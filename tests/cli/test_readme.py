@@ -59,3 +59,15 @@ def test_the_c_program_prints_what_is_shown(workplace, tmp_path):
 def test_links_lead_somewhere():
     for target in re.findall(r"\]\(([^)]+)\)", README):
         assert (Path(__file__).parents[2] / target).exists(), target
+
+
+def test_figures_are_those_measured_last():
+    program = "import readme; print(*readme.lines(), sep=chr(10))"
+    folder = Path(__file__).parents[2] / "benchmarks"
+    measured = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=True).stdout
+    shown = README.partition("<!-- figures")[2].partition("-->\n")[2].partition("<!-- end of figures")[0]
+    shown_words, measured_words = shown.split(), measured.split()
+    assert len(shown_words) == len(measured_words), "the README's figures are stale; run: python benchmarks/readme.py"
+    figures = [pair for pair in zip(shown_words, measured_words, strict=True) if all(re.fullmatch(r"[0-9.]+", word) for word in pair)]
+    assert len(figures) > 20
+    assert all(float(old) == pytest.approx(float(new), rel=0.3) for old, new in figures), "stale; run: python benchmarks/readme.py"

@@ -1,0 +1,73 @@
+"""Puts the measured figures on the README's first screen: reads results/*.json, writes what stands between the two marks."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from kinematics import RIVALS, Entry, best_of
+from leg import FUNCTIONS
+from report import RESULTS
+
+README = Path(__file__).parents[1] / "README.md"
+MARKS = ("<!-- figures: benchmarks/readme.py writes them -->", "<!-- end of figures -->")
+METRIC = "throughput"
+
+
+def result(name: str) -> dict[str, Any]:
+    """One benchmark's JSON."""
+    content: dict[str, Any] = json.loads((RESULTS / f"{name}.json").read_text())
+    return content
+
+
+def lines() -> Iterator[str]:
+    """The figures as Markdown."""
+    kinematics, build, counts = result("kinematics_limits"), result("build_time")["median_s"], result("operations")["counts"]
+    yield from _table(kinematics)
+    yield ""
+    yield from _conditions(kinematics)
+    yield ""
+    yield (
+        f"`benchmarks/build_time.py`: `walkgen build specs/mero.toml`, compiler included, {build['build mero']:.1f} s; "
+        f"`import walkgen.runtime` {build['import walkgen.runtime']:.2f} s. `benchmarks/operations.py`: "
+        f"{counts['foot_position']['walkgen']} operations for the foot's position, {counts['foot_position_jacobian']['walkgen']} with its "
+        "Jacobian, inputs and outputs counted."
+    )
+
+
+def _table(kinematics: dict[str, Any]) -> Iterator[str]:
+    yield "| 3R leg, ns a call in C | walkgen | its default flags | best of CasADi, SymPy, SymForce, wrenfold | by hand | Pinocchio C++ |"
+    yield "| --- | --: | --: | --: | --: | --: |"
+    for function in FUNCTIONS:
+        entries = [entry for entry in kinematics["entries"] if entry["function"] == function.name]
+        own = [entry for entry in entries if entry["peer"] == "walkgen"]
+        default = [entry for entry in own if entry["form"] == "default flags"]
+        others = [[entry for entry in entries if entry["peer"] in peers] for peers in (RIVALS, ("by hand",), ("Pinocchio",))]
+        yield f"| {function.title} | {' | '.join(_cell(group) for group in (own, default, *others))} |"
+
+
+def _cell(entries: list[Entry]) -> str:
+    best = best_of(entries, METRIC)
+    return f"{best['ns'][METRIC]:.1f}" if best else ""
+
+
+def _conditions(kinematics: dict[str, Any]) -> Iterator[str]:
+    machine, packages = kinematics["machine"], kinematics["packages"]
+    versions = ", ".join(f"{name} {packages[name]}" for name in ("casadi", "sympy", "symforce", "wrenfold", "pin"))
+    yield (
+        f"Measured {kinematics['date'][:10]} by `benchmarks/kinematics.py` on {machine['processor']}, {kinematics['compilers']['gcc']}, "
+        f"{versions}; all in one run, each with its best flags, outputs compared before timing. walkgen's inverse decides a status for "
+        "every branch and wraps its angles, the others' give angles alone."
+    )
+
+
+def main() -> None:
+    """Replace what stands between the marks."""
+    before, rest = README.read_text().split(MARKS[0])
+    _, after = rest.split(MARKS[1])
+    README.write_text("\n".join([before + MARKS[0], *lines(), MARKS[1] + after]))
+    print(f"written: {README.name}")
+
+
+if __name__ == "__main__":
+    main()
