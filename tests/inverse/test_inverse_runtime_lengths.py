@@ -9,7 +9,7 @@ from legs import OBLIQUE, leg, mirrored, spec
 
 from oracles.walker import read
 
-OK, SINGULAR, DUPLICATE = 0, 3, 6
+OK, UNREACHABLE, BAD_INPUT, SINGULAR, DUPLICATE = 0, 1, 2, 3, 6
 NAMES = ("shoulder", "thigh", "shank", "aside", "heel")
 DEFAULTS = (0.08, 0.35, 0.4, 0.03, 0.02)
 PARAMETERS = "\n".join(
@@ -88,7 +88,7 @@ def test_unreachable_rows_are_closest(tunable, anatomy, values):
     body, param = anatomy("own", values), np.array(VALUES[values])
     p = body.point(np.array([3.0, 2.0, 0.01]) * body.reach, np.array([0.0, -2.0, 4.0]) * body.reach)
     rows, status = tunable["own"].inverse(p, param=param)
-    assert np.all(status == 1)
+    assert np.all(status == UNREACHABLE)
     best = np.min(np.linalg.norm(body.foot(rows) - p[:, None], axis=-1), axis=1)
     others = np.linalg.norm(body.foot(np.random.default_rng(71).uniform(-np.pi, np.pi, (100_000, 1, 3))) - p, axis=-1)
     assert np.all(best <= np.min(others, axis=0))
@@ -116,3 +116,33 @@ def test_parameters_broadcast(tunable):
         alone, state = tunable["own"].inverse(p, param=values)
         assert np.array_equal(code, state)
         assert np.max(turned(row, alone)) <= 1e-12
+
+
+@pytest.mark.parametrize("place", range(len(NAMES)))
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_values_that_are_not_finite_are_bad_input(tunable, place, value):
+    param = np.where(np.arange(len(NAMES)) == place, value, DEFAULTS)
+    p = np.array([[0.4, 0.1, 0.2], [9.0, 0.0, 0.0]])
+    with np.errstate(all="ignore"):
+        rows, status = tunable["own"].inverse(p, param=param)
+        one, code = tunable["own"].inverse_branch(p, 1, param=param)
+        rates, flag = tunable["own"].inverse_velocity(p, p, param=param)
+    for found, state in ((rows, status), (one, code), (rates, flag)):
+        assert np.all(state == BAD_INPUT)
+        assert np.all(np.isnan(found))
+
+
+@pytest.mark.parametrize("bone", ["thigh", "shank"])
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_leg_without_a_bone_is_never_wrongly_well(tunable, name, bone):
+    """Its knee has no angle (but for the rounding that a bone of length 0 leaves): no number where a row is OK is missing or wrong."""
+    values = {**dict(zip(NAMES, DEFAULTS, strict=True)), "heel": 0.0, bone: 0.0}
+    body = Anatomy(read(TEXT, **values).leg(name))
+    p = np.concatenate(
+        [body.point(np.hypot(0.08 + 0.75 - values["thigh"], 0.03), 0.0)[None], body.foot(np.linspace(-3, 3, 30).reshape(10, 3))]
+    )
+    with np.errstate(all="ignore"):
+        rows, status = tunable[name].inverse(p, param=np.array(list(values.values())))
+    well = (status != BAD_INPUT) & (status != UNREACHABLE)
+    assert np.all(np.linalg.norm(body.foot(rows) - p[:, None], axis=-1)[well] <= 1e-12)
+    assert np.all(np.isnan(rows[status == BAD_INPUT]))

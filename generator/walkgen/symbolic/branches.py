@@ -47,8 +47,13 @@ class Branches:
     def _taint(self) -> sympy.Expr:
         """0 for finite inputs and a known branch, NaN otherwise: it poisons every angle and decides BAD_INPUT."""
         valid = Both(LessEqual(0, self._index), LessEqual(self._index, 3))
+        bones = () if self._knee_scale.is_number else (self._knee_scale,)  # infinite where a runtime parameter leaves out a bone
         stray = sympy.S.Zero if self._index == 0 else Select(valid, 0, sympy.sqrt(-1 - self._index**2))
-        return self.tape.let("taint", sympy.Add(*(Residue(x) for x in (*self._p, *self._parameters.values()))) + stray)
+        return self.tape.let("taint", sympy.Add(*(Residue(x) for x in (*self._p, *self._parameters.values(), *bones))) + stray)
+
+    @cached_property
+    def _knee_scale(self) -> sympy.Expr:
+        return self.tape.let("knee_scale", 1 / (2 * self._geometry.a2 * self._geometry.l3))
 
     @cached_property
     def target(self) -> Vec:
@@ -150,8 +155,7 @@ class Branches:
         outer2, inner2 = self.tape.let("outer2", longest * (longest + slack)), self.tape.let("inner2", bones * (bones - slack))
         outside = Either(Less(outer2, hypotenuse2), Less(hypotenuse2, inner2))
         collapsed = _FALSE if bones.is_number and bones != 0 else LessEqual(hypotenuse2, self._touching2)
-        scale = self.tape.let("knee_scale", 1 / (2 * g.a2 * g.l3))
-        versine = self.tape.let(f"knee_{name}", (hypotenuse2 - bones**2) * scale)
+        versine = self.tape.let(f"knee_{name}", (hypotenuse2 - bones**2) * self._knee_scale)
         folded = Either(Less(versine, 0), collapsed)
         opening = self.tape.let(f"knee_{name}_clamped", Select(Less(2, versine), 2, Select(folded, 0, versine)))
         sine = self.tape.let(f"knee_sin_{name}", sympy.sqrt(opening * (2 - opening)))
