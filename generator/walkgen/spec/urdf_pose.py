@@ -54,6 +54,15 @@ def compose(outer: Pose, inner: Pose) -> Pose:
     return Pose(_triple(shift), _rpy(turn * _rotation(inner.rpy)) if any(inner.rpy) else outer.rpy)
 
 
+def inverse(pose: Pose) -> Pose:
+    """The pose that undoes this one; exact where it does not turn."""
+    if not any(pose.rpy):
+        x, y, z = (value.copy_negate() if value else value for value in pose.xyz)
+        return Pose((x, y, z), ORIGIN)
+    back = _rotation(pose.rpy).T
+    return Pose(_triple(back * _column(pose.xyz) * -1), _rpy(back))
+
+
 def merge(bodies: Sequence[tuple[Pose, Inertial]]) -> Inertial:
     """One body for several that are fixed to each other.
 

@@ -1,76 +1,64 @@
-"""Lays out an imported robot as a spec that a person would have written: one leg design a foot, comments where URDF is silent."""
+"""Lays out an imported robot as a spec that a person would have written: one design a limb, comments where URDF is silent."""
 
 import json
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
 from walkgen.spec.checks_values import unphysical
+from walkgen.spec.urdf_limbs import Limb, Limbs, Platform, Row
 from walkgen.spec.urdf_pose import IDENTITY, Inertial, Pose
-from walkgen.spec.urdf_read import MOVABLE, UrdfJoint
+from walkgen.spec.urdf_read import MOVABLE
 
-_MANY_TURNS = Decimal(12)
-_DEGREES = Decimal("57.29577951308232087679815481")
-
-
-@dataclass(frozen=True)
-class Row:
-    """A movable joint with the folded pose before it and the folded body after it."""
-
-    key: str
-    joint: UrdfJoint
-    origin: Pose
-    body: Inertial | None
+_TURN = Decimal("6.283185307179586")
+_DEGREES = Decimal("57.29577951308232087679815481410517033240547246656432")
+_GRAVITY = "gravity = [0.0, 0.0, -9.80665]  # a URDF gives none: standard gravity along the base's -z; change it if the base is turned"
 
 
-@dataclass(frozen=True)
-class Leg:
-    """A leg from the base to its foot; `foot` is the foot frame in the frame after the last joint."""
-
-    key: str
-    rows: tuple[Row, ...]
-    foot: Pose
+def key(name: str) -> str:
+    """The spec's name for a name of the URDF: lower case, every other character an underscore."""
+    return re.sub(r"[^a-z0-9_]", "_", name.lower())
 
 
-def write(robot: str, source: str, base: tuple[str, Inertial | None], legs: tuple[Leg, ...]) -> str:
+def write(robot: str, source: str, limbs: Limbs) -> str:
     """The spec's text.
 
     Args:
         robot: its name.
         source: the imported file's name, for the description.
-        base: the first platform's name and body, in the base link's frame.
-        legs: in the order of the feet.
+        limbs: platforms, chains and legs, each under the name of the link that it ends in.
     """
     blocks = [
         ["#:schema ./walkgen-spec-1.json", "walkgen = 1"],
-        [
-            "[robot]",
-            f"name = {_text(robot)}",
-            f"description = {_text(f'Imported from {source}')}",
-            "gravity = [0.0, 0.0, -9.80665]  # a URDF gives none: standard gravity along the base's -z; change it if the base is turned",
-        ],
+        ["[robot]", f"name = {_text(robot)}", f"description = {_text(f'Imported from {source}')}", _GRAVITY],
     ]
-    for leg in legs:
-        blocks.append([f"[leg_designs.{leg.key}]", f"foot = {_pose(leg.foot)}"])
-        blocks.extend(_joint(leg.key, row) for row in leg.rows)
-    blocks.append(["[[platforms]]", f"name = {_text(base[0])}", *_body(base[1])])
-    blocks.extend(_mounted(leg, base[0]) for leg in legs)
+    for chain in limbs.chains:
+        blocks.extend(_design(f"chain_designs.{key(chain.end)}", chain, []))
+    for leg in limbs.legs:
+        blocks.extend(_design(f"leg_designs.{key(leg.end)}", leg, [f"foot = {_pose(leg.tip)}"]))
+    blocks.extend(_platform(platform) for platform in limbs.platforms)
+    blocks.extend(_mounted(leg) for leg in limbs.legs)
     return "\n\n".join("\n".join(block) for block in blocks) + "\n"
 
 
-def _joint(design: str, row: Row) -> list[str]:
+def _design(table: str, limb: Limb, lines: list[str]) -> list[list[str]]:
+    return [[f"[{table}]", *lines], *(_joint(table, row) for row in limb.rows)]
+
+
+def _joint(table: str, row: Row) -> list[str]:
     joint = row.joint
     lines = [
-        f"[[leg_designs.{design}.joints]]",
-        f"name = {_text(row.key)}",
+        f"[[{table}.joints]]",
+        f"name = {_text(key(joint.name))}",
         f"type = {_text(MOVABLE[joint.kind])}",
         f"xyz = {_array(row.origin.xyz)}",
-        f"rpy = {_array(row.origin.rpy)}",
+        _angles("rpy", row.origin.rpy, _TURN),
         f"axis = {_array(joint.axis)}",
     ]
     if joint.limits:
-        lines.append(_limits(joint.kind, joint.limits))
+        turning = joint.kind != "prismatic"
+        lines.append(_angles("limits", joint.limits, 2 * _TURN) if turning else f"limits = {_array(joint.limits)}")
     if joint.max_speed:
         lines.append(f"max_speed = {_number(joint.max_speed)}")
     if joint.max_effort:
@@ -80,22 +68,29 @@ def _joint(design: str, row: Row) -> list[str]:
     return lines
 
 
-def _limits(kind: str, limits: tuple[Decimal, Decimal]) -> str:
-    """Of many turns in degrees: a spec takes so many radians for degrees with their unit forgotten."""
-    if kind == "prismatic" or max(map(abs, limits)) < _MANY_TURNS:
-        return f"limits = {_array(limits)}"
-    return f"limits_deg = {_array(limit * _DEGREES for limit in limits)}"
+def _angles(name: str, angles: Iterable[Decimal], most: Decimal) -> str:
+    """In degrees where they are large: a spec takes so many radians for degrees with their unit forgotten."""
+    listed = tuple(angles)
+    if max(map(abs, listed)) <= most:
+        return f"{name} = {_array(listed)}"
+    return f"{name}_deg = {_array(angle * _DEGREES for angle in listed)}"
 
 
-def _mounted(leg: Leg, platform: str) -> list[str]:
-    sources = ", ".join(_text(row.joint.name) for row in leg.rows)
-    return [
-        "[[legs]]",
-        f"name = {_text(leg.key)}",
-        f"design = {_text(leg.key)}",
-        f"platform = {_text(platform)}",
-        f"source_names = [{sources}]",
-    ]
+def _platform(platform: Platform) -> list[str]:
+    lines = ["[[platforms]]", f"name = {_text(key(platform.link))}"]
+    if platform.chain is None:
+        return [*lines, *_body(platform.body)]
+    joined = [f"parent = {_text(key(platform.chain.start))}", f"chain = {_text(key(platform.link))}", f"end = {_pose(platform.chain.tip)}"]
+    return [*lines, *joined, *_body(platform.body), _sources(platform.chain)]
+
+
+def _mounted(leg: Limb) -> list[str]:
+    name = _text(key(leg.end))
+    return ["[[legs]]", f"name = {name}", f"design = {name}", f"platform = {_text(key(leg.start))}", _sources(leg)]
+
+
+def _sources(limb: Limb) -> str:
+    return f"source_names = [{', '.join(_text(row.joint.name) for row in limb.rows)}]"
 
 
 def _body(body: Inertial | None) -> list[str]:
@@ -113,7 +108,7 @@ def oddity(body: Inertial) -> str:
 def _pose(pose: Pose) -> str:
     parts = [f"xyz = {_array(pose.xyz)}"]
     if pose.rpy != IDENTITY.rpy:
-        parts.append(f"rpy = {_array(pose.rpy)}")
+        parts.append(_angles("rpy", pose.rpy, _TURN))
     return f"{{ {', '.join(parts)} }}"
 
 
