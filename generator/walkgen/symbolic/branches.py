@@ -63,12 +63,8 @@ class Branches:
         return self.tape.vector("target", [dot(axis, offset) for axis in self._geometry.axes])
 
     @cached_property
-    def _tainted(self) -> Vec:
-        return self.tape.vector("aim", [component + self._taint for component in self.target])
-
-    @cached_property
     def _distance2(self) -> sympy.Expr:
-        x, y, _ = self._tainted
+        x, y, _ = self.target
         return self.tape.let("radius2", x**2 + y**2)
 
     @cached_property
@@ -94,8 +90,12 @@ class Branches:
     @cached_property
     def rho(self) -> sympy.Expr:
         """|rho|, 0 where the target is on axis 1 or inside the hip cylinder."""
-        inside = self._distance2 if self._geometry.w == 0 else self.tape.let("rho2_clamped", Select(Less(self._rho2, 0), 0, self._rho2))
-        return self.tape.let("rho", Select(self.on_axis, 0, self.tape.let("radius", sympy.sqrt(inside))))
+        return self.tape.let("rho", Select(self.on_axis, 0, self.tape.let("radius", sympy.sqrt(self._inside2))))
+
+    @cached_property
+    def _inside2(self) -> sympy.Expr:
+        """rho^2, not below 0."""
+        return self._distance2 if self._geometry.w == 0 else self.tape.let("rho2_clamped", Select(Less(self._rho2, 0), 0, self._rho2))
 
     @cached_property
     def inside_cylinder(self) -> sympy.Expr:
@@ -118,19 +118,19 @@ class Branches:
 
     def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str) -> sympy.Expr:
         """q1 of the sheet with this signed rho; the target turned back by the leg plane's own angle."""
-        x, y, _ = self._tainted
+        x, y, _ = self.target
         w, turn = self._geometry.w, self._geometry.sign1
         if w == 0:
             sine, cosine = sign * y, sign * x
         else:
             sine, cosine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
-        return self.tape.let(f"yaw_{name}", Select(self.on_axis, 0, self.half_open(Angle(turn * sine, cosine), f"yaw_{name}")))
+        return self._poisoned(Select(self.on_axis, 0, self.half_open(Angle(turn * sine, cosine), f"yaw_{name}")), f"yaw_{name}")
 
     def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
         back = self.tape.let("yaw_back", yaw - _PI)
         half_turn = self.tape.let("half_turn", _PI - 2 * _PI * Indicator(Less(-_PI, back)))
-        return self.tape.let("yaw_minus", Select(self.on_axis, 0, yaw + half_turn))
+        return self._poisoned(Select(self.on_axis, 0, yaw + half_turn), "yaw_minus")
 
     def half_open(self, angle: sympy.Expr, name: str) -> sympy.Expr:
         """-pi becomes pi: angles live in (-pi, pi]."""
@@ -148,8 +148,9 @@ class Branches:
 
         1 + cos is computed, not cos: it keeps its digits where the leg folds, and so does the foot's distance from the hip.
         """
-        g, z = self._geometry, self._tainted[2]
-        hypotenuse2 = self.tape.let(f"distance2_{name}", X**2 + z**2)
+        g, z = self._geometry, self.target[2]
+        across2 = self._inside2 if g.a1 == 0 else X**2  # no need to wait for the root
+        hypotenuse2 = self.tape.let(f"distance2_{name}", across2 + z**2)
         bones, longest = self.tape.let("bones", abs(g.a2 - g.l3)), self.tape.let("longest", g.a2 + g.l3)
         slack = self.tape.let("slack", 2 * self._tolerance * self._reach)
         outer2, inner2 = self.tape.let("outer2", longest * (longest + slack)), self.tape.let("inner2", bones * (bones - slack))
@@ -163,8 +164,8 @@ class Branches:
 
     def lift(self, X: sympy.Expr, name: str) -> sympy.Expr:
         """Angle of the hip-foot vector, counted from the thigh's zero and in q2's sense."""
-        z = self._tainted[2]
-        return self.tape.let(f"lift_{name}", Angle(*self._from_zero(z, X, name)))
+        z = self.target[2]
+        return self._poisoned(Angle(*self._from_zero(z, X, name)), f"lift_{name}")
 
     def _from_zero(self, sine: sympy.Expr, cosine: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         zero, turn = self._geometry.zero2, self._geometry.sign2
@@ -196,7 +197,7 @@ class Branches:
         ahead = self._geometry.sign2 * offset
         plus_knee = self.wrapped(lift - ahead, f"q2_{name}_plus")
         minus_knee = self.wrapped(lift + ahead, f"q2_{name}_minus")
-        return Select(knee.collapsed, 0, plus_knee), Select(knee.collapsed, 0, minus_knee)
+        return Select(knee.collapsed, self._taint, plus_knee), Select(knee.collapsed, self._taint, minus_knee)
 
     def all_rows(self) -> list[Row]:
         """Rows and statuses in the fixed order."""
@@ -217,7 +218,7 @@ class Branches:
         return [*plus_sheet, *self._sheet(other, pair, far, "minus", Same(rho, 0))]
 
     def _sheet(self, yaw: sympy.Expr, thighs: tuple[sympy.Expr, sympy.Expr], knee: Knee, name: str, repeated: sympy.Expr) -> list[Row]:
-        gamma = self.tape.let(f"gamma_{name}", Angle(knee.sine, knee.cosine))
+        gamma = self._poisoned(Angle(knee.sine, knee.cosine), f"gamma_{name}")
         singular = Either(self.on_axis, knee.collapsed)
         straight = Either(repeated, Same(knee.sine, 0))
         rows: list[Row] = []
@@ -226,22 +227,27 @@ class Branches:
             rows.append((values, self.status(knee.outside, duplicate, singular, self.bad)))
         return rows
 
+    def _poisoned(self, angle: sympy.Expr, name: str) -> sympy.Expr:
+        """The angle, NaN for a bad input."""
+        return self.tape.let(f"{name}_checked", self.tape.let(name, angle) + self._taint)
+
     def one_row(self) -> Row:
         """The branch with this index, by signs instead of choices."""
         g, index = self._geometry, self._index
         rho_sign = self.tape.let("rho_sign", 1 - 2 * Indicator(LessEqual(2, index)))
         knee_sign = self.tape.let("knee_sign", 1 - 2 * Indicator(Either(Same(index, 1), Same(index, 3))))
         rho = self.tape.let("rho_signed", rho_sign * self.rho)
-        X, z = self.tape.let("X", rho - g.a1), self._tainted[2]
+        X, z = self.tape.let("X", rho - g.a1), self.target[2]
         knee = self.knee(X, "plus")
         sine = self.tape.let("knee_sin", knee_sign * knee.sine)
         along, across = self.tape.let("along", g.a2 + g.l3 * knee.cosine), self.tape.let("across", g.l3 * sine)
         opposite, adjacent = self.tape.let("thigh_sin", z * along - X * across), self.tape.let("thigh_cos", X * along + z * across)
-        thigh = self.half_open(Angle(*self._from_zero(opposite, adjacent, "thigh")), "q2")
+        thigh = self.half_open(self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh"), "q2")
+        gamma = self._poisoned(Angle(sine, knee.cosine), "gamma")
         values = (
             self.yaw(rho, rho_sign, "one"),
-            Select(knee.collapsed, 0, thigh),
-            self.knee_value(Angle(sine, knee.cosine), "one", reaches_minus_pi=True),
+            Select(knee.collapsed, self._taint, thigh),
+            self.knee_value(gamma, "one", reaches_minus_pi=True),
         )
         straight = Both(Same(knee.sine, 0), Less(knee_sign, 0))
         duplicate = Either(straight, Both(Same(self.rho, 0), Less(rho_sign, 0)))
