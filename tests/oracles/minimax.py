@@ -1,7 +1,7 @@
 """Computes the polynomials of walkgen_trig.h: minimax by Remez' exchange, each coefficient rounded and the later ones fitted anew."""
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import mpmath
@@ -99,21 +99,45 @@ def parts(value: mpf, *bits: int) -> list[mpf]:
     return [*found, rounded(value - mpmath.fsum(found), bits[-1])]
 
 
-def main() -> None:
-    """Print every table of walkgen_trig.h."""
-    for bits, ranges, counts in ((53, (0.7854, 0.5), (6, 6, 12)), (24, (0.7857, 0.5), (3, 3, 5))):
+@dataclass(frozen=True)
+class Table:
+    """One list of numbers of walkgen_trig.h."""
+
+    name: str
+    bits: int
+    numbers: tuple[mpf, ...]
+    error: mpf | None = None
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The numbers without their signs, in digits that bring them back."""
+        return tuple(mpmath.nstr(abs(number), 17 if self.bits == 53 else 9) for number in self.numbers)
+
+
+_FITS = ((53, (0.7854, 0.5), (6, 6, 12)), (24, (0.7866, 0.5), (3, 3, 5)))
+_PARTS = (
+    ("pi/2", 53, mpmath.pi / 2, (36, 36, 53)),
+    ("pi/4", 53, mpmath.pi / 4, (50, 53)),
+    ("pi/2", 24, mpmath.pi / 2, (11, 11, 11, 24)),
+    ("pi/4", 24, mpmath.pi / 4, (21, 24)),
+)
+
+
+def tables() -> Iterator[Table]:
+    """All of them, double's first. Ranges a little wider than needed: n is off by one where x 2/pi is rounded to it."""
+    for bits, ranges, counts in _FITS:
         for family, count in zip(families(*ranges), counts, strict=True):
             coefficients = fit(family, count, bits)
-            sys.stdout.write(f"{bits} bits, {family.name}, error 2^{mpmath.nstr(mpmath.log(worst(family, coefficients), 2), 4)}\n")
-            sys.stdout.writelines(f"    {mpmath.nstr(value, 17 if bits == 53 else 9)}\n" for value in coefficients)
-    for name, value, bits in (
-        ("pi/2", mpmath.pi / 2, (36, 36, 53)),
-        ("pi/2", mpmath.pi / 2, (14, 14, 14, 24)),
-        ("pi/4", mpmath.pi / 4, (50, 53)),
-        ("pi/4", mpmath.pi / 4, (21, 24)),
-    ):
-        found = " ".join(mpmath.nstr(part, 17 if max(bits) == 53 else 9) for part in parts(value, *bits))
-        sys.stdout.write(f"{name} in {bits} bits: {found}\n")
+            yield Table(family.name, bits, tuple(coefficients), worst(family, coefficients))
+    for name, bits, value, lengths in _PARTS:
+        yield Table(name, bits, tuple(parts(value, *lengths)))
+
+
+def main() -> None:
+    """Print every table with the error of its function."""
+    for table in tables():
+        error_text = f", error 2^{mpmath.nstr(mpmath.log(table.error, 2), 4)}" if table.error else ""
+        sys.stdout.write(f"{table.name} in {table.bits} bits{error_text}: {' '.join(table.texts)}\n")
 
 
 if __name__ == "__main__":

@@ -58,6 +58,7 @@ _OPERATORS: dict[Code, Form] = {
     Code.ATAN2: Form("WG_ATAN2({0}, {1})"),
     Code.MIN: Form("WG_MIN({0}, {1})"),
     Code.MAX: Form("WG_MAX({0}, {1})"),
+    Code.INDICATOR: Form("WG_INDICATOR({0})"),
     Code.LESS: Form("{0} < {1}", Level.COMPARE, (Level.SUM, Level.SUM)),
     Code.LESS_EQUAL: Form("{0} <= {1}", Level.COMPARE, (Level.SUM, Level.SUM)),
     Code.EQUAL: Form("{0} == {1}", Level.COMPARE, (Level.SUM, Level.SUM)),
@@ -109,7 +110,6 @@ class CPrinter:
         """One entry for each operation."""
         suffix = self.precision.suffix
         calls = {code: Form(f"{name}{suffix}({{0}})") for code, name in _LIBM.items()}
-        calls[Code.INDICATOR] = Form(f"({self.precision.real}){{0}}", Level.UNARY, (Level.ATOM,))
         return _OPERATORS | calls | (_FUSED if self.fma else _APART)
 
     @property

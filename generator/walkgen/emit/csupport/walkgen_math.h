@@ -27,6 +27,7 @@
  *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
  *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN
+ *     WG_INDICATOR(truth)          1 or 0
  *     WG_NAN WG_INFINITY           a quiet NaN; the positive infinity
  *
  * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, three times slower. It is implied
@@ -84,5 +85,9 @@ static inline double walkgen_min(double a, double b) { return a < b ? a : b; }
 static inline double walkgen_max(double a, double b) { return a > b ? a : b; }
 static inline float walkgen_min_f32(float a, float b) { return a < b ? a : b; }
 static inline float walkgen_max_f32(float a, float b) { return a > b ? a : b; }
+
+/* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. */
+static inline double walkgen_indicator(int truth) { return (double)truth; }
+static inline float walkgen_indicator_f32(int truth) { return (float)truth; }
 
 #endif

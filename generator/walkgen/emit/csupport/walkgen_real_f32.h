@@ -20,6 +20,7 @@
 #undef WG_HYPOT
 #undef WG_MIN
 #undef WG_MAX
+#undef WG_INDICATOR
 #undef WG_FMA
 
 #define WG_REAL float
@@ -38,6 +39,7 @@
 #define WG_HYPOT(x, y) hypotf(x, y)
 #define WG_MIN(a, b) walkgen_min_f32(a, b)
 #define WG_MAX(a, b) walkgen_max_f32(a, b)
+#define WG_INDICATOR(truth) walkgen_indicator_f32(truth)
 #if defined(WALKGEN_FAST_FMAF)
 #define WG_FMA(a, b, c) fmaf((a), (b), (c))
 #else

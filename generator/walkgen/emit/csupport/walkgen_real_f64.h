@@ -20,6 +20,7 @@
 #undef WG_HYPOT
 #undef WG_MIN
 #undef WG_MAX
+#undef WG_INDICATOR
 #undef WG_FMA
 
 #define WG_REAL double
@@ -38,6 +39,7 @@
 #define WG_HYPOT(x, y) hypot(x, y)
 #define WG_MIN(a, b) walkgen_min(a, b)
 #define WG_MAX(a, b) walkgen_max(a, b)
+#define WG_INDICATOR(truth) walkgen_indicator(truth)
 #if defined(WALKGEN_FAST_FMA)
 #define WG_FMA(a, b, c) fma((a), (b), (c))
 #else
