@@ -1,25 +1,24 @@
 """The command line: each command reads its arguments, calls one stage and prints; what is heavy is imported where it is used."""
 
 import json
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from typer.core import TyperGroup
 
 from walkgen import __version__
-from walkgen.errors import Problem, SpecError, WalkgenError
+from walkgen.errors import Problem, WalkgenError
+from walkgen.terminal import as_json, count, progress_of, report, write_new
 
 if TYPE_CHECKING:
     from walkgen.pipeline import BuildOptions, BuildReport
 
 TARGETS = ("c", "casadi", "numpy")
 DIFFERENCE, USER_ERROR = 1, 2
+TO_FILE = "Write here instead of to the terminal."
 
 
 class Stage(StrEnum):
@@ -53,7 +52,7 @@ class _Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except WalkgenError as error:
-            _report(error.problems)
+            report(error.problems)
             raise typer.Exit(USER_ERROR) from None
 
 
@@ -105,11 +104,11 @@ def build(
     failed: list[Path] = []
 
     def one(spec: Path) -> None:
-        with _progress(spec) as progress:
-            report = pipeline.build(spec, output, options, progress)
-        _print_report(report)
-        if verify is not Verify.NONE and selftest.run(report.folder, selftest.STRICT if verify is Verify.FULL else FLAGS):
-            failed.append(report.folder)
+        with progress_of(spec) as progress:
+            built = pipeline.build(spec, output, options, progress)
+        _print_build(built)
+        if verify is not Verify.NONE and selftest.run(built.folder, selftest.STRICT if verify is Verify.FULL else FLAGS):
+            failed.append(built.folder)
 
     _for_each(specs, one)
     if failed:
@@ -130,15 +129,15 @@ def _check_stale(specs: list[Path], output: Path, options: "BuildOptions") -> No
     _for_each(specs, one)
     if found:
         raise typer.Exit(DIFFERENCE)
-    typer.echo(f"{_count(len(specs), 'robot')} up to date")
+    typer.echo(f"{count(len(specs), 'robot')} up to date")
 
 
-def _print_report(report: "BuildReport") -> None:
-    size = f"{_count(len(report.files), 'file')}, {_count(report.functions, 'function')}, {report.operations} operations"
-    typer.echo(f"{report.folder}: {size}, {report.seconds:.1f} s")
-    for file in report.files:
+def _print_build(built: "BuildReport") -> None:
+    size = f"{count(len(built.files), 'file')}, {count(built.functions, 'function')}, {built.operations} operations"
+    typer.echo(f"{built.folder}: {size}, {built.seconds:.1f} s")
+    for file in built.files:
         typer.echo(f"  {file}")
-    typer.echo(f"  {report.library} compiled" if report.library else "  no library (no C compiler, or the target c is off): runs on NumPy")
+    typer.echo(f"  {built.library} compiled" if built.library else "  no library (no C compiler, or the target c is off): runs on NumPy")
 
 
 @app.command(name="check")
@@ -158,11 +157,11 @@ def check_specs(
         raise typer.BadParameter("name at least one spec, or ask for the --schema")
     problems = _problems(specs, read)
     if form is Format.JSON:
-        typer.echo(json.dumps([_as_json(problem) for problem in problems], indent=1))
+        typer.echo(json.dumps([as_json(problem) for problem in problems], indent=1))
     elif problems:
-        _report(problems)
+        report(problems)
     else:
-        typer.echo(f"{_count(len(specs), 'spec')} without a problem")
+        typer.echo(f"{count(len(specs), 'spec')} without a problem")
     if problems:
         raise typer.Exit(USER_ERROR)
 
@@ -202,22 +201,40 @@ def test(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A built rob
 def import_urdf(
     file: Annotated[Path, typer.Argument(metavar="FILE.urdf", help="The robot.")],
     foot: Annotated[list[str] | None, typer.Option(metavar="LINK", help="A leg's last link; once for each leg.")] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="SPEC.toml", help="Write here instead of to the terminal.")
-    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SPEC.toml", help=TO_FILE)] = None,
 ) -> None:
-    """Turn a URDF into a spec: fixed joints folded, one leg for each foot."""
+    """Turn a URDF into a spec: a leg for each foot, connecting chains where feet share joints, fixed joints folded."""
     from walkgen.spec.urdf import convert
 
     imported = convert(file, tuple(foot or ()))
-    _report(imported.warnings)
+    report(imported.warnings)
     for source, name in imported.names:
         typer.echo(f"{source} -> {name}", err=True)
+    _deliver(imported.toml, output, "walkgen build")
+
+
+@app.command()
+def export(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC", help="A robot spec (TOML).")],
+    urdf: Annotated[bool, typer.Option("--urdf", help="The format: URDF, runtime parameters at their defaults.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.urdf", help=TO_FILE)] = None,
+) -> None:
+    """Write a robot in another format, for simulators and other libraries."""
+    from walkgen.emit.urdf import urdf as as_urdf
+    from walkgen.pipeline import mechanism_of
+
+    if not urdf:
+        raise typer.BadParameter("name the format", param_hint="--urdf")
+    _deliver(as_urdf(mechanism_of(spec)).text, output)
+
+
+def _deliver(text: str, output: Path | None, following: str = "") -> None:
+    """Into a new file if one is named, else to the terminal."""
     if output is None:
-        typer.echo(imported.toml, nl=False)
+        typer.echo(text, nl=False)
         return
-    _write_new(output, imported.toml)
-    typer.echo(f"{output} written; next: walkgen build {output}", err=True)
+    write_new(output, text)
+    typer.echo(f"{output} written" + (f"; next: {following} {output}" if following else ""), err=True)
 
 
 @app.command()
@@ -253,18 +270,6 @@ def _problems(specs: list[Path], one: Callable[[Path], object]) -> tuple[Problem
     return tuple(found)
 
 
-def _report(problems: tuple[Problem, ...]) -> None:
-    for problem in problems:
-        typer.echo(str(problem), err=True)
-
-
-def _as_json(problem: Problem) -> dict[str, str | int]:
-    place: dict[str, str | int] = (
-        {"file": problem.place.file, "line": problem.place.line, "column": problem.place.column} if problem.place else {}
-    )
-    return {**place, "code": problem.code, "message": problem.message, "cure": problem.cure}
-
-
 def _targets(text: str) -> tuple[str, ...]:
     """The targets asked for, in their fixed order; none means the spec's."""
     names = tuple(part.strip() for part in text.split(",") if part.strip())
@@ -272,36 +277,6 @@ def _targets(text: str) -> tuple[str, ...]:
     if unknown:
         raise typer.BadParameter(f"unknown: {', '.join(unknown)}; targets are {', '.join(TARGETS)}", param_hint="--targets")
     return tuple(name for name in TARGETS if name in names)
-
-
-def _write_new(path: Path, text: str) -> None:
-    """Write a file that does not exist yet.
-
-    Raises:
-        SpecError: it exists, or its folder cannot be written.
-    """
-    try:
-        with path.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError as error:
-        raise SpecError(Problem("WG517", f"{path} exists already", "name another file, or remove this one first")) from error
-    except OSError as error:
-        raise SpecError(Problem("WG518", f"cannot write {path}: {error.strerror}", "name a file in a folder that you can write")) from error
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
-
-
-@contextmanager
-def _progress(spec: Path) -> Iterator[Callable[[str], None]]:
-    """Show what a build is doing on a terminal; say nothing where the output is read by a program."""
-    console = Console(stderr=True)
-    if not (console.is_terminal and sys.stdout.isatty()):
-        yield lambda _: None
-        return
-    with console.status(f"{spec}") as status:
-        yield lambda step: status.update(f"{spec}: {step}")
 
 
 if __name__ == "__main__":

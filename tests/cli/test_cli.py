@@ -15,13 +15,6 @@ from walkgen.cli import app
 SPECS = Path(__file__).parents[2] / "specs"
 LEG = SPECS / "mero_leg.toml"
 BAD = LEG.read_text(encoding="utf-8").replace("limits_deg = [-60, 60]", "limits_deg = [60, -60]").replace("gravity", "gravitas", 1)
-URDF = """<robot name="hopper">
-  <link name="base"/><link name="thigh"/><link name="shank"/><link name="Foot"/>
-  <joint name="HIP" type="revolute"><parent link="base"/><child link="thigh"/><limit lower="-1" upper="1"/></joint>
-  <joint name="KNEE" type="revolute"><parent link="thigh"/><child link="shank"/><origin xyz="0 0 -0.3"/><axis xyz="0 1 0"/></joint>
-  <joint name="ankle" type="fixed"><parent link="shank"/><child link="Foot"/><origin xyz="0 0 -0.2"/></joint>
-</robot>
-"""
 
 
 def run(*arguments):
@@ -65,7 +58,7 @@ assert not [name for name in {heavy!r} if name in sys.modules]
 
 
 def test_help_names_every_command():
-    commands = ("build", "check", "show", "new", "test", "import", "doctor", "explain")
+    commands = ("build", "check", "show", "new", "test", "import", "export", "doctor", "explain")
     assert all(re.search(rf"^\W*{command}\b", run("--help").stdout, re.MULTILINE) for command in commands)
 
 
@@ -254,35 +247,3 @@ def test_explain_gives_cause_and_cure():
     assert result.exit_code == 0
     assert "WG512" in result.stdout
     assert run("explain", "WG999").exit_code == 2
-
-
-# ---- import ------------------------------------------------------------------------------------------------------------------
-
-
-def test_import_writes_a_spec_that_builds(tmp_path):
-    (tmp_path / "hopper.urdf").write_text(URDF, encoding="utf-8")
-    spec = tmp_path / "hopper.toml"
-    result = run("import", tmp_path / "hopper.urdf", "--foot", "Foot", "-o", spec)
-    assert (result.exit_code, result.stdout) == (0, "")
-    assert "HIP -> hip" in result.stderr
-    assert run("check", spec).exit_code == 0
-    assert run("build", spec, "-o", tmp_path / "generated", "--targets", "numpy").exit_code == 0
-    assert run("import", tmp_path / "hopper.urdf", "--foot", "Foot").stdout == spec.read_text(encoding="utf-8")
-
-
-def test_import_never_overwrites(tmp_path):
-    (tmp_path / "hopper.urdf").write_text(URDF, encoding="utf-8")
-    (tmp_path / "mine.toml").write_text("mine", encoding="utf-8")
-    result = run("import", tmp_path / "hopper.urdf", "--foot", "Foot", "-o", tmp_path / "mine.toml")
-    assert result.exit_code == 2
-    assert "WG517" in result.stderr
-    assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == "mine"
-    assert run("import", tmp_path / "hopper.urdf", "--foot", "Foot", "-o", tmp_path / "none" / "a.toml").exit_code == 2
-
-
-def test_import_problems_have_places(tmp_path):
-    path = tmp_path / "hopper.urdf"
-    path.write_text(URDF.replace('"-0.3"', '"x"').replace("0 0 -0.3", "0 0 x"), encoding="utf-8")
-    result = run("import", path, "--foot", "Foot")
-    assert result.exit_code == 2
-    assert result.stderr.startswith(f"{path}:4:81  WG508  ")

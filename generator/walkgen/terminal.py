@@ -1,0 +1,56 @@
+"""What the command line prints and writes: problems, counts, progress, and files that must not exist yet."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+from rich.console import Console
+
+from walkgen.errors import Problem, SpecError
+
+
+def report(problems: tuple[Problem, ...]) -> None:
+    """Print problems where errors go."""
+    for problem in problems:
+        typer.echo(str(problem), err=True)
+
+
+def as_json(problem: Problem) -> dict[str, str | int]:
+    """A problem for programs that read the output."""
+    place: dict[str, str | int] = (
+        {"file": problem.place.file, "line": problem.place.line, "column": problem.place.column} if problem.place else {}
+    )
+    return {**place, "code": problem.code, "message": problem.message, "cure": problem.cure}
+
+
+def count(number: int, noun: str) -> str:
+    """The number with its noun: 1 file, 2 files."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def write_new(path: Path, text: str) -> None:
+    """Write a file that does not exist yet.
+
+    Raises:
+        SpecError: it exists, or its folder cannot be written.
+    """
+    try:
+        with path.open("x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise SpecError(Problem("WG517", f"{path} exists already", "name another file, or remove this one first")) from error
+    except OSError as error:
+        raise SpecError(Problem("WG518", f"cannot write {path}: {error.strerror}", "name a file in a folder that you can write")) from error
+
+
+@contextmanager
+def progress_of(spec: Path) -> Iterator[Callable[[str], None]]:
+    """Show what a build is doing on a terminal; say nothing where the output is read by a program."""
+    console = Console(stderr=True)
+    if not (console.is_terminal and sys.stdout.isatty()):
+        yield lambda _: None
+        return
+    with console.status(f"{spec}") as status:
+        yield lambda step: status.update(f"{spec}: {step}")
