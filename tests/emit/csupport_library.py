@@ -46,7 +46,7 @@ def compile_c(folder: Path, source: str, output: str, *flags: str, compiler: str
     """Compile `source` in `folder`; the compiler's complaint is the assertion's text."""
     suffix = ".cpp" if compiler == "g++" else ".c"
     (folder / f"{output}{suffix}").write_text(source)
-    command = [compiler, f"{output}{suffix}", "-o", output, f"-I{CSUPPORT}", *flags, "-lm"]
+    command = [*compiler.split(" "), f"{output}{suffix}", "-o", output, f"-I{CSUPPORT}", *flags, "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return folder / output

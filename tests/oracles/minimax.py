@@ -35,7 +35,7 @@ def error(family: Family, coefficients: Sequence[mpf], r: mpf) -> mpf:
     return family.weight(r) * (mpmath.polyval(list(reversed(coefficients)), r**2) - family.target(r))
 
 
-def _extrema(family: Family, coefficients: Sequence[mpf], count: int) -> list[mpf]:
+def extrema(family: Family, coefficients: Sequence[mpf], count: int) -> list[mpf]:
     """The `count` places of alternating sign where the error is largest, ascending."""
     grid = [family.limit * mpmath.sin(mpmath.pi * mpf(i) / (2 * count * _SAMPLES)) for i in range(1, count * _SAMPLES + 1)]
     errors = [error(family, coefficients, r) for r in grid]
@@ -63,7 +63,7 @@ def minimax(family: Family, fixed: Sequence[mpf], free: int) -> list[mpf]:
             rows[i, free] = mpf(-1) ** i
             rest[i] = -error(family, fixed or [mpf(0)], r)
         coefficients = [*fixed, *mpmath.lu_solve(rows, rest)[:free]]
-        found = _extrema(family, coefficients, free + 1)
+        found = extrema(family, coefficients, free + 1)
         if len(found) <= free:
             break
         points = found

@@ -1,0 +1,218 @@
+"""The own sine, cosine and arctangent: errors against 40 digits, special values, equal bits, shared work, and the C library's instead."""
+
+import importlib.util
+import math
+import platform
+import re
+import subprocess
+
+import numpy as np
+import pytest
+from csupport_library import CSUPPORT, STRICT, compile_c
+from trig_library import FARTHEST, SOURCE, ZIG, angles, beside_quarters, build, errors, fma_flags, points
+
+from oracles import minimax
+
+WORST = {np.float64: {"sin": 0.82, "cos": 0.82, "atan2": 1.6}, np.float32: {"sin": 0.85, "cos": 0.85, "atan2": 1.6}}
+"""Units in the last place that walkgen_trig.h admits."""
+REALS = pytest.mark.parametrize("real", [np.float64, np.float32])
+needs_zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
+needs_fma = pytest.mark.skipif(not fma_flags(), reason="this processor has no fused multiply-add that a flag chooses")
+needs_x86 = pytest.mark.skipif(platform.machine() not in {"x86_64", "AMD64"}, reason="reads x86 assembly")
+
+
+@pytest.fixture(scope="module", params=["-DWALKGEN_NO_FMA", pytest.param("-mfma", marks=needs_fma)])
+def trig(request, tmp_path_factory):
+    """The functions with two roundings a multiply-add, and with one."""
+    return build(tmp_path_factory.mktemp("trig"), "-O2", *request.param.split())
+
+
+def hard(real, numbers, rows, seed):
+    """Random angles, those next to multiples of pi/2, the ends of the range, numbers without full precision."""
+    tiny = np.array([0.0, np.finfo(real).smallest_subnormal, np.finfo(real).tiny, 1e-20, 1e-9, 1e-4], real)
+    end = np.nextafter(real(FARTHEST[real]), real([0, np.inf]))
+    return np.concatenate([angles(real, rows, seed), beside_quarters(real, numbers), beside_quarters(real, numbers + 0.5), tiny, end])
+
+
+@REALS
+@pytest.mark.parametrize("name", ["sin", "cos"])
+def test_error_of_sine_and_cosine(trig, real, name):
+    numbers = np.unique(np.geomspace(1, FARTHEST[real] / 1.5709, 300).astype(int))
+    x = hard(real, numbers, 1500, 1)
+    assert errors(name, trig(name, x), x).max() <= WORST[real][name]
+
+
+@REALS
+def test_error_of_the_arctangent(trig, real):
+    y, x = points(real, 2000, 2)
+    assert errors("atan2", trig("atan2", y, x), y, x).max() <= WORST[real]["atan2"]
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["sin", "cos"])
+def test_error_next_to_every_multiple_of_a_quarter_turn(trig, name):
+    x = beside_quarters(np.float64, np.arange(1, 63662))
+    assert errors(name, trig(name, x), x).max() <= 0.51
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["sin", "cos", "atan2"])
+def test_error_on_a_million_points(trig, name):
+    for seed in range(10):
+        columns = points(np.float64, 33_334, seed) if name == "atan2" else (angles(np.float64, 20_000, seed),)
+        assert errors(name, trig(name, *columns), *columns).max() <= WORST[np.float64][name]
+
+
+def float_errors(trig, name, x):
+    """Against double, whose error is nothing in float's units."""
+    exact = getattr(np, name)(x.astype(np.float64))
+    return np.abs(trig(name, x) - exact) / np.spacing(np.abs(exact).astype(np.float32)).astype(np.float64)
+
+
+@pytest.mark.parametrize("name", ["sin", "cos"])
+def test_float_on_a_sample_of_all_angles(trig, name):
+    last = int(np.float32(1e4).view(np.int32))
+    x = np.arange(0, last, 997, dtype=np.int32).view(np.float32)
+    assert float_errors(trig, name, x).max() <= WORST[np.float32][name]
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["sin", "cos"])
+def test_float_on_every_angle(trig, name):
+    last, step = int(np.float32(1e4).view(np.int32)), 1 << 22
+    for first in range(0, last, step):
+        x = np.arange(first, min(first + step, last + 1), dtype=np.int32).view(np.float32)
+        assert float_errors(trig, name, x).max() <= WORST[np.float32][name]
+
+
+@REALS
+def test_odd_even_and_mirrored(trig, real):
+    x, (across, along) = angles(real, 20_000, 3), points(real, 20_000, 4)
+    assert np.array_equal(trig("sin", -x), -trig("sin", x))
+    assert np.array_equal(trig("cos", -x), trig("cos", x))
+    assert np.array_equal(trig("atan2", -across, along), -trig("atan2", across, along))
+
+
+SPECIAL = [0.0, 5e-324, 1e-310, 1e-300, 1e-45, 1e-39, 1e-30, 1.0, 2.0, 1e30, 1e38, 1e300, 1.7e308, math.inf]
+
+
+def same(found, expected):
+    """Equal numbers with equal signs, or no numbers both."""
+    return (found == expected) & (np.signbit(found) == np.signbit(expected)) | np.isnan(found) & np.isnan(expected)
+
+
+@REALS
+def test_special_values_of_sine_and_cosine(trig, real):
+    with np.errstate(over="ignore", invalid="ignore"):
+        x = np.array([*SPECIAL, -0.0, -math.inf, math.nan, 1e5 + 1e-3, -3e6, 1e22]).astype(real)
+        expected = {name: getattr(np, name)(x.astype(np.longdouble)).astype(real) for name in ("sin", "cos")}
+    finite = np.isfinite(x) & (np.abs(x) <= 1e22)
+    for name, values in expected.items():
+        found = trig(name, x)
+        assert same(found, values)[~np.isfinite(x) | (x == 0)].all()
+        assert np.abs(found - values)[finite].max() <= np.finfo(real).eps
+        assert np.isnan(found[~np.isfinite(x)]).all()
+
+
+@REALS
+def test_special_values_of_the_arctangent(trig, real):
+    with np.errstate(over="ignore"):
+        numbers = np.array([*SPECIAL, *(-value for value in SPECIAL), math.nan]).astype(real)
+    y, x = (grid.ravel() for grid in np.meshgrid(numbers, numbers))
+    found = trig("atan2", y, x)
+    expected = np.array([math.atan2(*pair) for pair in zip(y.tolist(), x.tolist(), strict=True)]).astype(real)
+    exact = np.isin(np.abs(y), [0, np.inf]) | np.isin(np.abs(x), [0, np.inf]) | np.isnan(y) | np.isnan(x)
+    assert same(found, expected)[exact].all()
+    assert (np.abs(found - expected) <= 2 * np.spacing(np.abs(expected)))[~exact].all()
+    assert np.array_equal(np.signbit(found)[~np.isnan(expected)], np.signbit(y)[~np.isnan(expected)])
+
+
+def bits(library):
+    """Everything that the functions make of some thousand arguments."""
+    reals = (np.float64, np.float32)
+    near = [library(name, angles(real, 20_000, 5)) for real in reals for name in ("sin", "cos")]
+    return [values.tobytes() for values in (*near, *(library("atan2", *points(real, 20_000, 6)) for real in reals))]
+
+
+@needs_zig
+@pytest.mark.parametrize("extra", [("-DWALKGEN_NO_FMA",), pytest.param(("-mfma",), marks=needs_fma)])
+def test_equal_bits_from_every_compiler_and_level(tmp_path, extra):
+    expected = bits(build(tmp_path, "-O2", *extra))
+    for level in ("-O0", "-O3", "-Os"):
+        assert bits(build(tmp_path, level, *extra)) == expected
+    assert bits(build(tmp_path, "-O2", *extra, compiler="g++", standard="-std=c++11")) == expected
+    assert bits(build(tmp_path, "-O2", *extra, compiler=ZIG)) == expected
+
+
+_ANGLES = """
+#include "walkgen_real_f64.h"
+void one(double x, double *found);
+void one(double x, double *found) { found[0] = WG_SIN(x); }
+void both(double x, double *found);
+void both(double x, double *found) { found[0] = WG_SIN(x); found[1] = WG_COS(x); }
+void arctangent(double y, double x, double *found);
+void arctangent(double y, double x, double *found) { found[0] = WG_ATAN2(y, x); }
+"""
+
+
+def instructions(folder, name, pattern, *flags):
+    """How many instructions of a function's assembly match."""
+    text = compile_c(
+        folder, _ANGLES, "angles.s", "-std=c99", "-fno-math-errno", "-fno-tree-slp-vectorize", "-S", *STRICT, *flags
+    ).read_text()
+    body = text[text.index(f"\n{name}:") : text.index(f".size\t{name},")]
+    return len(re.findall(rf"^\t(?:{pattern})\s", body, re.MULTILINE))
+
+
+@needs_x86
+@pytest.mark.parametrize("flags", [("-O2",), ("-O3",), pytest.param(("-O2", "-mfma"), marks=needs_fma)])
+def test_sine_and_cosine_share_their_work_and_do_not_jump(tmp_path, flags):
+    arithmetic, jump = r"v?f?n?m?(?:mul|add|sub)\d*sd", r"j(?!mp)\w+"
+    one, both = (instructions(tmp_path, name, arithmetic, *flags) for name in ("one", "both"))
+    assert 25 < one < both <= one + 4
+    assert [instructions(tmp_path, name, jump, *flags) for name in ("one", "both")] == [1, 1]
+    assert instructions(tmp_path, "arctangent", jump, *flags) == 2
+    assert instructions(tmp_path, "arctangent", r"v?divsd", *flags) == 1
+
+
+def needed(folder, *flags, source=SOURCE):
+    """Undefined symbols of the loops."""
+    path = compile_c(folder, source, "loops.o", "-std=c99", "-O1", "-c", *STRICT, *flags)
+    listed = subprocess.run(["nm", "-u", str(path)], capture_output=True, text=True, check=True).stdout.split()
+    return set(listed) - {"U", "_GLOBAL_OFFSET_TABLE_"}
+
+
+def test_float_needs_no_double(tmp_path):
+    start, end = SOURCE.index('#include "walkgen_real_f64.h"'), SOURCE.index('#include "walkgen_real_f32.h"')
+    assert needed(tmp_path, source=SOURCE[:start] + SOURCE[end:]) == {"sinf", "cosf", "atan2f"}
+
+
+@pytest.mark.parametrize("flags", [("-DWALKGEN_LIBM",), ("-ffast-math", "-DWALKGEN_ALLOW_FAST_MATH")])
+def test_the_c_librarys_functions_instead(tmp_path, flags):
+    plain = build(tmp_path, "-O2", *flags)
+    x, (across, along) = angles(np.float64, 500, 7), points(np.float64, 500, 8)
+    for name in ("sin", "cos"):
+        assert trig_of_python(name, x) == plain(name, x).tolist()
+    assert trig_of_python("atan2", across, along) == plain("atan2", across, along).tolist()
+
+
+def trig_of_python(name, *columns):
+    """Python asks the same C library."""
+    return [getattr(math, name)(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+@pytest.mark.nightly
+def test_the_header_holds_the_numbers_of_the_exchange():
+    text = (CSUPPORT / "walkgen_trig.h").read_text()
+    numbers = set(re.findall(r"\d+\.\d+(?:e-?\d+)?", text))
+    for table in minimax.tables():
+        assert set(table.texts) <= numbers, table.name
+
+
+def test_rounded_fits_come_close_to_the_arctangents_least_error():
+    """Sixteen bits and three coefficients: the exchange's error equioscillates, rounding at most doubles it."""
+    family = minimax.families(0.7854, 0.5)[2]
+    free = minimax.minimax(family, [], 3)
+    peaks = [abs(minimax.error(family, free, r)) for r in minimax.extrema(family, free, 4)]
+    assert max(peaks) < 1.001 * min(peaks)
+    assert minimax.worst(family, minimax.fit(family, 3, 16)) < 2 * max(peaks)
