@@ -1,5 +1,6 @@
 """Import of branching URDFs: which links become platforms, where legs start, and every foot and body as Pinocchio has them."""
 
+import re
 import tomllib
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from mechanisms.urdf_text import branching, inertial, joint, link
 from oracles.measure import difference
+from walkgen.emit.urdf import urdf
 from walkgen.errors import SpecError
 from walkgen.model.assemble import assemble
 from walkgen.model.walk import limb_frames, platform_poses
@@ -101,6 +103,39 @@ def check_bodies(mechanism, tables, model):
         rows = tables["leg_designs" if limb.child is None else "chain_designs"][limb.name]["joints"]
         for row, joint_ in list(zip(rows, limb.joints, strict=True))[: None if limb.child is None else -1]:
             compare_bodies(model.inertias[model.getJointId(joint_.source_name)], row.get("link", {}))
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(tree=branching(), data=st.data(), seed=st.integers(0, 2**32 - 1))
+def test_there_and_back_the_robot_weighs_and_moves_the_same(tree, data, seed, tmp_path_factory):
+    """URDF -> spec -> URDF: feet, and mass and inertia seen from the base, of both texts by Pinocchio."""
+    parts, ends = tree
+    feet = data.draw(st.lists(st.sampled_from(ends), min_size=1, unique=True))
+    folder = tmp_path_factory.mktemp("urdf")
+    try:
+        text = imported(folder, parts, *feet).toml
+    except SpecError as error:
+        assume({problem.code for problem in error.problems} - {"WG512", "WG513", "WG516"})
+        raise
+    (folder / "robot.toml").write_text(text, encoding="utf-8")
+    back = urdf(assemble(read(folder / "robot.toml"))).text
+    draw = np.random.default_rng(seed)
+    values = {name: draw.uniform(-3, 3) for name in re.findall('joint name="(.*?)"', "".join(parts))}
+    before, after = (snapshot(each, values, feet) for each in ((folder / "robot.urdf").read_text(encoding="utf-8"), back))
+    for one, other in zip(before, after, strict=True):
+        assert difference(other, one) <= 1e-12
+
+
+def snapshot(text, values, feet):
+    """Poses of the feet, the composite inertia [6,6] about the base, and the joints' upper limits, at these joint values."""
+    model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
+    data, q = model.createData(), pin.neutral(model)
+    for name in model.names[2:]:
+        q[model.joints[model.getJointId(name)].idx_q] = values[name]
+    pin.framesForwardKinematics(model, data, q)
+    pin.crba(model, data, q)
+    limits = [model.upperPositionLimit[model.joints[model.getJointId(name)].idx_q] for name in sorted(model.names[2:])]
+    return np.array([data.oMf[model.getFrameId(foot)].homogeneous for foot in feet]), data.Ycrb[1].matrix(), limits
 
 
 # ---- what becomes of what ----------------------------------------------------------------------------------------------------
