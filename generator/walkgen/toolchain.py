@@ -159,6 +159,7 @@ def build_library(folder: Path, robot: str, sources: Sequence[str], digest: str)
     Raises:
         ToolchainError: WG401 no compiler, WG402 it refused the sources, WG403 the sources are not the manifest's.
     """
+    folder = folder.resolve()  # the compiler runs inside it
     check_sources(folder, sources, digest)
     compiler = find_compiler()
     root = _build_root(folder, robot)
@@ -223,6 +224,7 @@ def build_program(folder: Path, sources: Sequence[str], program: Path, flags: Se
         ToolchainError: WG401 no compiler, WG402 it refused the sources.
     """
     compiler = find_compiler()
+    folder, program = folder.resolve(), program.resolve()
     with tempfile.TemporaryDirectory(prefix=".tmp-", dir=program.parent, ignore_cleanup_errors=True) as work:
         linked = Path(work) / program.name
         _link(compiler, _compile(compiler, folder, sources, Path(work), flags), linked, ())

@@ -1,9 +1,11 @@
 """What a build writes, keeps and refuses to overwrite, and what it does without a compiler."""
 
 import os
+import shutil
 import stat
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -55,6 +57,15 @@ def test_a_lost_library_comes_back_alone(spec, out):
     pipeline.build(spec, out)
     assert library.is_file()
     assert before.items() <= stamps(out).items()
+
+
+def test_committed_text_is_compiled_from_a_relative_folder(tmp_path, spec, out, monkeypatch):
+    """As in a fresh clone: the text is up to date and only the library is missing."""
+    folder = pipeline.build(spec, out).folder
+    shutil.rmtree(folder / "_build")
+    monkeypatch.chdir(tmp_path)
+    report = pipeline.build(spec, Path("generated"))
+    assert next((tmp_path / "generated").rglob(report.library)).is_file()
 
 
 def test_a_changed_spec_changes_the_robot(tmp_path, spec, out, monkeypatch):
