@@ -8,8 +8,8 @@
 #include "walkgen_real_f64.h"
 
 void ambler_rpp_leg_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     const double extend_shift_z = q[2] + 0.5;
     p[2] = 1.0 - extend_shift_z;
     const double reach_shift_z = q[1] + 0.8;
@@ -31,8 +31,8 @@ void ambler_rpp_leg_foot_rotation(const double *WG_RESTRICT q, double *WG_RESTRI
     R[6] = 0.0;
     R[7] = 0.0;
     R[8] = -1.0;
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     R[0] = sin_shoulder;
     R[4] = -sin_shoulder;
     const double t1 = -cos_shoulder;
@@ -56,8 +56,8 @@ void ambler_rpp_leg_foot_pose(const double *WG_RESTRICT q, double *WG_RESTRICT T
     T[13] = 0.0;
     T[14] = 0.0;
     T[15] = 1.0;
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     T[0] = sin_shoulder;
     T[5] = -sin_shoulder;
     const double extend_shift_z = q[2] + 0.5;
@@ -84,9 +84,9 @@ void ambler_rpp_leg_foot_jacobian(const double *WG_RESTRICT q, double *WG_RESTRI
     J[6] = 0.0;
     J[7] = 0.0;
     J[8] = -1.0;
-    const double cos_shoulder = cos(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
     J[1] = cos_shoulder;
-    const double sin_shoulder = sin(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     J[4] = sin_shoulder;
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
@@ -108,9 +108,9 @@ void ambler_rpp_leg_foot_position_jacobian(const double *WG_RESTRICT q, double *
     J[6] = 0.0;
     J[7] = 0.0;
     J[8] = -1.0;
-    const double cos_shoulder = cos(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
     J[1] = cos_shoulder;
-    const double sin_shoulder = sin(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     J[4] = sin_shoulder;
     const double extend_shift_z = q[2] + 0.5;
     p[2] = 1.0 - extend_shift_z;
@@ -145,9 +145,9 @@ void ambler_rpp_leg_foot_spatial_jacobian(const double *WG_RESTRICT q, double *W
     J[15] = 1.0;
     J[16] = 0.0;
     J[17] = 0.0;
-    const double cos_shoulder = cos(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
     J[1] = cos_shoulder;
-    const double sin_shoulder = sin(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     J[4] = sin_shoulder;
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
@@ -184,10 +184,10 @@ void ambler_rpp_leg_foot_hessian(const double *WG_RESTRICT q, double *WG_RESTRIC
     H[24] = 0.0;
     H[25] = 0.0;
     H[26] = 0.0;
-    const double cos_shoulder = cos(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
     H[10] = cos_shoulder;
     H[12] = cos_shoulder;
-    const double sin_shoulder = sin(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
     H[0] = -shoulder_to_tip_x;
@@ -206,8 +206,8 @@ void ambler_rpp_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q,
 
 void ambler_rpp_leg_foot_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
     v[2] = -qd[2];
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
     v[1] = WG_FMA(qd[1], sin_shoulder, qd[0]*shoulder_to_tip_x);
@@ -225,8 +225,8 @@ void ambler_rpp_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q
 void ambler_rpp_leg_foot_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
     a[2] = -qdd[2];
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
@@ -256,8 +256,8 @@ void ambler_rpp_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const do
     a[3] = 0.0;
     a[4] = 0.0;
     a[5] = 0.0;
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
@@ -281,8 +281,8 @@ void ambler_rpp_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_R
 
 void ambler_rpp_leg_foot_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
     tau[2] = -f[2];
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     tau[1] = WG_FMA(f[1], sin_shoulder, f[0]*cos_shoulder);
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
@@ -345,10 +345,10 @@ void ambler_rpp_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRIC
     T[61] = 0.0;
     T[62] = 0.0;
     T[63] = 1.0;
-    const double cos_shoulder = cos(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
     T[18] = cos_shoulder;
     T[20] = cos_shoulder;
-    const double sin_shoulder = sin(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     T[22] = sin_shoulder;
     T[32] = sin_shoulder;
     T[48] = sin_shoulder;
@@ -407,8 +407,8 @@ void ambler_rpp_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, d
 }
 
 void ambler_rpp_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    const double cos_shoulder = cos(q[0]);
-    const double sin_shoulder = sin(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     const double extend_shift_z = q[2] + 0.5;
     p[2] = 1.0 - extend_shift_z;
     const double reach_shift_z = q[1] + 0.8;
@@ -430,9 +430,9 @@ void ambler_rpp_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT 
     J[6] = 0.0;
     J[7] = 0.0;
     J[8] = -1.0;
-    const double cos_shoulder = cos(q[0]);
+    const double cos_shoulder = WG_COS(q[0]);
     J[1] = cos_shoulder;
-    const double sin_shoulder = sin(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
     J[4] = sin_shoulder;
     const double reach_shift_z = q[1] + 0.8;
     const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;

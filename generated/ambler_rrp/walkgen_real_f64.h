@@ -20,6 +20,7 @@
 #undef WG_HYPOT
 #undef WG_MIN
 #undef WG_MAX
+#undef WG_INDICATOR
 #undef WG_FMA
 
 #define WG_REAL double
@@ -32,17 +33,26 @@
 #define WG_PI 3.141592653589793
 #define WG_NAN ((double)NAN)
 #define WG_INFINITY ((double)INFINITY)
-#define WG_SIN(x) sin(x)
-#define WG_COS(x) cos(x)
 #define WG_TAN(x) tan(x)
-#define WG_ATAN2(y, x) atan2(y, x)
 #define WG_SQRT(x) sqrt(x)
 #define WG_ABS(x) fabs(x)
 #define WG_HYPOT(x, y) hypot(x, y)
 #define WG_MIN(a, b) walkgen_min(a, b)
 #define WG_MAX(a, b) walkgen_max(a, b)
+#define WG_INDICATOR(truth) walkgen_indicator(truth)
 #if defined(WALKGEN_FAST_FMA)
 #define WG_FMA(a, b, c) fma((a), (b), (c))
 #else
 #define WG_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+#if defined(WALKGEN_LIBM)
+#define WG_SIN(x) sin(x)
+#define WG_COS(x) cos(x)
+#define WG_ATAN2(y, x) atan2(y, x)
+#else
+#define WG_SIN(x) wg_sin(x)
+#define WG_COS(x) wg_cos(x)
+#define WG_ATAN2(y, x) wg_atan2(y, x)
+#include "walkgen_trig.h"
 #endif

@@ -2,7 +2,7 @@
  * mero: Three platforms in series, two 3R connecting chains, six 3R legs (dimensions chosen; MERO's own are
  *   unpublished)
  * Functions in double; arrays are row-major, SI units, radians.
- * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 153 functions, 11586 operations. This
+ * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 153 functions, 11736 operations. This
  *   code is yours to use under any terms.
  */
 #ifndef WALKGEN_MERO_H
@@ -302,7 +302,7 @@ void mero_front_left_joint_frames_batch(size_t rows, const double *WG_RESTRICT q
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 95 operations (support routines not counted; at most 436 bytes of
+ * Returns the number of entries with status OK. 104 operations (support routines not counted; at most 524 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -312,7 +312,7 @@ size_t mero_front_left_inverse_batch(size_t rows, const double *WG_RESTRICT p, d
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 77 operations (support routines not counted; at most 348 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_front_left_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -447,7 +447,7 @@ void mero_front_right_joint_frames_batch(size_t rows, const double *WG_RESTRICT 
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 95 operations (support routines not counted; at most 436 bytes of
+ * Returns the number of entries with status OK. 104 operations (support routines not counted; at most 524 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -457,7 +457,7 @@ size_t mero_front_right_inverse_batch(size_t rows, const double *WG_RESTRICT p, 
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 77 operations (support routines not counted; at most 348 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_front_right_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -592,7 +592,7 @@ void mero_middle_left_joint_frames_batch(size_t rows, const double *WG_RESTRICT 
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 95 operations (support routines not counted; at most 436 bytes of
+ * Returns the number of entries with status OK. 104 operations (support routines not counted; at most 524 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -602,7 +602,7 @@ size_t mero_middle_left_inverse_batch(size_t rows, const double *WG_RESTRICT p, 
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 77 operations (support routines not counted; at most 348 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_middle_left_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -738,7 +738,7 @@ void mero_middle_right_joint_frames_batch(size_t rows, const double *WG_RESTRICT
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 95 operations (support routines not counted; at most 436 bytes of
+ * Returns the number of entries with status OK. 104 operations (support routines not counted; at most 524 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -748,7 +748,7 @@ size_t mero_middle_right_inverse_batch(size_t rows, const double *WG_RESTRICT p,
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 77 operations (support routines not counted; at most 348 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_middle_right_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -882,7 +882,7 @@ void mero_rear_left_joint_frames_batch(size_t rows, const double *WG_RESTRICT q,
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 95 operations (support routines not counted; at most 436 bytes of
+ * Returns the number of entries with status OK. 104 operations (support routines not counted; at most 524 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -892,7 +892,7 @@ size_t mero_rear_left_inverse_batch(size_t rows, const double *WG_RESTRICT p, do
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 77 operations (support routines not counted; at most 348 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_rear_left_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -1026,7 +1026,7 @@ void mero_rear_right_joint_frames_batch(size_t rows, const double *WG_RESTRICT q
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 95 operations (support routines not counted; at most 436 bytes of
+ * Returns the number of entries with status OK. 104 operations (support routines not counted; at most 524 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -1036,7 +1036,7 @@ size_t mero_rear_right_inverse_batch(size_t rows, const double *WG_RESTRICT p, d
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 77 operations (support routines not counted; at most 348 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_rear_right_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);

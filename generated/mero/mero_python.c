@@ -2,7 +2,7 @@
  * mero: Three platforms in series, two 3R connecting chains, six 3R legs (dimensions chosen; MERO's own are
  *   unpublished)
  * The loops through which NumPy calls the functions: part of the Python library only.
- * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 153 functions, 11586 operations. This
+ * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 153 functions, 11736 operations. This
  *   code is yours to use under any terms.
  */
 #include "mero.h"

@@ -23,10 +23,16 @@
  *     WG_NAME(x)                   x or x_f32; use it to define and to call another support routine
  *     WG_C(0.5)                    a literal of that type
  *     WG_EPSILON WG_TINY WG_HUGE WG_PI    unit roundoff times 2, least normal, greatest finite number, pi
- *     WG_SIN WG_COS WG_TAN WG_ATAN2 WG_SQRT WG_ABS WG_HYPOT
+ *     WG_SIN WG_COS WG_ATAN2       walkgen_trig.h, which the precision header includes; the C library's with WALKGEN_LIBM
+ *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
  *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN
+ *     WG_INDICATOR(truth)          1 or 0
  *     WG_NAN WG_INFINITY           a quiet NaN; the positive infinity
+ *
+ * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, slower. It is implied
+ * where sums are not rounded as written: by -ffast-math and where the compiler keeps intermediate results wider than their type.
+ *
  * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
  *
  * A part of the code that walkgen generates: yours to use under any terms.
@@ -34,6 +40,7 @@
 #ifndef WALKGEN_MATH_H
 #define WALKGEN_MATH_H
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -42,6 +49,23 @@
 
 #if defined(__FAST_MATH__) && !defined(WALKGEN_ALLOW_FAST_MATH)
 #error "-ffast-math removes the NaN guards of this code; define WALKGEN_ALLOW_FAST_MATH to build it all the same"
+#endif
+
+/* Methods 16 and 32 widen types below float only. */
+#if !defined(WALKGEN_LIBM) && (defined(__FAST_MATH__) || !(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16 || FLT_EVAL_METHOD == 32))
+#define WALKGEN_LIBM
+#endif
+
+/* Small functions that callers share work with once they are inlined; where size counts, they are called. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define WG_INLINE static inline __attribute__((always_inline))
+#else
+#define WG_INLINE static inline
+#endif
+#if defined(__GNUC__)
+#define WG_LIKELY(condition) __builtin_expect((condition), 1)
+#else
+#define WG_LIKELY(condition) (condition)
 #endif
 
 /* Fused multiply-add only where it is one instruction: a library call would cost a hundred times as much. */
@@ -62,5 +86,9 @@ static inline double walkgen_min(double a, double b) { return a < b ? a : b; }
 static inline double walkgen_max(double a, double b) { return a > b ? a : b; }
 static inline float walkgen_min_f32(float a, float b) { return a < b ? a : b; }
 static inline float walkgen_max_f32(float a, float b) { return a > b ? a : b; }
+
+/* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. */
+static inline double walkgen_indicator(int truth) { return (double)truth; }
+static inline float walkgen_indicator_f32(int truth) { return (float)truth; }
 
 #endif

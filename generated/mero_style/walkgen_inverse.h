@@ -61,7 +61,11 @@ static inline int32_t WG_NAME(wg_count_ok)(const int32_t *status, int32_t count)
 
 /* The angle less full turns, in (-pi, pi]. */
 static inline WG_REAL WG_NAME(wg_wrap_angle)(WG_REAL angle) {
-    return angle - WG_C(2.0) * WG_PI * WG_LIBM(ceil)(angle / (WG_C(2.0) * WG_PI) - WG_C(0.5));
+    const WG_REAL wrapped = angle - WG_C(2.0) * WG_PI * WG_LIBM(ceil)(angle / (WG_C(2.0) * WG_PI) - WG_C(0.5));
+    if (wrapped > WG_PI) { /* by a rounding */
+        return wrapped - WG_C(2.0) * WG_PI;
+    }
+    return wrapped <= -WG_PI ? WG_PI : wrapped;
 }
 
 /* The binary exponent of the largest magnitude among three numbers. */
