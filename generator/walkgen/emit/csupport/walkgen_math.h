@@ -30,7 +30,7 @@
  *     WG_INDICATOR(truth)          1 or 0
  *     WG_NAN WG_INFINITY           a quiet NaN; the positive infinity
  *
- * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, three times slower. It is implied
+ * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, slower. It is implied
  * where sums are not rounded as written: by -ffast-math and where the compiler keeps intermediate results wider than their type.
  *
  * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
@@ -51,7 +51,8 @@
 #error "-ffast-math removes the NaN guards of this code; define WALKGEN_ALLOW_FAST_MATH to build it all the same"
 #endif
 
-#if !defined(WALKGEN_LIBM) && (defined(__FAST_MATH__) || FLT_EVAL_METHOD != 0)
+/* Methods 16 and 32 widen types below float only. */
+#if !defined(WALKGEN_LIBM) && (defined(__FAST_MATH__) || !(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16 || FLT_EVAL_METHOD == 32))
 #define WALKGEN_LIBM
 #endif
 
