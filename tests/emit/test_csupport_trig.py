@@ -13,7 +13,7 @@ from trig_library import FARTHEST, SOURCE, ZIG, angles, beside_quarters, build, 
 
 from oracles import minimax
 
-WORST = {"sin": 0.83, "cos": 0.84, "atan2": 1.65}
+WORST = {"sin": 0.85, "cos": 0.85, "atan2": 1.65}
 """Units in the last place that walkgen_trig.h admits, in double and in float."""
 REALS = pytest.mark.parametrize("real", [np.float64, np.float32])
 needs_zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
