@@ -1,4 +1,4 @@
-/* walkgen_elimination.h: poses of a three-joint leg that reach a target, by elimination down to one joint; walkgen_math.h explains the macros.
+/* walkgen_elimination.h: poses of a three-joint leg that reach a target, down to one unknown; walkgen_math.h explains the macros.
  *
  * Let x be the foot moved by joints 2 and 3 alone, g by joint 3 alone, seen from axis 2. What joint 1 cannot change of x is known from the
  * target, what joint 2 cannot change of it from g. Both leave a plane vector y (x across axis 2; across axis 1 where joint 2 slides) with
@@ -80,7 +80,8 @@ static inline void WG_NAME(wg_mix)(WG_REAL cosine, WG_REAL sine, WG_REAL *a, WG_
 }
 
 /* Set the equations up; joints 1 and 2 do not both slide. */
-static inline void WG_NAME(wg_eliminate)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3], struct WG_NAME(wg_elimination) * system) {
+static inline void WG_NAME(wg_eliminate)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3],
+                                         struct WG_NAME(wg_elimination) * system) {
     WG_REAL rows[2][3], angle, cosine, sine, unused[3];
     const WG_REAL *normal;
     int i;

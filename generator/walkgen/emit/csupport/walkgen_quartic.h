@@ -86,8 +86,8 @@ static inline int WG_NAME(wg_touches)(const WG_REAL *c, int degree, const WG_REA
         largest = WG_MAX(largest, WG_ABS(c[k]));
     }
     return negative == (WG_NAME(wg_polynomial)(c, degree, cuts[i - 1], &slope) < WG_C(0.0)) &&
-           negative == (WG_NAME(wg_polynomial)(c, degree, cuts[i + 1], &slope) < WG_C(0.0)) && cuts[i] > cuts[i - 1] && cuts[i] < cuts[i + 1] &&
-           largest > WG_C(0.0) && WG_ABS(value) <= slack * WG_MAX(size, WG_LEAST * largest);
+           negative == (WG_NAME(wg_polynomial)(c, degree, cuts[i + 1], &slope) < WG_C(0.0)) && cuts[i] > cuts[i - 1] &&
+           cuts[i] < cuts[i + 1] && largest > WG_C(0.0) && WG_ABS(value) <= slack * WG_MAX(size, WG_LEAST * largest);
 }
 
 /* Roots in [-bound, bound] in rising order, at most 4: their number. A touching extremum counts twice. */

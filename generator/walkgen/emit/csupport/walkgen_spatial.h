@@ -1,7 +1,7 @@
 /* walkgen_spatial.h: vectors, and a foot moved by up to three joints given by their axes; walkgen_math.h explains the macros.
  *
- * wg_nearest leads joint values to a local minimum of the foot's distance to a target: Newton on the equations while that helps, then Newton
- * on half the squared distance with the eigenvalues of its matrix made positive, damped as far as the distance needs it to fall.
+ * wg_nearest leads joint values to a local minimum of the foot's distance to a target: Newton on the equations while that helps, then
+ * Newton on half the squared distance with the eigenvalues of its matrix made positive, damped as far as the distance needs it to fall.
  */
 #include "walkgen_math.h"
 
@@ -178,8 +178,8 @@ static inline int WG_NAME(wg_exact_step)(const struct WG_NAME(wg_motion) *at, co
 }
 
 /* (|H| + damping)^-1 gradient of half the squared distance, at most 1 long; the trace of J'J. `fixed` is a joint that stays, or -1. */
-static inline WG_REAL WG_NAME(wg_descent)(
-    const struct WG_NAME(wg_chain) *chain, const struct WG_NAME(wg_motion) *at, const WG_REAL away[3], WG_REAL damping, int fixed, WG_REAL step[3]) {
+static inline WG_REAL WG_NAME(wg_descent)(const struct WG_NAME(wg_chain) *chain, const struct WG_NAME(wg_motion) *at,
+                                          const WG_REAL away[3], WG_REAL damping, int fixed, WG_REAL step[3]) {
     WG_REAL H[3][3], V[3][3], gradient[3], floor_value = WG_C(0.0), longest = WG_C(0.0), trace = WG_C(0.0);
     int i, j;
     for (i = 0; i < chain->n; ++i) {
@@ -187,8 +187,11 @@ static inline WG_REAL WG_NAME(wg_descent)(
         trace += WG_NAME(wg_dot)(at->column[i], at->column[i]);
         step[i] = WG_C(0.0);
         for (j = i; j < chain->n; ++j) {
-            H[i][j] = H[j][i] = i == fixed || j == fixed ? (i == j ? WG_C(1.0) : WG_C(0.0))
-                                                         : WG_NAME(wg_dot)(at->column[i], at->column[j]) + WG_NAME(wg_dot)(away, at->second[i][j]);
+            H[i][j] = WG_NAME(wg_dot)(at->column[i], at->column[j]) + WG_NAME(wg_dot)(away, at->second[i][j]);
+            if (i == fixed || j == fixed) {
+                H[i][j] = i == j ? WG_C(1.0) : WG_C(0.0);
+            }
+            H[j][i] = H[i][j];
         }
     }
     WG_NAME(wg_eigen)(chain->n, H, V);

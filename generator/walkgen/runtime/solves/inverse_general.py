@@ -55,6 +55,8 @@ def inverse_general(geometry: ArrayLike, p: ArrayLike, sequence: int) -> tuple[R
     fine = np.isfinite(numbers).all(axis=-1) & np.isfinite(targets).all(axis=-1)
     if fine.any():
         q[fine], status[fine] = _solved(kinds, numbers[fine], targets[fine])
+    finite = np.isfinite(q).all(axis=-1)
+    q, status = np.where(finite[..., None], q, np.nan), np.where(finite, status, _BAD_INPUT).astype(np.int32)
     return q.reshape(*shape, slots, n), status.reshape(*shape, slots)
 
 
