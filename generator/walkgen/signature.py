@@ -4,19 +4,23 @@ from dataclasses import dataclass
 from math import prod
 from typing import Literal
 
-Kind = Literal["real", "integer"]
+Kind = Literal["real", "integer", "truth"]
 
 STATUSES = ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "NO_CONVERGENCE", "INFEASIBLE", "DUPLICATE")
 
 
 @dataclass(frozen=True)
 class Port:
-    """One named argument: a row-major array of `shape` (empty for a scalar) in `unit`."""
+    """One named argument: a row-major array of `shape` (empty for a scalar) in `unit`; a truth is 0 or 1 in C, a bool in Python.
+
+    `default` holds the elements that Python fills in where the caller leaves out this input; C takes every input.
+    """
 
     name: str
     shape: tuple[int, ...] = ()
     unit: str = "1"
     kind: Kind = "real"
+    default: tuple[float, ...] = ()
 
     @property
     def size(self) -> int:
@@ -28,8 +32,8 @@ class Port:
 class Signature:
     """A generated function: `<robot>_<owner>_<name>`; `owner` is a leg, chain or route, or empty for the robot.
 
-    An output port `status` (kind integer) of shape () is C's return value; of shape (b,) it is an argument
-    and C returns the number of OK entries.
+    An output port `status` (kind integer) of shape () is C's return value, and so is a truth that is the only output;
+    a status of shape (b,) is an argument and C returns the number of OK entries.
     """
 
     robot: str
@@ -49,3 +53,9 @@ class Signature:
     def status(self) -> Port | None:
         """The output that carries status codes, if the function can fail."""
         return next((port for port in self.outputs if port.name == "status"), None)
+
+    @property
+    def returned(self) -> Port | None:
+        """The output that is C's return value: a scalar status, or the only output where that is a truth."""
+        verdict = self.outputs[0] if len(self.outputs) == 1 and self.outputs[0].kind == "truth" else self.status
+        return verdict if verdict and not verdict.shape else None

@@ -1,5 +1,6 @@
 """Functions are called as NumPy's own ufuncs are, compiled or not."""
 
+import math
 import warnings
 from collections.abc import Callable
 
@@ -7,6 +8,8 @@ import numpy as np
 import pytest
 
 from walkgen.runtime import Leg, Robot
+from walkgen.runtime.calls import as_called
+from walkgen.signature import Port, Signature
 
 BACKENDS = ("c", "numpy")
 Robots = Callable[..., Robot]
@@ -192,3 +195,37 @@ def test_float32_is_computed_in_double_without_the_float_loop(robots: Robots) ->
     for backend in BACKENDS:
         found = robots("plain", backend).legs["left"].foot_position(np.array([1, 2, 3], np.float32))
         np.testing.assert_allclose(found, [3.0, 6.0, np.cos(3.0)], rtol=1e-15)
+
+
+def _sum(*inputs):
+    return sum(map(np.asarray, inputs))
+
+
+OPTIONAL = Signature(
+    "tiny", "", "add", (Port("a"), Port("b", default=(2.0,)), Port("c", default=(math.nan,)), Port("param", (1,))), (Port("y"),)
+)
+
+
+def test_inputs_with_defaults_may_be_left_out_or_named() -> None:
+    add = as_called(_sum, OPTIONAL, (100.0,), float32=False)
+    assert np.isnan(add(1)).all()
+    np.testing.assert_array_equal(add(1, c=4), [107.0])
+    np.testing.assert_array_equal(add(1, 5, 3, param=[0.0]), [9.0])
+    np.testing.assert_array_equal(add(1, c=4, b=0, param=[[1], [2]]), [[6.0], [7.0]])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named", "message"),
+    [((1, 2, 3, 4), {}, "at most 3"), ((), {"b": 2}, "misses a"), ((1, 2), {"b": 2}, "b twice"), ((1,), {"d": 2}, "unexpected keyword")],
+)
+def test_inputs_that_do_not_fit(arguments, named, message) -> None:
+    with pytest.raises(TypeError, match=message):
+        as_called(_sum, OPTIONAL, (100.0,), float32=False)(*arguments, **named)
+
+
+def test_a_truth_is_a_bool() -> None:
+    positive = as_called(
+        lambda x: np.int32(x > 0), Signature("tiny", "", "positive", (Port("x"),), (Port("yes", kind="truth"),)), (), float32=False
+    )
+    assert positive(1.0) is np.True_
+    assert positive(-1.0) is np.False_

@@ -57,4 +57,4 @@ def test_default_keeps_float32(robots: Robots) -> None:
 
 
 def test_says_what_it_takes(robots: Robots) -> None:
-    assert repr(robots("parameters").legs["left"].foot_position) == "<function 'tiny_left_foot_position' with param= [2]>"
+    assert repr(robots("parameters").legs["left"].foot_position) == "<function 'tiny_left_foot_position' with param=[2]>"

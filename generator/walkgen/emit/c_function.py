@@ -48,14 +48,14 @@ def program_function(program: Program, printer: CPrinter) -> CFunction:
     """A Program as a public function; its status is returned as the naming contract says."""
     signature = program.signature
     body = walk(program, printer)
-    lines = (*_program_lines(program, body, printer, _returned(signature)), *_count_lines(signature))
+    lines = (*_program_lines(program, body, printer, signature.returned), *_count_lines(signature))
     return _public(program, printer.precision, lines, _locals_size(body, printer.precision))
 
 
 def composite_function(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
     """A Composite as a public function: local arrays, the calls in order, the status."""
     signature = composite.signature
-    returned = _returned(signature)
+    returned = signature.returned
     lines = [_local(port, composite, printer.precision) for port in composite.locals]
     lines += [f"{_INDENT}int32_t {returned.name} = WALKGEN_OK;"] if returned else []
     used = {argument for call in composite.calls for argument in (*call.arguments, *(call.guard[1] if call.guard else ()))}
@@ -70,7 +70,7 @@ def composite_function(composite: Composite, kernels: Mapping[Program, CFunction
 def batch_function(signature: Signature, precision: Precision) -> CFunction:
     """The function over contiguous rows; it returns the number of rows without an OK if the function can fail."""
     single = function_name(signature, precision)
-    returned = _returned(signature)
+    returned = signature.returned
     inputs = [_batch_parameter(port, "const ", precision) for port in signature.inputs]
     outputs = [_batch_parameter(port, "", precision) for port in signature.outputs]
     head = _declared(f"{'size_t' if signature.status else 'void'} {single}_batch", ["size_t rows", *inputs, *outputs])
@@ -83,10 +83,11 @@ def batch_function(signature: Signature, precision: Precision) -> CFunction:
 def _batch_lines(signature: Signature, step: str) -> Iterator[str]:
     loop = f"{_INDENT}for (size_t row = 0; row < rows; ++row) {{"
     if signature.status is None:
-        yield from (loop, f"{_INDENT * 2}{step};", f"{_INDENT}}}")
+        written = f"{signature.returned.name}[row] = {step}" if signature.returned else step
+        yield from (loop, f"{_INDENT * 2}{written};", f"{_INDENT}}}")
         return
     yield from (f"{_INDENT}size_t bad = 0;", loop)
-    if _returned(signature):
+    if signature.returned:
         yield f"{_INDENT * 2}status[row] = {step};"
         yield f"{_INDENT * 2}bad += status[row] != WALKGEN_OK;"
     else:
@@ -114,11 +115,6 @@ def _size(port: Port, precision: Precision) -> int:
     return port.size * (precision.size if port.kind == "real" else 4)
 
 
-def _returned(signature: Signature) -> Port | None:
-    """The status, if it is the return value."""
-    return signature.status if signature.status and not signature.status.shape else None
-
-
 def _parameters(inputs: tuple[Port, ...], outputs: tuple[Port, ...], precision: Precision) -> list[str]:
     written = [f"{_type(port, precision)} *WG_RESTRICT {port.name}" for port in outputs]
     return [*(_input_parameter(port, precision) for port in inputs), *written]
@@ -142,9 +138,9 @@ def _input_parameter(port: Port, precision: Precision) -> str:
 def _public(body: Program | Composite, precision: Precision, lines: tuple[str, ...], stack: int) -> CFunction:
     signature = body.signature
     name = function_name(signature, precision)
-    returned = _returned(signature)
+    returned = signature.returned
     outputs = tuple(port for port in signature.outputs if port is not returned)
-    head = _declared(f"{'int32_t' if signature.status else 'void'} {name}", _parameters(signature.inputs, outputs, precision))
+    head = _declared(f"{'int32_t' if returned or signature.status else 'void'} {name}", _parameters(signature.inputs, outputs, precision))
     return CFunction(name, head, lines, _doc(body, stack), stack)
 
 
@@ -153,7 +149,7 @@ def _doc(body: Program | Composite, stack: int) -> tuple[str, ...]:
     ports = f"{', '.join(map(_described, signature.inputs))} -> {', '.join(map(_described, signature.outputs))}"
     routines = "support routines not counted; " if isinstance(body, Composite) else ""
     cost = f"{operations(body)} operations ({routines}at most {stack} bytes of locals)."
-    status = ""
+    status = f"Returns {signature.returned.name}: 1 or 0." if signature.returned else ""
     if signature.status:
         status = "Returns the number of entries with status OK." if signature.status.shape else "Returns the status."
     return comment(signature.doc or signature.name, ports, f"{status} {cost}", f"Source: {signature.source}" if signature.source else "")
@@ -247,7 +243,7 @@ def _argument(argument: str | Decimal | int, composite: Composite, printer: CPri
     if isinstance(argument, int):
         return str(argument)
     signature = composite.signature
-    returned = _returned(signature)
+    returned = signature.returned
     pointers = {port.name for port in signature.outputs if not port.shape and port is not returned}
     values = {port.name for port in composite.locals if not port.shape} | ({returned.name} if returned else set())
     if argument in pointers:

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable
+from math import isnan
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -128,4 +129,5 @@ def operations(body: Body) -> int:
 
 
 def _port(port: Port) -> dict[str, Any]:
-    return {"name": port.name, "shape": list(port.shape), "unit": port.unit, "kind": port.kind}
+    default = {"default": [None if isnan(value) else value for value in port.default]} if port.default else {}
+    return {"name": port.name, "shape": list(port.shape), "unit": port.unit, "kind": port.kind, **default}

@@ -32,6 +32,7 @@ _FORMS: Mapping[Code, Form] = {
     Code.INDICATOR: Form("np.where({0}, 1.0, 0.0)"),
     Code.EPSILON: Form("2.220446049250313e-16"),
 }
+_DTYPES: Mapping[str, str] = {"real": "np.float64", "integer": "np.int32", "truth": "np.bool_"}
 _HELPERS = frozenset({"float", "np", "lead", "_least", "_greatest", "_elements", "_arrays", "_array", "_spread", "_real", "_integer"})
 
 
@@ -157,7 +158,7 @@ def _given(port: Port) -> str:
 
 
 def _dtype(port: Port) -> str:
-    return "np.int32" if port.kind == "integer" else "np.float64"
+    return _DTYPES[port.kind]
 
 
 def _output(port: Port, elements: list[str]) -> tuple[str, ...]:

@@ -63,6 +63,8 @@ _ROBOT = (
 )
 """What walkgen.runtime gives a robot and its parts beside their functions."""
 
+_ARRAYS = {"real": "Reals", "integer": "Integers", "truth": "Truths"}
+
 
 def package_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
     """`__init__.py` and `__init__.pyi` of the robot's folder."""
@@ -112,7 +114,7 @@ def _methods(code: RobotCode, owner: str, indent: str = "        ") -> tuple[Met
 
 
 def _method(signature: Signature, indent: str) -> Method:
-    inputs = [f"{port.name}: ArrayLike" for port in signature.inputs if port.name != "param"]
+    inputs = [_argument(port) for port in signature.inputs if port.name != "param"]
     keywords = ["*", *(f"{port.name}: ArrayLike | None = None" for port in signature.inputs if port.name == "param"), "out: Any = None"]
     return Method(
         signature.name,
@@ -122,6 +124,10 @@ def _method(signature: Signature, indent: str) -> Method:
     )
 
 
+def _argument(port: Port) -> str:
+    return f"{port.name}: ArrayLike | None = None" if port.default else f"{port.name}: ArrayLike"
+
+
 def _returned(ports: tuple[Port, ...]) -> str:
-    kinds = ["Integers" if port.kind == "integer" else "Reals" for port in ports]
+    kinds = [_ARRAYS[port.kind] for port in ports]
     return kinds[0] if len(kinds) == 1 else f"tuple[{', '.join(kinds)}]"

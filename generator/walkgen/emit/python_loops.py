@@ -98,8 +98,8 @@ def _lines(signature: Signature, name: str, precision: Precision) -> Iterator[st
         arguments.append(_input(port, f"{port.name}_{index}", place, precision))
     returned = ""
     for index, port in enumerate(signature.outputs, len(signature.inputs)):
-        place = f"({'int32_t' if port.kind == 'integer' else precision.real} *)(a[{index}] + at * step[{index}])"
-        if port.name == "status" and not port.shape:
+        place = f"({precision.real if port.kind == 'real' else 'int32_t'} *)(a[{index}] + at * step[{index}])"
+        if port == signature.returned:
             returned = f"*{place} = "
         else:
             arguments.append(place)

@@ -38,7 +38,7 @@ def _outputs(program: Program, values: Sequence[Any]) -> dict[str, list[Any]]:
     found: dict[str, list[Any]] = {}
     for port in program.signature.outputs:
         flat = [values[next(elements)] for _ in range(port.size)]
-        found[port.name] = [int(value) for value in flat] if port.kind == "integer" else flat
+        found[port.name] = flat if port.kind == "real" else [int(value) for value in flat]
     return found
 
 

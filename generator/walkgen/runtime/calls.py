@@ -1,6 +1,6 @@
 """Gives a function the calling conventions users see where a bare ufunc cannot: runtime parameters by name, and NumPy's fall-back."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,28 +12,62 @@ Function = Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WithParameters:
-    """A function whose last input, the runtime parameters [np], is the keyword `param`, the spec's values by default."""
+class WithDefaults:
+    """A function some of whose last inputs may be left out, or given by name; the runtime parameters [np] only as `param=`.
+
+    `defaults` has a value for every input that may be left out; `single` the same in float32 where the robot has a float library.
+    """
 
     function: Function
     signature: Signature
-    default: np.ndarray
-    single: np.ndarray | None
+    defaults: Mapping[str, np.ndarray]
+    single: Mapping[str, np.ndarray]
 
-    def __call__(self, *arguments: Any, param: Any = None, **named: Any) -> Any:
-        """Call with `param` [..., np] broadcast like any other input; float32 inputs keep their precision by default."""
-        if len(arguments) >= len(self.signature.inputs):
-            raise TypeError(f"{self.signature.full_name} takes {len(self.signature.inputs) - 1} inputs and the keyword param")
-        values = (self._default(arguments) if param is None else param,)
-        return self.function(*arguments, *values, **named)
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Call with every input broadcast like any other; float32 inputs keep their precision by default.
 
-    def _default(self, arguments: tuple[Any, ...]) -> np.ndarray:
-        if self.single is not None and arguments and all(_is_single(argument) for argument in arguments):
-            return self.single
-        return self.default
+        Raises:
+            TypeError: too many inputs, one that has no default left out, or one given twice.
+        """
+        names = [port.name for port in self.signature.inputs]
+        positional = names[:-1] if names[-1] == "param" else names
+        if len(arguments) > len(positional):
+            raise TypeError(
+                f"{self.signature.full_name} takes at most {len(positional)} inputs{' and the keyword param' * ('param' in names)}"
+            )
+        given = dict(zip(positional, arguments, strict=False))
+        twice = sorted(set(given) & set(named))
+        if twice:
+            raise TypeError(f"{self.signature.full_name} got {', '.join(twice)} twice")
+        given |= {name: named.pop(name) for name in names if name in named}
+        return self.function(*self._complete(names, given), **named)
+
+    def _complete(self, names: list[str], given: dict[str, Any]) -> list[Any]:
+        present = {name: value for name, value in given.items() if value is not None or name not in self.defaults}
+        missing = [name for name in names if name not in present and name not in self.defaults]
+        if missing:
+            raise TypeError(f"{self.signature.full_name} misses {', '.join(missing)}")
+        narrow = bool(self.single and present) and all(_is_single(value) for value in present.values())
+        return [present[name] if name in present else (self.single if narrow else self.defaults)[name] for name in names]
 
     def __repr__(self) -> str:
-        return f"<function {self.signature.full_name!r} with param= [{len(self.default)}]>"
+        choices = ", ".join(f"{name}={list(value.shape)}" for name, value in self.defaults.items())
+        return f"<function {self.signature.full_name!r} with {choices}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Truths:
+    """A function whose only output is a truth: compiled code gives 0 or 1, users get a bool."""
+
+    function: Function
+    signature: Signature
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Call, and compare with 0."""
+        return self.function(*arguments, **named) != 0
+
+    def __repr__(self) -> str:
+        return f"<function {self.signature.full_name!r}: bool>"
 
 
 def _is_single(argument: Any) -> bool:
@@ -83,11 +117,20 @@ def _filled(place: Any, result: Any) -> Any:
     return place
 
 
-def with_parameters(function: Function, signature: Signature, defaults: tuple[float, ...], float32: bool) -> Function:
-    """The function as users call it: unchanged where it takes no runtime parameters."""
-    if not defaults or not signature.inputs or signature.inputs[-1].name != "param":
-        return function
-    values = np.array(defaults)
-    values.setflags(write=False)
-    single = values.astype(np.float32) if float32 else None
-    return WithParameters(function, signature, values, single)
+def as_called(function: Function, signature: Signature, parameters: tuple[float, ...], float32: bool) -> Function:
+    """The function as users call it: with defaults for the inputs that have them, with a bool for a truth; else unchanged.
+
+    Args:
+        function: the bare one, which takes every input by position.
+        signature: its ports.
+        parameters: the spec's values of the runtime parameters.
+        float32: whether the robot has a float library.
+    """
+    inputs = {port.name: parameters if port.name == "param" else port.default for port in signature.inputs}
+    shapes = {port.name: port.shape for port in signature.inputs}
+    defaults = {name: np.array(value).reshape(shapes[name]) for name, value in inputs.items() if value}
+    single = {name: value.astype(np.float32) for name, value in defaults.items()} if float32 else {}
+    for value in (*defaults.values(), *single.values()):
+        value.setflags(write=False)
+    bare = Truths(function, signature) if signature.outputs[0].kind == "truth" else function
+    return WithDefaults(bare, signature, defaults, single) if defaults else bare

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from walkgen.errors import Problem, ToolchainError
-from walkgen.runtime.calls import Function, Vectorised, with_parameters
+from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
 from walkgen.runtime.robot import Chain, Leg, Robot, Route
@@ -138,7 +138,7 @@ def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]
     single = manifest.float32 and backend.name == "c"
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
     functions = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
-    return {name: with_parameters(function, signatures[name], defaults, single) for name, function in functions}
+    return {name: as_called(function, signatures[name], defaults, single) for name, function in functions}
 
 
 def _by_owner(manifest: Manifest, functions: Mapping[str, Function]) -> dict[str, dict[str, Function]]:

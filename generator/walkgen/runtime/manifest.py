@@ -1,6 +1,7 @@
 """Reads manifest.json, which says all that a loaded robot knows of itself besides its code."""
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -99,4 +100,5 @@ def _function(entry: dict[str, Any], robot: str) -> FunctionEntry:
 
 
 def _port(port: dict[str, Any]) -> Port:
-    return Port(port["name"], tuple(map(int, port["shape"])), port["unit"], port["kind"])
+    default = tuple(math.nan if value is None else float(value) for value in port.get("default", ()))
+    return Port(port["name"], tuple(map(int, port["shape"])), port["unit"], port["kind"], default)

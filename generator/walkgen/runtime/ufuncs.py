@@ -65,7 +65,7 @@ def _address(library: ctypes.CDLL, name: str) -> int | None:
 def _code(port: Port, output: bool, suffix: str) -> int:
     """NumPy's type number of an argument of the loop; integers come in as int64, so that any NumPy integer is taken."""
     integer: np.dtype[Any] = np.dtype(np.int32 if output else np.int64)
-    return (integer if port.kind == "integer" else _REAL[suffix]).num
+    return (_REAL[suffix] if port.kind == "real" else integer).num
 
 
 def _document(signature: Signature) -> str:
