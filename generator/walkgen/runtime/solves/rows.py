@@ -35,13 +35,13 @@ def nearest_row(rows: ArrayLike, states: ArrayLike, seed: ArrayLike, sequence: i
         q [..., n] and status [...]: the row's own, OK for DUPLICATE; BAD_INPUT with NaN where the seed is not finite or there is no row.
     """
     q, state, wanted = _broadcast(rows, states, seed, slots, 1)
-    fine = np.isfinite(wanted).all(axis=-1)
+    fine = np.all(np.isfinite(wanted), axis=-1, keepdims=True)
     with np.errstate(over="ignore", invalid="ignore"):
-        gap = q - np.where(fine[..., None], wanted, 0.0)[..., None, :]
+        gap = q - np.where(fine, wanted, 0.0)[..., None, :]
         gap = np.where(sliding_of(sequence), gap, _short_way(gap))
         distance = np.sum(gap * gap, axis=-1)
     chosen = _first_least(state, distance)
-    status = _status(state, chosen, fine)
+    status = _status(state, chosen, fine[..., 0])
     return np.where((status == _BAD_INPUT)[..., None], np.nan, _row(q, chosen)), status
 
 
@@ -63,14 +63,14 @@ def admissible_row(rows: ArrayLike, states: ArrayLike, limits: ArrayLike, sequen
     """
     q, state, bounds = _broadcast(rows, states, limits, slots, 2)
     low, high = bounds[..., 0], bounds[..., 1]
-    fine = ((low <= high) & (low < np.inf) & (high > -np.inf)).all(axis=-1)
-    low, high = (np.where(fine[..., None], bound, 0.0)[..., None, :] for bound in (low, high))
+    fine = np.all((low <= high) & (low < np.inf) & (high > -np.inf), axis=-1, keepdims=True)
+    low, high = (np.where(fine, bound, 0.0)[..., None, :] for bound in (low, high))
     with np.errstate(over="ignore", invalid="ignore"):
         inside, excess, share = admitted(sliding_of(sequence), q, low, high)
         outside = np.maximum(np.sum(excess * excess, axis=-1), np.where((excess > 0.0).any(axis=-1), np.finfo(float).tiny, 0.0))
         distance = np.sum(share * share, axis=-1)
     chosen = _first_least(state, outside, distance)
-    status = _status(state, chosen, fine)
+    status = _status(state, chosen, fine[..., 0])
     unfit = (np.take_along_axis(outside, chosen[..., None], axis=-1)[..., 0] > 0.0) | ~_reaches(status)
     status = np.where(status == _BAD_INPUT, status, np.where(unfit, _UNREACHABLE, status)).astype(np.int32)
     return np.where((status == _BAD_INPUT)[..., None], np.nan, _row(inside, chosen)), status
@@ -122,7 +122,7 @@ def _first_least(states: Integers, *keys: Reals) -> NDArray[np.intp]:
     for key in (rank.astype(float), *keys):
         value = np.where(best & ~np.isnan(key), key, np.inf)
         best = best & (value <= np.min(value, axis=-1, keepdims=True))
-    return np.argmax(best, axis=-1)
+    return np.asarray(np.argmax(best, axis=-1))
 
 
 def _row(q: Reals, chosen: NDArray[np.intp]) -> Reals:
