@@ -12,7 +12,7 @@ from walkgen.spec.scalar import ZERO, Scalar, exact, mul, neg
 from walkgen.spec.schema import ChainDesign, JointRow, LegDesign, LegSpec, Link, PlatformSpec, Pose
 
 Sign = Literal[1, -1]
-_DAMPING_PER_REACH = Decimal("0.01")
+_DAMPING_PER_SIZE = Decimal("0.01")
 
 
 def pose_transform(pose: Pose | None, values: Values) -> Transform:
@@ -133,10 +133,22 @@ def _level_end(mount: Transform, joints: tuple[Joint, ...], offset: tuple[Scalar
 
 
 def _damping(design: LegDesign, joints: tuple[Joint, ...], tip: Transform, values: Values) -> tuple[Scalar, Scalar]:
-    """The spec's (epsilon, lambda_max), else a hundredth of the leg's reach for both."""
+    """The spec's (epsilon, lambda_max), else for both a hundredth of how far a unit of the joints' rates moves the foot.
+
+    Per radian of a turning joint that is the leg's reach, per metre of a sliding one 1 m; of a leg with both, the lesser.
+    """
     if design.damping is not None:
         return values.resolve(design.damping.epsilon), values.resolve(design.damping.lambda_max)
-    motions = [motion for joint in joints for motion in joint.before + joint.after] + list(tip)
-    reach = sum(abs(values.number(motion.amount)) for motion in motions if motion.kind == "translate") or 1.0
-    default = exact(Decimal(f"{reach:.2g}") * _DAMPING_PER_REACH)
+    sizes = {"revolute": _reach(joints, tip, values), "prismatic": 1.0}
+    size = min(sizes[joint.kind] for joint in joints)
+    default = exact(Decimal(f"{size:.2g}") * _DAMPING_PER_SIZE)
     return default, default
+
+
+def _reach(joints: tuple[Joint, ...], tip: Transform, values: Values) -> float:
+    """Sum of the leg's lengths and of how far its sliding joints may go (m); 1 where nothing has a length."""
+    motions = [motion for joint in joints for motion in joint.before + joint.after] + list(tip)
+    lengths = [motion.amount for motion in motions if motion.kind == "translate"]
+    slides = [joint.limits for joint in joints if joint.kind == "prismatic" and joint.limits is not None]
+    travel = sum(max(abs(values.number(limit)) for limit in limits) for limits in slides)
+    return sum(abs(values.number(length)) for length in lengths) + travel or 1.0

@@ -13,6 +13,8 @@ from walkgen.symbolic.robot import RobotFunctions
 INVERSE: dict[str, Callable[[Mechanism, Limb], Solve]] = {
     "inverse": inverse,
     "inverse_branch": inverse_branch,
+}
+RATES: dict[str, Callable[[Mechanism, Route], Solve]] = {
     "inverse_velocity": inverse_velocity,
     "inverse_acceleration": inverse_acceleration,
 }
@@ -54,6 +56,9 @@ def _inverse(mechanism: Mechanism, leg: Limb, names: tuple[str, ...]) -> Iterato
         for name, build in INVERSE.items():
             if _wanted(name, names):
                 yield build(mechanism, leg)
+        for name, rates in RATES.items():
+            if _wanted(name, names):
+                yield rates(mechanism, Route(leg.name, (leg,)))
 
 
 def _wanted(name: str, names: tuple[str, ...]) -> bool:
