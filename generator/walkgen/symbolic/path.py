@@ -94,7 +94,7 @@ class Kinematics:
 
     def _turned(self, place: Place, rotation: Columns) -> Place:
         """The place after a constant rotation: the same group if the z axis stays on its line, a new one otherwise."""
-        yaw = _yaw(rotation)
+        yaw = yaw_of(rotation)
         if yaw is not None:
             return replace(place, offset=place.offset + place.flip * yaw, flip=place.flip * int(rotation[2][2]))
         here = self._columns(place)
@@ -236,7 +236,7 @@ class Kinematics:
             previous = place
 
 
-def _yaw(rotation: Columns) -> sympy.Expr | None:
+def yaw_of(rotation: Columns) -> sympy.Expr | None:
     """The angle of a constant rotation that keeps the z axis on its line: Rz(yaw) diag(1, flip, flip); None for others."""
     if abs(rotation[2][2]) != 1 or not all(entry.is_number for entry in rotation[0]):
         return None
