@@ -1,0 +1,141 @@
+"""Rates of legs and routes of 1 to 9 joints, turning and sliding, in C, float, NumPy and CasADi, against NumPy's singular values."""
+
+import casadi
+import numpy as np
+import pytest
+from rates_robot import LAMBDA, OWNERS, ROUTED, SQUARE, paths, text
+
+from oracles.backends import Built
+from walkgen import pipeline
+
+OK, UNREACHABLE, BAD_INPUT, SINGULAR = range(4)
+
+
+@pytest.fixture(scope="module")
+def robots(tmp_path_factory):
+    """The robot by backend; C with float."""
+    folder = tmp_path_factory.mktemp("rates")
+    spec = folder / "spec.toml"
+    spec.write_text(text(), encoding="utf-8")
+    built = Built(spec, pipeline.build(spec, folder / "generated", pipeline.BuildOptions(float32=True)).folder)
+    return {"c": built.c, "numpy": built.numpy}
+
+
+@pytest.fixture(params=OWNERS)
+def path(request):
+    return paths()[request.param]
+
+
+def call(robot, path, name, *inputs):
+    return robot.functions[f"rates_{path.owner}_{name}"](*inputs)
+
+
+def expected(path, q, v):
+    """J^+ v [count, n] with each singular value s counted as s + lambda^2 / s, statuses [count], and the damping lambda [count]."""
+    J = path.jacobians(q)
+    U, s, Vt = np.linalg.svd(J, full_matrices=False)
+    least = s[:, -1]
+    damping = np.where(least < path.epsilon, np.sqrt(np.maximum(1 - (least / path.epsilon) ** 2, 0)) * LAMBDA, 0.0)
+    gains = s / (s**2 + damping[:, None] ** 2)
+    qd = np.einsum("rki,rk,rjk,rj->ri", Vt, gains, U, v)
+    missed = np.linalg.norm(np.einsum("rij,rj->ri", J, qd) - v, axis=1) > 1e-9 * np.linalg.norm(v, axis=1)
+    return qd, np.where(least < path.epsilon, SINGULAR, np.where(missed, UNREACHABLE, OK)), damping
+
+
+def relative(path, q, v, found, wanted, damping):
+    """Errors over the largest rate that such a pose and velocity can give."""
+    least = np.linalg.svd(path.jacobians(q), compute_uv=False)[:, -1]
+    return np.linalg.norm(found - wanted, axis=1) * np.maximum(least, damping) / np.linalg.norm(v, axis=1)
+
+
+def check(path, q, v, found, status):
+    wanted, statuses, damping = expected(path, q, v)
+    assert np.array_equal(status, statuses)
+    assert relative(path, q, v, found, wanted, damping).max() <= 1e-12
+    assert np.all(np.linalg.norm(found, axis=1) * 2 * damping <= np.linalg.norm(v, axis=1) * (1 + 1e-12))
+    return statuses
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_velocities(robots, backend, path):
+    q, _, v = path.motions(300, 5)
+    statuses = check(path, q, v, *call(robots[backend], path, "inverse_velocity", q, v))
+    changing = path.n > 1 and any(joint.revolute for joint in path.limb.joints)
+    assert {OK, SINGULAR} <= set(statuses) or not changing or path.owner in ROUTED
+    assert UNREACHABLE in statuses or path.n > 2 or set(statuses) == {SINGULAR}
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_accelerations(robots, backend, path):
+    """a = J qdd + Jdot qd, with Jdot qd from complex steps."""
+    q, qd, rest = path.motions(60, 6)
+    bias = path.biases(q, qd)
+    check(path, q, rest, *call(robots[backend], path, "inverse_acceleration", q, qd, rest + bias))
+
+
+def test_float(robots, path):
+    q, _, v = (array.astype(np.float32) for array in path.motions(300, 7))
+    found, status = call(robots["c"], path, "inverse_velocity", q, v)
+    wide = q.astype(float), v.astype(float)
+    wanted, statuses, damping = expected(path, *wide)
+    values = np.linalg.svd(path.jacobians(wide[0]), compute_uv=False)
+    missed = np.linalg.norm(v - np.einsum("rij,rj->ri", path.jacobians(wide[0]), wanted), axis=1) / np.linalg.norm(v, axis=1)
+    clear = (np.abs(values[:, -1] - path.epsilon) > 1e-5) & (np.abs(np.log10((missed + 1e-12) / 1e-4)) > 0.5)
+    statuses[(statuses == UNREACHABLE) & (missed < 1e-4)] = OK
+    assert found.dtype == np.float32
+    assert np.count_nonzero(clear) > 290
+    assert np.array_equal(status[clear], statuses[clear])
+    error = relative(path, *wide, found, wanted, damping) * np.maximum(values[:, -1], path.epsilon) / (1 + values[:, 0])
+    assert error[clear].max() <= 64 * np.finfo(np.float32).eps
+
+
+def test_casadi(robots, path):
+    velocity, acceleration = (robots["c"].casadi(f"rates_{path.owner}_{name}") for name in ("inverse_velocity", "inverse_acceleration"))
+    q, qd, v = path.motions(24, 8)
+    found = [[np.array(value).ravel() for value in velocity(*row)] for row in zip(q, v, strict=True)]
+    check(path, q, v, np.array([row[0] for row in found]), np.array([row[1][0] for row in found]))
+    found = [[np.array(value).ravel() for value in acceleration(*row)] for row in zip(q, qd, v + path.biases(q, qd), strict=True)]
+    check(path, q, v, np.array([row[0] for row in found]), np.array([row[1][0] for row in found]))
+
+
+def test_casadi_derivatives(robots, path):
+    """By q and v, damped or not, against central differences."""
+    function = robots["c"].casadi(f"rates_{path.owner}_inverse_velocity")
+    q, v = casadi.SX.sym("q", path.n), casadi.SX.sym("v", 3)
+    both = casadi.vertcat(q, v)
+    rates = function(q, v)[0]
+    slope = casadi.Function("slope", [both], [casadi.jacobian(rates, both)])
+    values = casadi.Function("values", [both], [rates])
+    step = 1e-6
+    for angles, speed in zip(*path.motions(16, 9)[::2], strict=True):
+        at = np.concatenate([angles, speed])
+        found = np.array(slope(at))
+        differences = [(np.array(values(at + side)) - np.array(values(at - side))).ravel() / (2 * step) for side in step * np.eye(len(at))]
+        least = np.linalg.svd(path.jacobians(angles[None])[0], compute_uv=False)[-1]
+        border = abs(least / path.epsilon - 1) < 1e-3
+        size = np.linalg.norm(found) + np.linalg.norm(np.array(differences))
+        assert np.all(np.isfinite(found))
+        assert border or np.linalg.norm(found - np.array(differences).T) <= 1e-5 * size
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_what_is_not_finite_is_bad_input(robots, backend, path):
+    """A Jacobian that no joint value changes does not see them."""
+    fine = np.linspace(-1.0, 1.3, 2 * path.n + 3)
+    rows = np.array([np.where(np.arange(len(fine)) == place, value, fine) for place in range(len(fine)) for value in (np.nan, np.inf)])
+    q, qd, a = rows[:, : path.n], rows[:, path.n : 2 * path.n], rows[:, 2 * path.n :]
+    with np.errstate(all="ignore"):
+        found, status = call(robots[backend], path, "inverse_acceleration", q, qd, a)
+    assert np.array_equal(np.isnan(found).any(axis=1), status == BAD_INPUT)
+    assert np.array_equal(np.isnan(found).all(axis=1), status == BAD_INPUT)
+    bad = ~np.isfinite(a).all(axis=1)
+    if all(joint.revolute for joint in path.limb.joints):
+        bad = ~np.isfinite(rows).all(axis=1)
+    assert np.all(status[bad] == BAD_INPUT)
+
+
+def test_legs_at_right_angles_have_equal_singular_values():
+    """What `SQUARE` says: the case in which the cubic has a double root at every pose."""
+    for name in SQUARE:
+        values = np.linalg.svd(paths()[name].jacobians(np.full((1, 3), 0.4))[0], compute_uv=False)
+        assert min(np.abs(np.diff(values))) <= 1e-15
