@@ -8,8 +8,9 @@ from typing import Literal, cast
 from walkgen.model.mechanism import Body, Joint, Limb, Transform
 from walkgen.model.transform import X, Z, align, inverse, mirrored, origin, rotation, translation
 from walkgen.model.values import Values
-from walkgen.spec.scalar import ZERO, Scalar, exact, mul, neg
-from walkgen.spec.schema import ChainDesign, JointRow, LegDesign, LegSpec, Link, PlatformSpec, Pose
+from walkgen.spec.joint_tables import JointRow, Link, Pose, Rotor
+from walkgen.spec.scalar import ONE, ZERO, Scalar, exact, mul, neg, power
+from walkgen.spec.schema import ChainDesign, LegDesign, LegSpec, PlatformSpec
 
 Sign = Literal[1, -1]
 _DAMPING_PER_SIZE = Decimal("0.01")
@@ -93,7 +94,18 @@ def _joint(row: JointRow, convention: str | None, sign: Sign, zero: Scalar, sour
         body=_body(row.link, values),
         section=(row.link.section or "") if row.link else "",
         source_name=source,
+        viscous=values.resolve(row.friction.viscous) if row.friction else ZERO,
+        coulomb=values.resolve(row.friction.coulomb) if row.friction else ZERO,
+        rotor=_reflected(row.rotor, values),
     )
+
+
+def _reflected(rotor: Rotor | None, values: Values) -> Scalar:
+    """Inertia as the joint feels it: gear^2 times the rotor's own."""
+    if rotor is None:
+        return ZERO
+    gear = ONE if rotor.gear is None else values.resolve(rotor.gear)
+    return mul(power(gear, exact(2)), values.resolve(rotor.inertia))
 
 
 def _geometry(row: JointRow, convention: str | None, values: Values) -> tuple[Transform, Transform, Sign]:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from walkgen.spec.scalar import Scalar, Vector
+from walkgen.spec.scalar import ZERO, Scalar, Vector
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,8 @@ class Section:
 class Joint:
     """One pair: parent frame -> `before` -> motion about or along z by sign*q + zero -> `after` -> the joint's frame.
 
-    Limits, speed and effort are those of q (rad or m, per second, N m or N).
+    Limits, speed and effort are those of q (rad or m, per second, N m or N). `viscous` (N m s/rad or N s/m) and `coulomb`
+    (N m or N) are friction in the joint, `rotor` (kg m^2 or kg) the motor's inertia as q feels it.
     """
 
     name: str
@@ -60,6 +61,9 @@ class Joint:
     body: Body | None
     section: str
     source_name: str
+    viscous: Scalar = ZERO
+    coulomb: Scalar = ZERO
+    rotor: Scalar = ZERO
 
 
 @dataclass(frozen=True)

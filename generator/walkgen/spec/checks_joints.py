@@ -5,9 +5,10 @@ from collections.abc import Iterator
 
 from walkgen.spec.checks_tree import joint_rows
 from walkgen.spec.evaluate import Numbers
+from walkgen.spec.joint_tables import JointRow
 from walkgen.spec.problems import Finding, shown
 from walkgen.spec.scalar import Scalar
-from walkgen.spec.schema import Design, JointRow, RobotSpec
+from walkgen.spec.schema import Design, RobotSpec
 from walkgen.spec.table import Path, Table, entries
 from walkgen.spec.tree import design_of
 

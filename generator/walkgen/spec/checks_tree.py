@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Iterator
 
 from walkgen.spec.functions import FUNCTION_NAMES
+from walkgen.spec.joint_tables import JointRow
 from walkgen.spec.problems import Finding, did_you_mean, shown
-from walkgen.spec.schema import JointRow, LegSpec, PlatformSpec, RobotSpec
+from walkgen.spec.schema import LegSpec, PlatformSpec, RobotSpec
 from walkgen.spec.shapes import STAND_IN_NAME
 from walkgen.spec.table import Path
 from walkgen.spec.tree import mirror_circle, platform_circle

@@ -5,9 +5,10 @@ from fractions import Fraction
 from itertools import combinations
 
 from walkgen.spec.evaluate import Numbers, Uncomputable
+from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
-from walkgen.spec.schema import Damping, JointRow, Link, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec
+from walkgen.spec.schema import Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec
 from walkgen.spec.table import Path, Table, entries, is_scalar
 from walkgen.spec.terrain import Domain, TerrainPatch
 
@@ -18,7 +19,13 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     Damping: ("epsilon", "lambda_max"),
     TerrainPatch: ("spacing", "kn", "kt"),
 }
-_NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {Link: ("mass",), PlatformSpec: ("mass",), TerrainPatch: ("mu",)}
+_NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
+    Link: ("mass",),
+    PlatformSpec: ("mass",),
+    Friction: ("viscous", "coulomb"),
+    Rotor: ("inertia",),
+    TerrainPatch: ("mu",),
+}
 _PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")
 _DIRECTIONS: Mapping[type[Table], str] = {JointRow: "axis", TerrainPatch: "normal"}
 _COORDINATES: Mapping[str, Mapping[str, tuple[str, ...]]] = {

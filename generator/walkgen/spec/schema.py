@@ -6,93 +6,16 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
+from walkgen.spec.joint_tables import JointRow, Pose
 from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
 from walkgen.spec.terrain import TerrainPatch
 
-Kind = Literal["revolute", "prismatic"]
 Target = Literal["c", "casadi", "numpy"]
 
 _LINKAGE_KEYS = ("links", "pins", "cylinders", "sliders", "plane", "assembly")
 _MOST_NAMES = 1000
 _MOST_LIMBS = 100
 _MOST_JOINTS = 64
-
-
-class Pose(Table):
-    """A fixed pose: xyz in the parent frame, rpy = Rz(yaw) Ry(pitch) Rx(roll); what is left out is zero."""
-
-    ANGLES: ClassVar[frozenset[str]] = frozenset({"rpy"})
-
-    xyz: Triple | None = None
-    """Position (m)."""
-    xyz_mm: Triple | None = None
-    """Position (mm)."""
-    rpy: Triple | None = None
-    """Roll, pitch, yaw (rad)."""
-    rpy_deg: Triple | None = None
-    """Roll, pitch, yaw (degrees)."""
-
-
-class Link(Table):
-    """The rigid body that a joint moves, in the frame after the joint's row."""
-
-    mass: Number | None = None
-    """kg"""
-    com: Triple | None = None
-    """Centre of mass (m)."""
-    com_mm: Triple | None = None
-    """Centre of mass (mm)."""
-    inertia: Six | None = None
-    """ixx, iyy, izz, ixy, ixz, iyz about the centre of mass (kg m^2)."""
-    section: StrictStr | None = None
-    """Name of the cross-section, in [sections]."""
-    allow_unphysical: StrictBool = False
-    """Accept an inertia that no real body has."""
-
-
-class JointRow(Table):
-    """One joint: a DH row (a, alpha, d, theta), or a fixed origin (xyz, rpy) and an axis."""
-
-    ANGLES: ClassVar[frozenset[str]] = frozenset({"alpha", "theta", "rpy"})
-
-    name: StrictStr
-    type: Kind
-    """Revolute: q adds to theta (rad); prismatic: q adds to d (m)."""
-    a: Number | None = None
-    """DH length along x (m)."""
-    a_mm: Number | None = None
-    alpha: Number | None = None
-    """DH twist about x (rad)."""
-    alpha_deg: Number | None = None
-    d: Number | None = None
-    """DH offset along z (m)."""
-    d_mm: Number | None = None
-    theta: Number | None = None
-    """DH angle about z (rad); 0 where left out."""
-    theta_deg: Number | None = None
-    xyz: Triple | None = None
-    """Origin of the joint in the frame before it (m)."""
-    xyz_mm: Triple | None = None
-    rpy: Triple | None = None
-    """Orientation of the joint in the frame before it (rad)."""
-    rpy_deg: Triple | None = None
-    axis: Triple | None = None
-    """Direction of the joint in its own frame; its length does not matter."""
-    limits: Pair | None = None
-    """Least and largest q (rad or m)."""
-    limits_deg: Pair | None = None
-    limits_mm: Pair | None = None
-    max_speed: Number | None = None
-    """rad/s or m/s"""
-    max_speed_deg: Number | None = None
-    max_speed_mm: Number | None = None
-    max_effort: Number | None = None
-    """N m or N"""
-    link: Link | None = None
-
-    def is_angle(self, key: str) -> bool:
-        """Limits are angles where the joint turns."""
-        return key in self.ANGLES or (key == "limits" and self.type == "revolute")
 
 
 class Damping(Table):
