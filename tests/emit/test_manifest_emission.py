@@ -84,7 +84,7 @@ def test_parts():
     head, tail = found["legs"]
     assert (head["platform"], head["joints"], head["slice"]) == ("front", ["yaw", "thigh", "shank"], [2, 5])
     assert (head["inverse_class"], len(head["branch_names"])) == ("yaw-pitch-pitch", 4)
-    assert (tail["platform"], tail["slice"], tail["inverse_class"], tail["branch_names"]) == ("rear", [5, 6], "", [])
+    assert (tail["platform"], tail["slice"], tail["inverse_class"], tail["branch_names"]) == ("rear", [5, 6], "general R", ["root_1"])
 
 
 def test_functions():

@@ -34,21 +34,25 @@ YAW_PITCH_PITCH = {
         rows(a3='"shank"', a2='"2*shank"'), head='[parameters]\nshank = { value = 0.4, unit = "m", runtime = true }'
     ),
 }
-OTHERS = {
-    "alpha rounded to 1.57": (robot(rows("alpha = 1.57")), "not perpendicular"),
-    "alpha 1.5708": (robot(rows("alpha = 1.5708")), "not perpendicular"),
-    "axes 2 and 3 askew": (robot(rows(alpha2="alpha_deg = 1")), "not parallel"),
-    "RRP": (robot(rows(kinds=("revolute", "revolute", "prismatic"))), "RRP"),
-    "RPP": (robot(rows(kinds=("revolute", "prismatic", "prismatic"))), "RPP"),
-    "two joints": (robot(row("one", alpha="alpha_deg = 90") + row("two")), "RR"),
-    "four joints": (robot(rows() + row("four")), "RRRR"),
-    "foot on axis 3": (robot(rows(a3="0.0")), "axis 3"),
-    "axis 3 on axis 2": (robot(rows(a2="0.0")), "axis 2"),
+GENERAL = {
+    "alpha rounded to 1.57": (robot(rows("alpha = 1.57")), "RRR", "not perpendicular"),
+    "alpha 1.5708": (robot(rows("alpha = 1.5708")), "RRR", "not perpendicular"),
+    "axes 2 and 3 askew": (robot(rows(alpha2="alpha_deg = 1")), "RRR", "not parallel"),
+    "RRP": (robot(rows(kinds=("revolute", "revolute", "prismatic"))), "RRP", "RRP"),
+    "RPP": (robot(rows(kinds=("revolute", "prismatic", "prismatic"))), "RPP", "RPP"),
+    "two joints": (robot(row("one", alpha="alpha_deg = 90") + row("two")), "RR", "RR"),
+    "one joint": (robot(row("one", kind="prismatic")), "P", "projection"),
+    "foot on axis 3": (robot(rows(a3="0.0")), "RRR", "axis 3"),
+    "axis 3 on axis 2": (robot(rows(a2="0.0")), "RRR", "axis 2"),
     "perpendicular at the default only": (
         robot(rows('alpha = "tilt"'), head='[parameters]\ntilt = { value = "pi/2", unit = "rad", runtime = true }'),
+        "RRR",
         "not perpendicular",
     ),
 }
+SLOTS = {"RRR": 4, "RRP": 4, "RPP": 2, "RR": 2, "P": 1}
+FOUR_JOINTS = robot(rows() + row("four"))
+NAMES = 'dh = "classic"\nbranches = ["reach_up", "reach_down", "back_up", "back_down"]'
 
 
 def class_of(tmp_path, text):
@@ -64,18 +68,31 @@ def test_yaw_pitch_pitch(tmp_path, name):
     assert "parallel" in found.reason
 
 
-@pytest.mark.parametrize("name", OTHERS)
-def test_no_closed_form(tmp_path, name):
-    text, reason = OTHERS[name]
+@pytest.mark.parametrize("name", GENERAL)
+def test_every_other_leg_of_up_to_three_joints_is_general(tmp_path, name):
+    text, kinds, reason = GENERAL[name]
     found = class_of(tmp_path, text)
-    assert (found.name, found.branch_names) == ("", ())
+    assert found.name == f"general {kinds}"
+    assert found.branch_names == tuple(f"root_{number + 1}" for number in range(SLOTS[kinds]))
     assert reason in found.reason
+
+
+def test_more_joints_have_no_branches(tmp_path):
+    found = class_of(tmp_path, FOUR_JOINTS)
+    assert (found.name, found.branch_names) == ("", ())
+    assert "4 joints" in found.reason
+
+
+@pytest.mark.parametrize("alpha", ["alpha_deg = 90", "alpha = 1.57"])
+def test_names_of_the_spec(tmp_path, alpha):
+    found = class_of(tmp_path, robot(rows(alpha), NAMES))
+    assert found.branch_names == ("reach_up", "reach_down", "back_up", "back_down")
 
 
 def test_the_reason_says_how_far_from_it(tmp_path):
     """1.57 is 0.000796 rad short of a right angle; a person must be able to see that it was rounding."""
-    assert "1.57 rad" in class_of(tmp_path, OTHERS["alpha rounded to 1.57"][0]).reason
-    assert "0.0174533 rad" in class_of(tmp_path, OTHERS["axes 2 and 3 askew"][0]).reason
+    assert "1.57 rad" in class_of(tmp_path, GENERAL["alpha rounded to 1.57"][0]).reason
+    assert "0.0174533 rad" in class_of(tmp_path, GENERAL["axes 2 and 3 askew"][0]).reason
 
 
 def test_a_mirror_image_is_of_the_same_class(tmp_path):

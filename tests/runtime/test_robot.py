@@ -32,7 +32,7 @@ def test_leg_describes_itself(robots: Robots) -> None:
     leg = robots().legs["left"]
     assert (leg.name, leg.platform, leg.joints, leg.slice) == ("left", "body", ("yaw", "pitch", "knee"), slice(0, 3))
     np.testing.assert_array_equal(leg.limits, robots().limits)
-    assert repr(leg) == "<leg 'left' on 'body': yaw, pitch, knee; no closed-form inverse; 8 functions>"
+    assert repr(leg) == "<leg 'left' on 'body': yaw, pitch, knee; inverse general RRR; 8 functions>"
     assert "foot_position" in dir(leg)
     assert leg.foot_position is leg.functions["foot_position"]
 
@@ -59,9 +59,9 @@ def test_unknown_name_is_an_attribute_error_with_the_nearest(robots: Robots) -> 
 
 def test_known_name_says_why_it_is_not_there(robots: Robots) -> None:
     leg = robots().legs["left"]
-    assert not hasattr(leg, "inverse_velocity")
-    with pytest.raises(UnsupportedMechanism, match="no closed form") as error:
-        leg.inverse_velocity  # noqa: B018
+    assert not hasattr(leg, "inverse_pose")
+    with pytest.raises(UnsupportedMechanism, match="cannot give the foot every pose") as error:
+        leg.inverse_pose  # noqa: B018
     assert isinstance(error.value, MissingFunction)
     assert error.value.problems[0].code == "WG410"
     with pytest.raises(UnsupportedMechanism, match="was not built"):

@@ -135,10 +135,16 @@ def rest_pose(tiny: Tiny) -> Program:
 
 
 def doubled(tiny: Tiny) -> Composite:
-    """A Composite without a closed form, so without CasADi: tau = 2 q by a kernel."""
+    """A Composite with a support routine and no closed form, so without CasADi: tau = 2 q, solved from 1 tau = 2 q."""
     signature = tiny.builder("left", "gravity_torque", (Q,), (Port("tau", (3,), "N m"),)).signature
-    make = Builder(Signature(tiny.name, "left", "double", (Q,), signature.outputs))
-    return Composite(signature, (), (Call(make.program(*(make.op(Code.ADD, i, i) for i in range(3))), ("q", "tau")),), ())
+    unit, right = Port("unit", (3, 3)), Port("right", (3,))
+    make = Builder(Signature(tiny.name, "left", "double", (Q,), (unit, right)))
+    twice = [make.op(Code.ADD, i, i) for i in range(3)]
+    zero, one = make.number("0"), make.number("1")
+    kernel = make.program(*(one if i % 4 == 0 else zero for i in range(9)), *twice)
+    damping = (Decimal("0.01"), Decimal("0.01"))
+    calls = (Call(kernel, ("q", "unit", "right")), Call("wg_damped_inverse_3", ("unit", "right", *damping, "tau", "state")))
+    return Composite(signature, (unit, right, Port("state", kind="integer")), calls, ("walkgen_damped.h",))
 
 
 _ALL: dict[str, Callable[[Tiny], Program | Composite]] = {

@@ -1,6 +1,7 @@
 """The C files of a robot: headers, kernels, self-test, build files and the support headers copied beside them."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from walkgen import __version__
@@ -13,6 +14,7 @@ from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
 
 _SUPPORT = Path(__file__).parent / "csupport"
+_INCLUDE = re.compile(r'^#include "(walkgen_\w+\.h)"', re.MULTILINE)
 _ALWAYS = ("walkgen_status.h", "walkgen_math.h", "walkgen_trig.h")
 
 
@@ -32,7 +34,15 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
     """Names of the csupport headers that the robot's sources include."""
-    return tuple(dict.fromkeys([*_ALWAYS, *(precision.header for precision in _precisions(code)), *_routine_headers(code)]))
+    named = (*_ALWAYS, *(precision.header for precision in _precisions(code)), *_routine_headers(code))
+    return tuple(dict.fromkeys(_with_included(named)))
+
+
+def _with_included(names: Iterable[str]) -> Iterator[str]:
+    """The headers and those of csupport that they include."""
+    for name in names:
+        yield name
+        yield from _with_included(_INCLUDE.findall(_support(name).text))
 
 
 def _precisions(code: RobotCode) -> tuple[Precision, ...]:

@@ -1,6 +1,6 @@
 """Prints a robot's functions as CasADi SX expressions, in one file that needs casadi alone."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from keyword import kwlist
@@ -86,14 +86,27 @@ def casadi_artifact(code: RobotCode) -> Artifact:
         banner=banner(code),
         robot=robot,
         title=title(code, "CasADi"),
-        functions=[_function(body, program) for body, program in forms if program],
-        absent=[Absent(short_name(body.signature), _reason(body)) for body, program in forms if not program],
+        kernels=[_function(kernel, kernel, "_") for kernel in _kernels(form for _, form in forms)],
+        functions=[_function(body, form) for body, form in forms if form],
+        absent=[Absent(short_name(body.signature), _reason(body)) for body, form in forms if not form],
     )
 
 
-def closed_form(body: Body) -> Program | None:
-    """The Program that CasADi prints; None where there is only an iterative routine."""
-    return body if isinstance(body, Program) else body.closed_form
+def closed_form(body: Body) -> Body | None:
+    """What CasADi prints: a Program, or a Composite of Programs; None where there is only an iterative routine."""
+    if isinstance(body, Composite) and any(isinstance(call.callee, str) for call in body.calls):
+        return body.closed_form
+    return body
+
+
+def _kernels(forms: Iterable[Body | None]) -> tuple[Program, ...]:
+    """The Programs inside Composites, each once, in order of first use."""
+    calls = (call for form in forms if isinstance(form, Composite) for call in form.calls)
+    found: dict[str, Program] = {}
+    for program in (call.callee for call in calls if isinstance(call.callee, Program)):
+        if found.setdefault(program.signature.full_name, program) != program:
+            raise AssertionError(f"two kernels are called {program.signature.full_name}")
+    return tuple(found.values())
 
 
 def residues_kept(program: Program) -> Program:
@@ -117,17 +130,34 @@ def _reason(body: Body) -> str:
     return printable(f"it needs the iterative {' and '.join(routines)}" if routines else "it has no closed form")
 
 
-def _function(body: Body, program: Program) -> CasadiFunction:
+def _function(body: Body, form: Body, prefix: str = "") -> CasadiFunction:
     signature = body.signature
-    text = walk(residues_kept(program), CasadiPrinter())
-    symbols = tuple(_symbol(port) for port in program.signature.inputs)
-    statements = tuple(f"    {statement.name} = {statement.text}" for statement in text.statements)
-    outputs = iter(output.text for output in text.outputs)
-    values = tuple(line for port in program.signature.outputs for line in _output(port, [next(outputs) for _ in range(port.size)]))
-    inputs, results = (", ".join(port.name for port in ports) for ports in (program.signature.inputs, program.signature.outputs))
+    symbols = tuple(_symbol(port) for port in form.signature.inputs)
+    lines = _composite_lines(form) if isinstance(form, Composite) else _program_lines(form)
+    inputs, results = (", ".join(port.name for port in ports) for ports in (form.signature.inputs, form.signature.outputs))
     given, named = (_names(ports) for ports in (signature.inputs, signature.outputs))
     closing = listing("return ca.Function(", (f'"{signature.full_name}"', f"[{inputs}]", f"[{results}]", given, named), ")")
-    return CasadiFunction(short_name(signature), summary(body), (*symbols, *statements, *values, *closing))
+    return CasadiFunction(prefix + short_name(signature), summary(body), (*symbols, *lines, *closing))
+
+
+def _program_lines(program: Program) -> Iterator[str]:
+    text = walk(residues_kept(program), CasadiPrinter())
+    yield from (f"    {statement.name} = {statement.text}" for statement in text.statements)
+    outputs = iter(output.text for output in text.outputs)
+    for port in program.signature.outputs:
+        yield from _output(port, [next(outputs) for _ in range(port.size)])
+
+
+def _composite_lines(composite: Composite) -> Iterator[str]:
+    """The kernels' calls, which SX writes out in place."""
+    for call in composite.calls:
+        assert isinstance(call.callee, Program), composite.signature.full_name
+        count = len(call.callee.signature.inputs)
+        arguments = [str(argument) for argument in call.arguments]
+        step = f"[{', '.join(arguments[count:])}] = _{short_name(call.callee.signature)}().call([{', '.join(arguments[:count])}])"
+        if call.repeat > 1:
+            yield f"    for _ in range({call.repeat}):"
+        yield f"    {'    ' * (call.repeat > 1)}{step}"
 
 
 def _names(ports: tuple[Port, ...]) -> str:

@@ -117,8 +117,13 @@ def _function(body: Body) -> dict[str, Any]:
         "doc": signature.doc,
         "source": signature.source,
         "operations": operations(body),
-        "casadi": isinstance(body, Program) or body.closed_form is not None,
+        "casadi": _in_casadi(body),
     }
+
+
+def _in_casadi(body: Body) -> bool:
+    routines = isinstance(body, Composite) and any(isinstance(call.callee, str) for call in body.calls)
+    return not routines or (isinstance(body, Composite) and body.closed_form is not None)
 
 
 def operations(body: Body) -> int:

@@ -106,7 +106,8 @@ def _imports(code: RobotCode) -> tuple[str, ...]:
 
 
 def _import(module: str, routines: set[Routine]) -> str:
-    names = sorted(routine.function for routine in routines if routine.module == module)
+    """Under their C names, which no function of a robot can have."""
+    names = sorted(f"{routine.function} as {routine.name}" for routine in routines if routine.module == module)
     return f"from walkgen.runtime.solves.{module} import {', '.join(names)}"
 
 
@@ -138,7 +139,7 @@ def _step(call: Call) -> str:
         written = taken
     else:
         routine = ROUTINES[call.callee]
-        name, taken, written = routine.function, routine.taken, routine.inputs
+        name, taken, written = routine.name, routine.taken, routine.inputs
     arguments = [_argument(argument) for argument in call.arguments]
     return f"    {', '.join(arguments[written:])} = {name}({', '.join(arguments[:taken])})"
 

@@ -53,11 +53,12 @@ def program(function: Function, fma: bool) -> Program:
 
 def _composite(solve: Solve, fma: bool) -> Composite:
     calls = tuple(
-        Call(step.callee if isinstance(step.callee, str) else program(step.callee, fma), step.arguments, step.guard) for step in solve.steps
+        Call(step.callee if isinstance(step.callee, str) else program(step.callee, fma), step.arguments, step.guard, step.repeat)
+        for step in solve.steps
     )
-    routines = [call.callee for call in calls if isinstance(call.callee, str)]
+    routines = [name for call in calls for name in (call.callee, call.guard[0] if call.guard else None) if isinstance(name, str)]
     headers = tuple(dict.fromkeys(ROUTINES[name].header for name in routines))
-    closed_form = program(solve.closed_form, fma) if solve.closed_form else None
+    closed_form = lower(solve.closed_form, fma) if solve.closed_form else None
     return Composite(solve.signature, solve.locals, calls, headers, closed_form)
 
 
@@ -174,4 +175,6 @@ def _is_reciprocal(factor: sympy.Expr) -> bool:
 def _decimal(number: sympy.Expr) -> Decimal:
     if number.is_Integer:
         return Decimal(int(number))
+    if number.is_infinite:
+        return Decimal("-Infinity" if number.is_negative else "Infinity")
     return Decimal(str(number.evalf(_DIGITS)))

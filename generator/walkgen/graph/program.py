@@ -90,23 +90,26 @@ class Call:
     """One step of a Composite: a Program (emitted as a static kernel) or a support routine by its name.
 
     `arguments` name the Composite's inputs, locals or outputs, in the callee's order, inputs first; a Decimal is a literal.
-    With `guard` (a support routine's name and its arguments, returning truth in C) the step runs only where it holds.
+    With `guard` (a support routine's name and its arguments, returning truth in C) the step runs only where it holds;
+    a closed form may `repeat` it.
     """
 
     callee: Program | str
     arguments: tuple[str | Decimal | int, ...]
     guard: tuple[str, tuple[str | Decimal | int, ...]] | None = None
+    repeat: int = 1
 
 
 @dataclass(frozen=True)
 class Composite:
-    """A function that needs a support routine: `calls` in order, joined by `locals`.
+    """A function of several calls in order, joined by `locals`; some may be support routines.
 
-    `headers` are the csupport files the routines live in; `closed_form` stands in where routines do not exist (CasADi).
+    `headers` are the csupport files the routines live in; `closed_form` stands in where routines do not exist (CasADi):
+    a Program, or a Composite that calls Programs alone.
     """
 
     signature: Signature
     locals: tuple[Port, ...]
     calls: tuple[Call, ...]
     headers: tuple[str, ...]
-    closed_form: Program | None = None
+    closed_form: "Program | Composite | None" = None

@@ -32,8 +32,19 @@ class Routine:
 
 
 _KNOWN = (
+    Routine("wg_any_unreachable", "walkgen_inverse.h", "inverse", inputs=2),
     Routine("wg_closest_yaw_pitch_pitch", "walkgen_inverse.h", "inverse", inputs=2, inouts=2),
     Routine("wg_closest_yaw_pitch_pitch_branch", "walkgen_inverse.h", "inverse", inputs=3, inouts=2),
+    Routine("wg_inverse_general", "walkgen_inverse_general.h", "inverse_general", inputs=3, outputs=2),
+    Routine("wg_inverse_general_branch", "walkgen_inverse_general.h", "inverse_general", inputs=4, outputs=2),
+    Routine("wg_nearest_row", "walkgen_rows.h", "rows", inputs=5, outputs=2),
+    Routine("wg_admissible_row", "walkgen_rows.h", "rows", inputs=5, outputs=2),
+    Routine("wg_closest_within", "walkgen_reach.h", "reach", inputs=4, inouts=2),
+    Routine("wg_inverse_reach", "walkgen_reach.h", "reach", inputs=5, outputs=2),
+    Routine("wg_inverse_pose", "walkgen_reach.h", "reach", inputs=5, outputs=2),
+    Routine("wg_adapt", "walkgen_adapt.h", "adapt", inputs=10, outputs=3),
+    Routine("wg_adapt_velocity", "walkgen_adapt_velocity.h", "adapt_velocity", inputs=11, outputs=2),
     Routine("wg_damped_inverse_3", "walkgen_damped.h", "damped", inputs=4, outputs=2),
+    Routine("wg_damped_inverse", "walkgen_damped_general.h", "damped_general", inputs=5, outputs=2),
 )
 ROUTINES: Mapping[str, Routine] = MappingProxyType({routine.name: routine for routine in _KNOWN})

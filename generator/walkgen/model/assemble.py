@@ -3,7 +3,11 @@
 from walkgen.model.limbs import body_of, chain_limb, leg_limb, mirrored_limb
 from walkgen.model.mechanism import Limb, Mechanism, Parameter, Platform, Section
 from walkgen.model.values import Values
+from walkgen.spec.scalar import ZERO, Scalar, exact
 from walkgen.spec.schema import LegSpec, PlatformSpec, RobotSpec
+
+_LIMIT_WEIGHT, _NORMAL_WEIGHT, _CLEARANCE_WEIGHT = 1, 4, 20
+"""Those of the theory's example."""
 
 
 def assemble(spec: RobotSpec) -> Mechanism:
@@ -24,6 +28,7 @@ def assemble(spec: RobotSpec) -> Mechanism:
         legs=_legs(spec, names, values),
         parameters=_parameters(spec, values),
         sections=_sections(spec, values),
+        adapt_weights=_adapt_weights(spec, values),
     )
 
 
@@ -62,3 +67,15 @@ def _sections(spec: RobotSpec, values: Values) -> tuple[Section, ...]:
         Section(name, *(values.resolve(getattr(section, key)) for key in ("E", "G", "A", "Iy", "Iz", "J")))
         for name, section in spec.sections.items()
     )
+
+
+def _adapt_weights(spec: RobotSpec, values: Values) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """Without a clearance no height is asked for."""
+    given, clearance = spec.adapt, spec.adapt.si("clearance")
+    weights = (
+        (given.limit_weight, _LIMIT_WEIGHT),
+        (given.normal_weight, _NORMAL_WEIGHT),
+        (given.clearance_weight, _CLEARANCE_WEIGHT if clearance is not None else 0),
+    )
+    limit, normal, height = (exact(default) if weight is None else values.resolve(weight) for weight, default in weights)
+    return limit, normal, height, ZERO if clearance is None else values.resolve(clearance)

@@ -8,11 +8,12 @@ from typing import Any
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT, along, defaults, joint_axis, limb_frames
+from walkgen.spec.branches import BRANCHED_JOINTS, branch_count
 
 
 @dataclass(frozen=True)
 class InverseClass:
-    """A leg's class: `name` is empty where no closed form is known; `reason` is a sentence for people."""
+    """A leg's class: `name` is empty where there is no closed form; `reason` is a sentence for people."""
 
     name: str
     branch_names: tuple[str, ...]
@@ -23,27 +24,46 @@ YAW_PITCH_PITCH = "yaw-pitch-pitch"
 _YAW_BRANCHES = ("rho_plus_knee_plus", "rho_plus_knee_minus", "rho_minus_knee_plus", "rho_minus_knee_minus")
 _NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 _STRETCHES = (Fraction(1), Fraction(13, 11), Fraction(7, 9))
+_METHODS = {
+    1: "at most one solution, from the projection on what the joints reach",
+    2: "the roots of a quadratic, then Newton's polish",
+    4: "the roots of a quartic by elimination (Pieper 1968), then Newton's polish",
+}
 
 
 def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     """The class of the leg's position inverse.
 
     Yaw-pitch-pitch (the chapter's Fig. 7 leg with general offsets): three revolute joints, axis 1 perpendicular to
-    axis 2, axis 2 parallel to axis 3, exactly and for all values of the runtime parameters (tested at three).
+    axis 2, axis 2 parallel to axis 3, exactly and for all values of the runtime parameters (tested at three). Every other
+    leg of one to three joints is named after its joints, `general RRP`; longer ones have no class.
     """
     kinds = "".join(joint.kind[0].upper() for joint in leg.joints)
+    if len(kinds) > BRANCHED_JOINTS:
+        return InverseClass("", (), f"{len(kinds)} joints leave the foot position redundant: solved by iteration from a seed")
+    hindrance = _not_yaw_pitch_pitch(mechanism, leg, kinds)
+    if not hindrance:
+        reason = "axis 1 is perpendicular to axis 2 and axis 2 parallel to axis 3"
+        return InverseClass(YAW_PITCH_PITCH, leg.branches or _YAW_BRANCHES, reason)
+    slots = branch_count(kinds)
+    names = leg.branches or tuple(f"root_{number}" for number in range(1, slots + 1))
+    return InverseClass(f"general {kinds}", names, f"{hindrance}; {_METHODS[slots]}")
+
+
+def _not_yaw_pitch_pitch(mechanism: Mechanism, leg: Limb, kinds: str) -> str:
+    """What keeps the leg out of the class; empty where nothing does."""
     if kinds != "RRR":
-        return InverseClass("", (), f"no closed form for the joint sequence {kinds}: yaw-pitch-pitch needs three revolute joints")
+        return f"the joints are {kinds}, not three revolute ones"
     axes = [[joint_axis(mechanism, leg, index, values) for index in range(3)] for values in _samples(mechanism)]
     tilt = max(abs(_dot(first, second)) for first, second, _ in axes)
     skew = max(_norm(_cross(second, third)) for _, second, third in axes)
     if tilt > _NEGLIGIBLE:
-        return InverseClass("", (), f"axes 1 and 2 are {_angle(CONTEXT.acos(min(tilt, 1)))} apart, not perpendicular")
+        return f"axes 1 and 2 are {_angle(CONTEXT.acos(min(tilt, 1)))} apart, not perpendicular"
     if skew > _NEGLIGIBLE:
-        return InverseClass("", (), f"axes 2 and 3 are {_angle(CONTEXT.asin(min(skew, 1)))} apart, not parallel")
+        return f"axes 2 and 3 are {_angle(CONTEXT.asin(min(skew, 1)))} apart, not parallel"
     if min(_lever(mechanism, leg, values) for values in _samples(mechanism)) < _NEGLIGIBLE:
-        return InverseClass("", (), "axis 3 lies on axis 2, or the foot on axis 3: a joint does not move the foot on its own")
-    return InverseClass(YAW_PITCH_PITCH, _YAW_BRANCHES, "axis 1 is perpendicular to axis 2 and axis 2 parallel to axis 3")
+        return "axis 3 lies on axis 2, or the foot on axis 3: a joint does not move the foot on its own"
+    return ""
 
 
 def _lever(mechanism: Mechanism, leg: Limb, values: dict[str, Any]) -> Any:

@@ -26,7 +26,7 @@ def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> 
     joints = _joints(leg, design, values)
     mount, tip = pose_transform(leg.mount, values), pose_transform(design.foot, values)
     damping = _damping(design, joints, tip, values)
-    return Limb(leg.name, platform, mount, joints, tip, damping=damping, senses=_signs(leg, design))
+    return Limb(leg.name, platform, mount, joints, tip, damping=damping, senses=_signs(leg, design), branches=design.branches or ())
 
 
 def chain_limb(platform: PlatformSpec, design: ChainDesign, parent: int, child: int, values: Values) -> Limb:

@@ -74,6 +74,7 @@ class Limb:
     `damping` is (epsilon, lambda_max) of the damped inverse, in the units of the foot's Jacobian.
     `senses`, one a joint (empty: all 1), say whether q runs with the design's own angle, so that the branches of the inverse keep
     their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
+    `branches` are the spec's names of them, empty where it gives none.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Limb:
     child: int | None = None
     damping: tuple[Scalar, Scalar] | None = None
     senses: tuple[Literal[1, -1], ...] = ()
+    branches: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """The robot. Order of q: chains, then legs, joints from base to foot; every remaining Name is a runtime parameter."""
+    """The robot. Order of q: chains, then legs, joints from base to foot; every remaining Name is a runtime parameter.
+
+    `adapt_weights` are those of limits, normal (1) and clearance (1/m^2), and the clearance (m).
+    """
 
     name: str
     description: str
@@ -117,6 +122,7 @@ class Mechanism:
     legs: tuple[Limb, ...]
     parameters: tuple[Parameter, ...]
     sections: tuple[Section, ...]
+    adapt_weights: tuple[Scalar, Scalar, Scalar, Scalar] = (ZERO, ZERO, ZERO, ZERO)
 
     @property
     def limbs(self) -> tuple[Limb, ...]:

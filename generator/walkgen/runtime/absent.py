@@ -5,16 +5,17 @@ from difflib import get_close_matches
 
 from walkgen.errors import Problem, UnsupportedMechanism
 
-_INVERSES = frozenset({"inverse", "inverse_branch", "inverse_velocity", "inverse_acceleration"})
+_BRANCHES = frozenset({"inverse", "inverse_branch", "inverse_distance"})
+_BRANCHED_JOINTS = 3
 _FORWARD = (
     "foot_position foot_rotation foot_pose foot_jacobian foot_position_jacobian foot_spatial_jacobian foot_hessian foot_velocity "
     "foot_acceleration foot_bias_acceleration foot_torque joint_frames"
 )
+_SEEDED = "inverse_near inverse_pose within_limits inverse_velocity inverse_acceleration"
 _LIMB_DYNAMICS = "inverse_dynamics forward_dynamics mass_matrix bias gravity_torque coriolis_matrix kinetic_energy potential_energy"
 _LEG = (
-    f"{_FORWARD} inverse inverse_branch inverse_near inverse_pose inverse_admissible within_limits inverse_distance inverse_velocity "
-    f"inverse_acceleration {_LIMB_DYNAMICS} inverse_dynamics_derivatives regressor base_parameters foot_compliance driving_forces "
-    "joint_reactions transmission_angles power assembly_status"
+    f"{_FORWARD} inverse inverse_branch inverse_admissible inverse_distance {_SEEDED} {_LIMB_DYNAMICS} inverse_dynamics_derivatives "
+    "regressor base_parameters foot_compliance driving_forces joint_reactions transmission_angles power assembly_status"
 )
 _ROBOT = (
     "platform_poses foot_positions foot_jacobians adapt adapt_velocity com com_jacobian centroidal_momentum_matrix momentum momentum_rate "
@@ -24,7 +25,7 @@ _ROBOT = (
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
     "chain": frozenset({"pose", "jacobian", "frames"}),
-    "route": frozenset(_FORWARD.split()),
+    "route": frozenset(f"{_FORWARD} {_SEEDED}".split()),
     "robot": frozenset(_ROBOT.split()),
 }
 """Names that walkgen knows for each kind of owner; not every mechanism has them all."""
@@ -34,7 +35,7 @@ class MissingFunction(UnsupportedMechanism, AttributeError):
     """A function that walkgen knows but this robot does not have; also an AttributeError, so that hasattr answers False."""
 
 
-def absent(kind: str, owner: str, name: str, built: Iterable[str], *, closed_inverse: bool = True) -> AttributeError:
+def absent(kind: str, owner: str, name: str, built: Iterable[str], *, joints: int = 0) -> AttributeError:
     """What to raise for a name that `owner` does not have.
 
     Args:
@@ -42,7 +43,7 @@ def absent(kind: str, owner: str, name: str, built: Iterable[str], *, closed_inv
         owner: its name.
         name: what was asked for.
         built: the names it does have.
-        closed_inverse: whether its inverse has a closed form.
+        joints: how many it has, for a leg.
 
     Returns:
         MissingFunction for a name of walkgen's vocabulary, a plain AttributeError for any other.
@@ -52,8 +53,13 @@ def absent(kind: str, owner: str, name: str, built: Iterable[str], *, closed_inv
     cure = f"did you mean {near[0]}?" if near else f"it has {', '.join(names) or 'no functions'}"
     if name.removesuffix("_d_param") not in VOCABULARY[kind]:
         return AttributeError(f"{kind} {owner!r} has no {name!r}; {cure}")
-    if name in _INVERSES and not closed_inverse:
-        reason = "its inverse has no closed form here (that takes three revolute joints: the first across the second, the third along it)"
-        return MissingFunction(Problem("WG410", f"{kind} {owner!r} has no {name!r}: {reason}", cure))
-    reason = "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"
+    reason = _reason(name, joints)
     return MissingFunction(Problem("WG410", f"{kind} {owner!r} has no {name!r}: {reason}", cure))
+
+
+def _reason(name: str, joints: int) -> str:
+    if name in _BRANCHES and joints > _BRANCHED_JOINTS:
+        return f"{joints} joints reach a position in infinitely many ways; inverse_near and inverse_pose start from a seed"
+    if name == "inverse_pose" and 0 < joints <= _BRANCHED_JOINTS:
+        return f"{joints} joints cannot give the foot every pose; inverse reaches positions"
+    return "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"

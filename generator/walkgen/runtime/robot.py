@@ -29,8 +29,8 @@ class _Owner:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        closed_inverse = vars(self).get("inverse_class") != ""
-        raise absent(type(self).__name__.lower(), self.name, name, self.functions, closed_inverse=closed_inverse)
+        joints = len(vars(self).get("joints", ())) if isinstance(self, Leg) else 0
+        raise absent(type(self).__name__.lower(), self.name, name, self.functions, joints=joints)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,7 +38,7 @@ class Leg(_Owner):
     """A leg: `q` is in the order of `joints`, results are in the frame of its `platform`.
 
     `slice` cuts the leg's part out of the robot's q; `limits` [n,2] are infinite where the spec gives none; `branch_names`
-    name the slots of `inverse`, `inverse_class` the closed form it has, empty where it has none.
+    name the slots of `inverse`, `inverse_class` says how they are found; both are empty where there are more than three joints.
     Every function is also an attribute. An attribute that walkgen knows but this leg does not have raises
     `UnsupportedMechanism` with the reason; that error is an AttributeError too, so `hasattr` answers False.
     """
@@ -53,7 +53,7 @@ class Leg(_Owner):
     functions: Mapping[str, Function]
 
     def __repr__(self) -> str:
-        inverse = f"inverse {self.inverse_class}" if self.inverse_class else "no closed-form inverse"
+        inverse = f"inverse {self.inverse_class}" if self.inverse_class else "inverse from a seed"
         return f"<leg {self.name!r} on {self.platform!r}: {', '.join(self.joints)}; {inverse}; {len(self.functions)} functions>"
 
 

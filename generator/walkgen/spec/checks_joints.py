@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from walkgen.spec.branches import branch_count
 from walkgen.spec.checks_tree import joint_rows
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.joint_tables import JointRow
@@ -29,11 +30,26 @@ def check_joints(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         for name, design in getattr(spec, key).items():
             if design.dh is None and any(_given(joint, _ROW) for joint in design.joints):
                 yield Finding("WG120", (key, name, "dh"), "the DH convention is not named", _CONVENTIONS)
+    yield from _branches(spec)
     for path, joint in joint_rows(spec):
         yield from _geometry(path, joint)
         yield from _units_of_kind(path, joint)
     for path, table, design in _users(spec):
         yield from _lists(path, table, design, numbers)
+
+
+def _branches(spec: RobotSpec) -> Iterator[Finding]:
+    """Every branch of a leg's inverse has a name, or none has."""
+    for name, design in spec.leg_designs.items():
+        if design.branches is None:
+            continue
+        count = branch_count("".join(joint.type[0].upper() for joint in design.joints))
+        if len(design.branches) != count:
+            message = f"branches has {len(design.branches)} names; the inverse of these joints has {count or 'no'} branches"
+            cure = (
+                f"give {count} names in their fixed order, or leave branches out" if count else "leave branches out: there is inverse_near"
+            )
+            yield Finding("WG127", ("leg_designs", name, "branches"), message, cure)
 
 
 def check_units(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TypeVar
 
-from walkgen.spec.functions import CHAIN_FUNCTIONS, FORWARD_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS
+from walkgen.spec.functions import CHAIN_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, ROUTE_FUNCTIONS
 from walkgen.spec.names import PATTERN, RESERVED, is_own_prefix, suggestion
 from walkgen.spec.problems import Finding, shown
 from walkgen.spec.schema import ChainDesign, Design, LegDesign, LegSpec, PlatformSpec, RobotSpec
@@ -52,6 +52,12 @@ def _named(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
         yield from (((key, index, "name"), entry.name) for index, entry in enumerate(getattr(spec, key)))
     for path, design in _designs(spec):
         yield from (((*path, "joints", index, "name"), joint.name) for index, joint in enumerate(design.joints))
+    yield from _branch_names(spec)
+
+
+def _branch_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
+    for key, design in spec.leg_designs.items():
+        yield from ((("leg_designs", key, "branches", index), name) for index, name in enumerate(design.branches or ()))
 
 
 def _designs(spec: RobotSpec) -> Iterator[tuple[Path, LegDesign | ChainDesign]]:
@@ -74,7 +80,8 @@ def _groups(spec: RobotSpec) -> Iterator[list[tuple[Path, str]]]:
     for key in ("platforms", "legs", "terrain"):
         yield [(path, name) for path, name in named if path[0] == key]
     for path, _ in _designs(spec):
-        yield [(place, name) for place, name in named if place[:2] == path and len(place) > len(path)]
+        for key in ("joints", "branches"):
+            yield [(place, name) for place, name in named if place[:3] == (*path, key)]
 
 
 def _duplicates(group: list[tuple[Path, str]]) -> Iterator[Finding]:
@@ -101,7 +108,7 @@ def _function_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
         path: Path = ("legs", index, "name")
         yield from ((path, f"{prefix}_{leg.name}_{function}") for function in LEG_FUNCTIONS for prefix in (robot, f"{robot}_f32"))
         if spec.platforms and platform_of(spec, leg) != spec.platforms[0].name:
-            yield from ((path, f"{robot}_root_to_{leg.name}_{function}") for function in FORWARD_FUNCTIONS)
+            yield from ((path, f"{robot}_root_to_{leg.name}_{function}") for function in ROUTE_FUNCTIONS)
 
 
 def _joint_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:

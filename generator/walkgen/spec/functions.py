@@ -18,10 +18,21 @@ FORWARD_FUNCTIONS: Final = (
 )
 """Of every leg, and of every route from the root platform to a foot."""
 
-INVERSE_FUNCTIONS: Final = ("inverse", "inverse_branch", "inverse_velocity", "inverse_acceleration")
-"""Of legs that have a closed-form inverse."""
+INVERSE_FUNCTIONS: Final = (
+    "inverse",
+    "inverse_branch",
+    "inverse_near",
+    "inverse_admissible",
+    "inverse_distance",
+    "inverse_pose",
+    "within_limits",
+    "inverse_velocity",
+    "inverse_acceleration",
+)
+"""Of legs; one to three joints have branches, more have `inverse_pose`."""
 
+ROUTE_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, "inverse_near", "inverse_pose", "within_limits", "inverse_velocity", "inverse_acceleration")
 LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
-ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians")
+ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity")
 FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS

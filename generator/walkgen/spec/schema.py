@@ -46,6 +46,8 @@ class LegDesign(Design):
     foot: Pose | None = None
     """Foot frame in the frame after the last joint; its origin is the foot point."""
     damping: Damping | None = None
+    branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_JOINTS)
+    """Names of the inverse's branches, in their fixed order."""
 
     @model_validator(mode="before")
     @classmethod
@@ -178,6 +180,21 @@ class Generate(Table):
     targets: tuple[Target, ...] = ("c", "casadi", "numpy")
 
 
+class AdaptSpec(Table):
+    """How `adapt` weighs a posture: joints away from the middle of their limits, platforms off the terrain's normal, clearance missed."""
+
+    limit_weight: Number | None = None
+    """Of the squared distances of all joints from the middle of their limits, in half ranges; 1 if left out."""
+    normal_weight: Number | None = None
+    """Of 1 - cos of the angle between a platform's z axis and the terrain's normal; 4 if left out."""
+    clearance_weight: Number | None = None
+    """Of the squared error of the platforms' height over their feet (1/m^2); 20 if left out and a clearance is given."""
+    clearance: Number | None = None
+    """Wanted height of a platform's origin over its feet, along the normal (m); without it no height is asked for."""
+    clearance_mm: Number | None = None
+    """The same in mm."""
+
+
 class RobotSpec(Table):
     """A walking robot, as described in TOML."""
 
@@ -192,6 +209,7 @@ class RobotSpec(Table):
     platforms: tuple[PlatformSpec, ...] = Field(default=(), max_length=_MOST_LIMBS)
     legs: tuple[LegSpec, ...] = Field(default=(), max_length=_MOST_LIMBS)
     terrain: tuple[TerrainPatch, ...] = Field(default=(), max_length=_MOST_LIMBS)
+    adapt: AdaptSpec = AdaptSpec()
 
 
 def schema_json() -> str:

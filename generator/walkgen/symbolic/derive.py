@@ -4,35 +4,61 @@ from collections.abc import Callable, Iterator
 
 from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.spec.branches import BRANCHED_JOINTS
+from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
-from walkgen.symbolic.function import Derivation, Solve
+from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
+from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
+from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 
-INVERSE: dict[str, Callable[[Mechanism, Limb], Solve]] = {
+LegBuilder = Callable[[Mechanism, Limb], Derivation]
+PathBuilder = Callable[[Mechanism, Route], Derivation]
+
+BRANCHED: dict[str, LegBuilder] = {
     "inverse": inverse,
     "inverse_branch": inverse_branch,
+    "inverse_near": inverse_near,
+    "inverse_admissible": inverse_admissible,
+    "inverse_distance": inverse_distance,
 }
-RATES: dict[str, Callable[[Mechanism, Route], Solve]] = {
+"""Of legs of one to three joints, whose branches are known."""
+
+ITERATED: dict[str, PathBuilder] = {"inverse_near": inverse_reach, "inverse_pose": inverse_pose}
+"""Of longer legs and routes."""
+
+JOINTED: dict[str, PathBuilder] = {
+    "within_limits": within_limits,
     "inverse_velocity": inverse_velocity,
     "inverse_acceleration": inverse_acceleration,
 }
+"""Of every leg and route."""
+
+
+Wanted = Callable[[str], bool]
 
 
 def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
     """Derive the named functions, all when no names are given; a name serves every leg, chain or route that has it."""
+
+    def wanted(name: str) -> bool:
+        return not names or name in names
+
     for leg in mechanism.legs:
-        yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, names)
-        yield from _inverse(mechanism, leg, names)
+        yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
+        yield from _leg_inverse(mechanism, leg, wanted)
     for limb in mechanism.chains:
-        yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, names)
+        yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
     for route in routes(mechanism):
-        yield from _path(mechanism, route, FOOT, names)
+        yield from _path(mechanism, route, FOOT, wanted)
+        yield from _path_inverse(mechanism, route, wanted)
     robot = RobotFunctions(mechanism)
     for name in ("platform_poses", "foot_positions", "foot_jacobians"):
-        if _wanted(name, names):
+        if wanted(name):
             yield getattr(robot, name)()
+    yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
 
 
 def routes(mechanism: Mechanism) -> tuple[Route, ...]:
@@ -44,22 +70,21 @@ def routes(mechanism: Mechanism) -> tuple[Route, ...]:
     )
 
 
-def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], names: tuple[str, ...]) -> Iterator[Derivation]:
+def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted: Wanted) -> Iterator[Derivation]:
     path = PathFunctions(mechanism, route)
-    for name, entry in entries.items():
-        if _wanted(name, names):
-            yield path.function(name, entry)
+    yield from (path.function(name, entry) for name, entry in entries.items() if wanted(name))
 
 
-def _inverse(mechanism: Mechanism, leg: Limb, names: tuple[str, ...]) -> Iterator[Derivation]:
+def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
+    """All branches where they are known."""
     if inverse_class(mechanism, leg).name:
-        for name, build in INVERSE.items():
-            if _wanted(name, names):
-                yield build(mechanism, leg)
-        for name, rates in RATES.items():
-            if _wanted(name, names):
-                yield rates(mechanism, Route(leg.name, (leg,)))
+        yield from (build(mechanism, leg) for name, build in BRANCHED.items() if wanted(name))
+    elif wanted("inverse_admissible"):
+        yield inverse_admissible(mechanism, leg)
+    yield from _path_inverse(mechanism, Route(leg.name, (leg,)), wanted)
 
 
-def _wanted(name: str, names: tuple[str, ...]) -> bool:
-    return not names or name in names
+def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:
+    """What any path has; the iterated inverse where there are too many joints for branches."""
+    builders = JOINTED | (ITERATED if len(route.joints) > BRANCHED_JOINTS else {})
+    yield from (build(mechanism, route) for name, build in builders.items() if wanted(name))

@@ -114,24 +114,28 @@ class Function:
 
 @dataclass(frozen=True)
 class Step:
-    """A call inside a Solve: of a Function, or of a support routine by name; with `guard` only where it holds."""
+    """A call inside a Solve: of a Function, or of a support routine by name; with `guard` only where it holds.
+
+    With `repeat` it runs that often (closed forms only: what it writes it may also read).
+    """
 
     callee: Function | str
     arguments: tuple[str | Decimal | int, ...]
     guard: tuple[str, tuple[str | Decimal | int, ...]] | None = None
+    repeat: int = 1
 
 
 @dataclass(frozen=True)
 class Solve:
-    """A function that needs a support routine: steps in order, joined by `locals`.
+    """A function of several steps in order, joined by `locals`; steps may be support routines.
 
-    `closed_form` computes the same map without routines, for targets that have none.
+    `closed_form` computes the same map without routines, for targets that have none: a Function, or a Solve of Functions alone.
     """
 
     signature: Signature
     locals: tuple[Port, ...]
     steps: tuple[Step, ...]
-    closed_form: Function | None = None
+    closed_form: "Function | Solve | None" = None
 
 
 Derivation = Function | Solve

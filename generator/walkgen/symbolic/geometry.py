@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import sympy
 
 from walkgen.model.mechanism import Limb
-from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of, rotation_about
-from walkgen.symbolic.tape import Tape, Vec, constant, constant_vector, cross, dot, minus, plus, scaled, times
+from walkgen.symbolic.frames import Parameters
+from walkgen.symbolic.screws import screws
+from walkgen.symbolic.tape import Tape, Vec, constant, cross, dot, minus, plus, scaled
 
 
 @dataclass(frozen=True)
@@ -40,11 +41,13 @@ class Geometry:
 
 def geometry(leg: Limb, parameters: Parameters, tape: Tape) -> Geometry:
     """Read the canonical form off the joint axes at q = 0; constants fold, runtime parameters stay."""
-    (turn1, point1), (turn2, point2), (turn3, point3), foot = _at_zero(leg, parameters, tape)
+    path = screws((leg,), parameters, tape)
     sign1, sign2 = leg.senses[:2] or (1, 1)
-    axis1, axis2 = (scaled(sympy.Integer(sign), turn) for sign, turn in ((sign1, turn1), (sign2, turn2)))
+    axis1, axis2 = (scaled(sympy.Integer(sign), screw.axis) for sign, screw in ((sign1, path.joints[0]), (sign2, path.joints[1])))
+    point1, point2, point3 = (screw.point for screw in path.joints)
     forward = tape.vector("forward", cross(axis1, axis2))
     sideways = tape.vector("sideways", cross(axis1, forward))
+    foot = path.tip.origin
     hip, thigh, shank = (
         tape.vector(name, minus(b, a)) for name, a, b in (("hip", point1, point2), ("thigh", point2, point3), ("shank", point3, foot))
     )
@@ -61,7 +64,7 @@ def geometry(leg: Limb, parameters: Parameters, tape: Tape) -> Geometry:
         sign1=sign1,
         sign2=sign2,
         zero2=angle2,
-        sign3=_parallel(axis2, turn3, parameters),
+        sign3=_parallel(axis2, path.joints[2].axis, parameters),
         zero3=tape.let("knee_zero", angle3 - angle2),
     )
 
@@ -77,22 +80,3 @@ def _parallel(axis: Vec, other: Vec, parameters: Parameters) -> int:
     """+1 or -1: whether two parallel axes point the same way (runtime parameters do not turn one round)."""
     some = {symbol: sympy.Rational(7, 11) for symbol in parameters.values()}
     return 1 if constant(sympy.sympify(dot(axis, other)).subs(some)) > 0 else -1
-
-
-def _at_zero(leg: Limb, parameters: Parameters, tape: Tape) -> tuple[tuple[Vec, Vec], tuple[Vec, Vec], tuple[Vec, Vec], Vec]:
-    """Every joint's axis (positive for growing q) and a point on it at q = 0, and the foot."""
-    frame = _named(frame_of(leg.mount, parameters), "mount", tape)
-    axes: list[tuple[Vec, Vec]] = []
-    for joint in leg.joints:
-        frame = frame * frame_of(joint.before, parameters)
-        axes.append((constant_vector(scaled(sympy.Integer(joint.sign), frame.rotation[2])), frame.origin))
-        frame = frame * rotation_about(2, expression(joint.zero, parameters)) * frame_of(joint.after, parameters)
-        frame = _named(frame, joint.name, tape)
-    first, second, third = axes
-    return first, second, third, constant_vector(plus(frame.origin, times(frame.rotation, frame_of(leg.tip, parameters).origin)))
-
-
-def _named(frame: Frame, name: str, tape: Tape) -> Frame:
-    """Keep expressions in runtime parameters small."""
-    x, y, z = (tape.vector(f"{name}_{axis}", column) for axis, column in zip("xyz", frame.rotation, strict=True))
-    return Frame((x, y, z), tape.vector(f"{name}_origin", frame.origin))

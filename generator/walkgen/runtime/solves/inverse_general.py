@@ -60,6 +60,18 @@ def inverse_general(geometry: ArrayLike, p: ArrayLike, sequence: int) -> tuple[R
     return q.reshape(*shape, slots, n), status.reshape(*shape, slots)
 
 
+def inverse_general_branch(geometry: ArrayLike, p: ArrayLike, sequence: int, branch: ArrayLike) -> tuple[Reals, Integers]:
+    """One row by its index [...]: q [..., n] and status [...]; another index is BAD_INPUT."""
+    rows, states = inverse_general(geometry, p, sequence)
+    index = np.asarray(branch)
+    known = (index >= 0) & (index < states.shape[-1])
+    shape = np.broadcast_shapes(states.shape[:-1], index.shape)
+    place = np.broadcast_to(np.where(known, index, 0), shape)[..., None]
+    q = np.take_along_axis(np.broadcast_to(rows, (*shape, *rows.shape[-2:])), place[..., None], axis=-2)[..., 0, :]
+    status = np.take_along_axis(np.broadcast_to(states, (*shape, states.shape[-1])), place, axis=-1)[..., 0]
+    return np.where(known[..., None], q, np.nan), np.where(known, status, _BAD_INPUT).astype(np.int32)
+
+
 def _solved(kinds: str, numbers: Reals, targets: Reals) -> tuple[Reals, Integers]:
     chain, target, size, tolerance = _canonical(kinds, numbers, targets)
     poses, gaps = _polished(chain, target, _candidates(chain, target))
