@@ -123,8 +123,8 @@ def _design(kind: str, branch: Branch) -> str:
     for joint in branch.joints:
         lines += _joint_row(table, joint)
         ends_in_platform = branch.foot is None and joint is branch.joints[-1]
-        if joint["child_inertial"]["mass"] > 0 and not ends_in_platform:
-            lines += [f"[{table}.joints.link]", *_body(joint["child_inertial"])]
+        if not ends_in_platform:
+            lines += _named_body(f"[{table}.joints.link]", joint["child_inertial"])
     return "\n".join(lines) + "\n"
 
 
@@ -142,6 +142,11 @@ def _body(inertial: dict[str, Any]) -> list[str]:
     six = [inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     rows = [f"mass = {float(inertial['mass'])!r}", f"com = {numbers(inertial['com'])}", f"inertia = {numbers(six)}"]
     return [*rows, "allow_unphysical = true"]
+
+
+def _named_body(table: str, inertial: dict[str, Any]) -> list[str]:
+    """A body under its table's header, unless it weighs and turns for nothing."""
+    return [table, *_body(inertial)] if inertial["mass"] > 0 or np.any(inertial["inertia"]) else []
 
 
 def _platform(name: str, inertial: dict[str, Any], extra: Sequence[str] = ()) -> str:

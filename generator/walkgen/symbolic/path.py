@@ -104,15 +104,10 @@ class Kinematics:
         return Place(world=(x, y, z), group=place.group + 1)
 
     def _cos_sin(self, place: Place) -> tuple[sympy.Expr, sympy.Expr]:
-        """Of the place's whole angle; quarter turns only swap and negate, so that the names keep their meaning."""
+        """Of the place's whole angle."""
         if place.angle == 0:
             return cosine_sine(place.offset)
-        quarters = 2 * place.offset / sympy.pi
-        label, angle = place.label, place.angle
-        if not quarters.is_integer:
-            label, angle, quarters = f"turned_{label}", self.tape.let(f"turned_{label}", angle + place.offset), sympy.S.Zero
-        cosine, sine = self.tape.let(f"cos_{label}", sympy.cos(angle)), self.tape.let(f"sin_{label}", sympy.sin(angle))
-        return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[int(quarters) % 4]
+        return quarter_turned(place.label, place.angle, place.offset, self.tape)
 
     def _planar(self, place: Place, vector: Vec, name: str) -> Vec:
         """Rz(angle) diag(1, flip, flip) * vector: into the group's axes."""
@@ -234,6 +229,15 @@ class Kinematics:
             x, y, z = (self.tape.vector(f"{joint.name}_axis", times(columns, column)) for column in after.rotation)
             yield (x, y, z), self.tape.vector(f"{joint.name}_frame", plus(origin, times(columns, after.origin)))
             previous = place
+
+
+def quarter_turned(label: str, angle: sympy.Expr, offset: sympy.Expr, tape: Tape) -> tuple[sympy.Expr, sympy.Expr]:
+    """cos and sin of angle + offset; quarter turns only swap and negate, so that the names keep their meaning."""
+    quarters = 2 * offset / sympy.pi
+    if not quarters.is_integer:
+        label, angle, quarters = f"turned_{label}", tape.let(f"turned_{label}", angle + offset), sympy.S.Zero
+    cosine, sine = tape.let(f"cos_{label}", sympy.cos(angle)), tape.let(f"sin_{label}", sympy.sin(angle))
+    return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[int(quarters) % 4]
 
 
 def yaw_of(rotation: Columns) -> sympy.Expr | None:
