@@ -7,92 +7,20 @@ inverses give joint angles only; walkgen's also decide a status for each branch 
 
 import argparse
 import importlib
-import traceback
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Sequence
 
 import python_timing
-from compiling import COMMON, FLAG_SETS, compile_all, first_words, versions
+from compiling import COMMON, FLAG_SETS, versions
+from contest import Entry, Failures, best_of, collect, contestants, measure, ratios, yardsticks
 from leg import FUNCTIONS, RANGES, SEED, TOLERANCE, LegFunction, draw
-from peers import walkgen_c
-from peers.source import HERE, Caller, Peer, Source
+from peers.source import HERE, Caller
 from report import packages, table, write
-from timing import METRICS, Bench, Contestant, Times, pin_core, race
+from timing import METRICS, Bench, Times, pin_core
 
 PEERS = ("hand_c", "casadi_c", "sympy_c", "symforce_cpp", "wrenfold_cpp", "pinocchio_cpp")
 RIVALS = ("CasADi", "sympy cse", "symforce", "wrenfold")
 """The generators that walkgen is measured against; hand-written code and Pinocchio stand beside."""
 PACKAGES = ("casadi", "sympy", "symforce", "wrenfold", "pin", "numpy")
-SCREENING = 15
-YARDSTICKS = (LegFunction("three_sincos", "", ()), LegFunction("empty", "", ()))
-
-Entry = dict[str, Any]
-
-
-@dataclass
-class Failures:
-    """Who could not take part, and why; said in the table and in the JSON."""
-
-    messages: list[str] = field(default_factory=list)
-
-    def add(self, who: str, why: str) -> None:
-        self.messages.append(f"{who}: {why}")
-
-
-def collect(failures: Failures) -> tuple[Source, ...]:
-    """walkgen's units, which must build, and every peer's; a peer that breaks is reported, whatever it raises."""
-    found = list(walkgen_c.PEER.make())
-    for module in PEERS:
-        try:
-            peer: Peer = importlib.import_module(f"peers.{module}").PEER
-            found += peer.make()
-        except Exception:
-            failures.add(module, first_words(traceback.format_exc(limit=-1)))
-    return tuple(found)
-
-
-def contestants(sources: Sequence[Source], bench: Bench, failures: Failures) -> dict[str, list[Contestant]]:
-    """By function, everyone who builds and computes the right numbers."""
-    builds = compile_all(sources)
-    for source in sources:
-        messages = {build.message for build in builds if build.source == source and build.message}
-        for message in messages:
-            failures.add(f"{source.peer} ({source.form})", message)
-    good: dict[str, list[Contestant]] = {}
-    for function in FUNCTIONS:
-        runners = [Contestant(build, function) for build in builds if not build.message]
-        good[function.name] = [runner for runner in runners if runner.exists and _agrees(runner, bench, failures)]
-    return good
-
-
-def _agrees(runner: Contestant, bench: Bench, failures: Failures) -> bool:
-    wrong = bench.check(runner)
-    if wrong:
-        failures.add(f"{runner.peer} {runner.function.name} ({runner.build.label})", wrong)
-    return not wrong
-
-
-def finalists(times: Mapping[Contestant, Times]) -> list[Contestant]:
-    """Each peer's best by each measure; all of walkgen's."""
-    chosen: dict[Contestant, None] = {}
-    for peer in dict.fromkeys(runner.peer for runner in times):
-        own = [runner for runner in times if runner.peer == peer]
-        best = own if peer == "walkgen" else [min(own, key=lambda runner: times[runner][metric]) for metric in METRICS]
-        chosen |= dict.fromkeys(best)
-    return list(chosen)
-
-
-def measure(runners: Sequence[Contestant], yardsticks: Sequence[Contestant], bench: Bench, repetitions: int) -> list[Entry]:
-    """Screen everyone on one function, then time the best of each side by side with the yardsticks."""
-    best = finalists(race(bench, runners, min(SCREENING, repetitions)))
-    times = race(bench, [*best, *yardsticks], repetitions)
-    return [_entry(runners[0].function, runner, ns) for runner, ns in times.items()]
-
-
-def _entry(function: LegFunction, runner: Contestant, ns: Times) -> Entry:
-    name = runner.peer if runner.peer != "yardstick" else runner.function.name
-    return {"function": function.name, "peer": name, "form": runner.build.source.form, "flags": list(runner.build.flags), "ns": ns}
 
 
 def called_from_python(bench: Bench, repetitions: int, failures: Failures) -> list[Entry]:
@@ -100,7 +28,7 @@ def called_from_python(bench: Bench, repetitions: int, failures: Failures) -> li
     try:
         everyone = importlib.import_module("peers.python_calls").callers()
     except Exception:
-        failures.add("from Python", first_words(traceback.format_exc(limit=-1)))
+        failures.add_raised("from Python")
         return []
     entries: list[Entry] = []
     for function in FUNCTIONS:
@@ -119,24 +47,6 @@ def _python_entry(caller: Caller, ns: Times) -> Entry:
     return {"function": caller.function, "peer": f"{caller.peer} (Python)", "form": caller.form, "flags": [], "ns": ns}
 
 
-def best_of(entries: Iterable[Entry], metric: str) -> Entry | None:
-    """The fastest entry by a measure."""
-    return min((entry for entry in entries if metric in entry["ns"]), key=lambda entry: entry["ns"][metric], default=None)
-
-
-def ratios(entries: Sequence[Entry]) -> dict[str, Entry]:
-    """walkgen over the best rival by each measure: with its default flags and with its best."""
-    own = [entry for entry in entries if entry["peer"] == "walkgen"]
-    kinds = {"default": [entry for entry in own if entry["form"] == "default flags"], "best": own}
-    found: dict[str, Entry] = {}
-    for metric in METRICS:
-        rival = best_of((entry for entry in entries if entry["peer"] in RIVALS), metric)
-        if rival and all(kinds.values()):
-            shares = {kind: min(entry["ns"][metric] for entry in mine) / rival["ns"][metric] for kind, mine in kinds.items()}
-            found[metric] = {**shares, "rival": rival["peer"]}
-    return found
-
-
 def show(function: LegFunction, entries: Sequence[Entry]) -> None:
     """A row for each contestant's best by each measure, then walkgen against the best rival."""
     own = [entry for entry in entries if entry["peer"] == "walkgen"]
@@ -145,7 +55,7 @@ def show(function: LegFunction, entries: Sequence[Entry]) -> None:
     rows = [_row(name, [entry for entry in entries if entry["peer"] == name], own) for name in names]
     default = [entry for entry in own if entry["form"] == "default flags"]
     print(table(heads, [*rows, _row("walkgen, its own flags", default, own)]))
-    for metric, ratio in ratios(entries).items():
+    for metric, ratio in ratios(entries, RIVALS).items():
         shares = f"{ratio['default']:.3f} by default, {ratio['best']:.3f} with its best flags"
         print(f"  walkgen / best rival ({ratio['rival']}), {metric}: {shares}")
     print()
@@ -172,10 +82,10 @@ def main() -> None:
     """Build, compare, time, print, write."""
     options, failures = _options(), Failures()
     bench = Bench(draw(options.rows, options.span), draw(options.batch, options.span))
-    runners = contestants(collect(failures), bench, failures)
-    yardsticks = _yardsticks()
+    runners = contestants(collect(PEERS, failures), FUNCTIONS, bench, failures)
+    beside = yardsticks()
     core = pin_core()
-    entries = [entry for name in runners for entry in measure(runners[name], yardsticks, bench, options.repetitions)]
+    entries = [entry for name in runners for entry in measure(runners[name], beside, bench, options.repetitions)]
     entries += called_from_python(bench, options.repetitions, failures)
     by_function = {function.name: [entry for entry in entries if entry["function"] == function.name] for function in FUNCTIONS}
     for function in FUNCTIONS:
@@ -183,16 +93,10 @@ def main() -> None:
     for message in failures.messages:
         print(f"NOT MEASURED  {message}")
     print("Pinocchio has no closed-form inverse; its Hessian is z_i x J_j from its Jacobian.")
-    shares = {"walkgen_over_best_rival": {name: ratios(found) for name, found in by_function.items()}}
+    shares = {"walkgen_over_best_rival": {name: ratios(found, RIVALS) for name, found in by_function.items()}}
     measured = {"not_measured": failures.messages, **shares, "entries": entries}
     path = write(f"kinematics_{options.span}", {**_settings(options, core), **measured})
     print(f"written: {path.relative_to(HERE.parents[1])}")
-
-
-def _yardsticks() -> list[Contestant]:
-    source = Source("yardstick", "libm", (HERE.parent / "yardstick.c").read_text(), flags=("-O2",))
-    (build,) = compile_all([source])
-    return [Contestant(build, function) for function in YARDSTICKS]
 
 
 def _settings(options: argparse.Namespace, core: int) -> Entry:

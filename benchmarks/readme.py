@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from kinematics import RIVALS, Entry, best_of
+from contest import Entry, best_of
+from kinematics import RIVALS
 from leg import FUNCTIONS
 from report import RESULTS
 
