@@ -10,8 +10,10 @@ from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.symbolic.composite_bodies import CompositeBodies
 from walkgen.symbolic.coriolis import Coriolis
+from walkgen.symbolic.drives import drives, effort_unit
+from walkgen.symbolic.first_moments import FirstMoments
 from walkgen.symbolic.frames import expression, parameter_symbols
-from walkgen.symbolic.function import Function, Indicator, Less
+from walkgen.symbolic.function import Function
 from walkgen.symbolic.inertia import Inertia
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler
 from walkgen.symbolic.ports import joint_port, signature
@@ -26,36 +28,6 @@ Exprs = Sequence[sympy.Expr]
 _ZERO = sympy.S.Zero
 
 
-@dataclass(frozen=True)
-class Drive:
-    """Friction and rotor of a joint."""
-
-    viscous: sympy.Expr
-    coulomb: sympy.Expr
-    rotor: sympy.Expr
-
-    def effort(self, rate: sympy.Expr, acceleration: sympy.Expr) -> sympy.Expr:
-        """What the joint's own parts take."""
-        return self.rotor * acceleration + self.friction(rate)
-
-    def friction(self, rate: sympy.Expr) -> sympy.Expr:
-        """Against the motion; 0 at rest."""
-        if rate == 0:
-            return _ZERO
-        sign = Indicator(Less(0, rate)) - Indicator(Less(rate, 0))
-        return self.viscous * rate + (self.coulomb * sign if self.coulomb != 0 else _ZERO)
-
-
-def drives(joints: Sequence[Joint], mechanism: Mechanism, tape: Tape) -> tuple[Drive, ...]:
-    """One a joint."""
-    parameters = parameter_symbols(mechanism)
-    found = []
-    for joint in joints:
-        words = ("viscous", "coulomb", "rotor")
-        found.append(Drive(*(tape.let(f"{joint.name}_{word}", expression(getattr(joint, word), parameters)) for word in words)))
-    return tuple(found)
-
-
 class LegDynamics:
     """What a builder works with: one leg, on a tape of its own."""
 
@@ -63,7 +35,7 @@ class LegDynamics:
         self.mechanism, self.leg, self.tape = mechanism, leg, Tape()
         self.ports = {port.name: port for port in _ports(leg.joints)}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
-        self.drives = drives(leg.joints, mechanism, self.tape)
+        self.drives = drives([(joint.name, joint) for joint in leg.joints], mechanism, self.tape)
         x, y, z = (expression(component, parameter_symbols(mechanism)) for component in mechanism.gravity)
         self.gravity: Vec = constant_vector((x, y, z))
 
@@ -149,7 +121,7 @@ def _kinetic_energy(leg: LegDynamics) -> Exprs:
 
 
 def _potential_energy(leg: LegDynamics) -> Exprs:
-    return (-dot(leg.gravity, CompositeBodies(leg.turning).base.moment),)
+    return (-dot(leg.gravity, FirstMoments(leg.turning).moment),)
 
 
 @dataclass(frozen=True)
@@ -163,11 +135,6 @@ class Entry:
     build: Callable[[LegDynamics], Exprs]
     doc: str
     source: str
-
-
-def effort_unit(joints: Sequence[Joint]) -> str:
-    """Of a joint's effort."""
-    return {frozenset({"revolute"}): "N m", frozenset({"prismatic"}): "N"}.get(frozenset(joint.kind for joint in joints), "N m or N")
 
 
 def _mass_unit(joints: Sequence[Joint]) -> str:
