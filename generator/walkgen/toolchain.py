@@ -227,7 +227,8 @@ def build_program(folder: Path, sources: Sequence[str], program: Path, flags: Se
     folder, program = folder.resolve(), program.resolve()
     with tempfile.TemporaryDirectory(prefix=".tmp-", dir=program.parent, ignore_cleanup_errors=True) as work:
         linked = Path(work) / program.name
-        _link(compiler, _compile(compiler, folder, sources, Path(work), flags), linked, ())
+        needed_again = tuple(flag for flag in flags if flag.startswith("-fsanitize"))
+        _link(compiler, _compile(compiler, folder, sources, Path(work), flags), linked, needed_again)
         linked.replace(program)
     return program
 

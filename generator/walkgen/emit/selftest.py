@@ -155,9 +155,9 @@ def _inverse_branch(signature: Signature, samples: Sequence[Sample]) -> Check:
 
 
 def _inverse_rate(signature: Signature, samples: Sequence[Sample]) -> Check:
-    """The foot's velocity or acceleration gives the joints' back."""
+    """The foot's velocity or acceleration gives the joints' back, of redundant joints the least."""
     rows = [{"q": s.q, "qd": s.qd, "v": EXPECTED["foot_velocity"](s)[0], "a": EXPECTED["foot_acceleration"](s)[0]} for s in samples]
-    wanted = [s.qd if signature.name == "inverse_velocity" else s.qdd for s in samples]
+    wanted = [_least(s, s.qd if signature.name == "inverse_velocity" else s.qdd) for s in samples]
     port = signature.outputs[0]
     lines = (
         f"double {port.name}[{port.size}];",
@@ -166,6 +166,14 @@ def _inverse_rate(signature: Signature, samples: Sequence[Sample]) -> Check:
     )
     tables = (*_input_tables(signature, rows), _table(f"{port.name}_expected", wanted))
     return Check(signature.full_name, tables, len(samples), lines, _LOOSE)
+
+
+def _least(sample: Sample, rates: Row) -> Row:
+    """The least rates with the same foot velocity, J' (J J')^-1 J rates; of up to three joints the rates themselves."""
+    if len(rates) <= 3:
+        return rates
+    transposed = CONTEXT.matrix(sample.jacobian)
+    return list(transposed * CONTEXT.lu_solve(transposed.T * transposed, transposed.T * CONTEXT.matrix(rates)))
 
 
 _INVERSES = {
