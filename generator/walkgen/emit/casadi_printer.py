@@ -132,7 +132,7 @@ def _reason(body: Body) -> str:
 
 def _function(body: Body, form: Body, prefix: str = "") -> CasadiFunction:
     signature = body.signature
-    symbols = tuple(_symbol(port) for port in form.signature.inputs)
+    symbols = tuple(_symbol(port, "MX" if _repeats(form) else "SX") for port in form.signature.inputs)
     lines = _composite_lines(form) if isinstance(form, Composite) else _program_lines(form)
     inputs, results = (", ".join(port.name for port in ports) for ports in (form.signature.inputs, form.signature.outputs))
     given, named = (_names(ports) for ports in (signature.inputs, signature.outputs))
@@ -148,8 +148,13 @@ def _program_lines(program: Program) -> Iterator[str]:
         yield from _output(port, [next(outputs) for _ in range(port.size)])
 
 
+def _repeats(form: Body) -> bool:
+    """Whether a kernel is called many times: MX keeps the calls, SX would write each of them out."""
+    return isinstance(form, Composite) and any(call.repeat > 1 for call in form.calls)
+
+
 def _composite_lines(composite: Composite) -> Iterator[str]:
-    """The kernels' calls, which SX writes out in place."""
+    """The kernels' calls."""
     for call in composite.calls:
         assert isinstance(call.callee, Program), composite.signature.full_name
         count = len(call.callee.signature.inputs)
@@ -164,9 +169,9 @@ def _names(ports: tuple[Port, ...]) -> str:
     return "[" + ", ".join(f'"{port.name}"' for port in ports) + "]"
 
 
-def _symbol(port: Port) -> str:
+def _symbol(port: Port, kind: str) -> str:
     rows, columns = _matrix(port)
-    return f'    {port.name} = ca.SX.sym("{port.name}", {rows}, {columns})'
+    return f'    {port.name} = ca.{kind}.sym("{port.name}", {rows}, {columns})'
 
 
 def _output(port: Port, elements: list[str]) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """The inverse by iteration from a seed: a foot position or a full pose, for arms and routes whose joints are more than three."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import sympy
 
@@ -101,7 +102,7 @@ class _Iterate:
         gram = [[tape.let("gram", dot(rows[i], rows[j]) + (damping if i == j else 0)) for j in range(size)] for i in range(size)]
         weights = solve_symmetric(gram, self._error, tape)
         outputs = [symbol + dot([row[joint] for row in rows], weights) for joint, symbol in enumerate(symbols_of(self._q))]
-        return tape.function(self._words("step", self._q), outputs)
+        return tape.function(self._words("step", replace(self._q, name="q_next")), outputs)
 
     def verdict(self) -> Function:
         """OK where the target is met."""
