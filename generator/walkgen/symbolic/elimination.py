@@ -10,19 +10,19 @@ where k2 does not depend on joint 3 either, the leg has one joint too many: q3 =
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
-from walkgen.symbolic.function import Less
+from walkgen.symbolic.choices import at_most, both, chosen, indicator, less
 from walkgen.symbolic.links import Links
 from walkgen.symbolic.roots import (
     Pair,
     back,
-    chosen,
     circle_and_conic,
     circle_and_line,
-    less,
+    either_pair,
+    half_angle,
     nonzero,
     quadratic,
     root,
@@ -34,6 +34,7 @@ from walkgen.symbolic.tape import Tape, Vec, constant, dot
 _SMALL = sympy.Rational(1, 10**5)
 _NONE = sympy.Rational(1, 10**12)
 _APART = sympy.Rational(1, 10)
+_SLACK = sympy.Rational(1, 10**5)  # what is less real than that is no double root that rounding hides
 
 Affine = tuple[sympy.Expr, sympy.Expr, sympy.Expr]
 """Constant, factor of cos q3 (or of a sliding q3) and of sin q3."""
@@ -42,12 +43,13 @@ _PAIR_0: Pair = (sympy.S.One, sympy.S.Zero)
 
 @dataclass(frozen=True)
 class Pose:
-    """A start: each joint's pair and slide, whether it may be used, and the joint (or -1) that has to stay."""
+    """A start: each joint's pair and slide, whether it is one, the joint (or -1) that has to stay, and how real the last square root is."""
 
     pairs: tuple[Pair, ...]
     slides: tuple[sympy.Expr, ...]
     usable: sympy.Basic = sympy.true
     frozen: int = -1
+    margin: sympy.Expr = sympy.S.One
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,9 @@ def poses(links: Links, tape: Tape) -> list[Pose]:
 
 
 def _single(links: Links, tape: Tape) -> Pose:
-    """Angle of one joint; sliding joints start at 0 and are right after one Newton step."""
+    """The angle or slide of one joint; several sliding joints start at 0 and are right after one Newton step, next to right if not two."""
+    if links.kinds == "P":
+        return Pose(links.offsets, (tape.let("slide", links.target[2] - links.foot[2]),))
     if links.kinds != "R":
         return Pose(links.offsets, (sympy.S.Zero,) * len(links.kinds))
     x, y, _ = links.target
@@ -144,10 +148,7 @@ class _Elimination:
 
     def _mixed(self, a: Pair, b: Pair, height: Affine, distance: Affine) -> _Equations:
         tape = self._tape
-        twice = unit(dot(a, a) - dot(b, b), 2 * dot(a, b), tape, "mixing")
-        cosine = root((1 + twice[0]) / 2, tape, "mixing_cos")
-        raw = root((1 - twice[0]) / 2, tape, "mixing_sin")
-        sine = tape.let("mixing", chosen(less(twice[1], sympy.S.Zero), -raw, raw))
+        cosine, sine = half_angle(unit(dot(a, a) - dot(b, b), 2 * dot(a, b), tape, "mixing"), tape)
         row1 = [cosine * x + sine * y for x, y in zip(a, b, strict=True)]
         row2 = [cosine * y - sine * x for x, y in zip(a, b, strict=True)]
         e = unit(row1[0], row1[1], tape, "plane")
@@ -160,13 +161,16 @@ class _Elimination:
     def poses(self) -> list[Pose]:
         equations, tape = self._equations, self._tape
         if len(self._kinds) == 2:
-            return [self._pose(_PAIR_0, sympy.S.Zero, sign) for sign in (1, -1)]
+            unique = equations.s2.is_number and abs(equations.s2) > _APART
+            return [self._pose(_Last(), sign) for sign in ((0,) if unique else (1, -1))]
         if equations.s2.is_number:
-            return self._blunt() if abs(equations.s2) < _SMALL else self._sharp()
+            if negligible(equations.s2) and self._one_too_many():
+                return self._idle()
+            return self._blunt() if abs(equations.s2) < _SMALL * self._swing() else self._sharp()
         sharp = self._sharp()
         if self._one_too_many():
             return sharp
-        blunt, narrow = self._blunt(), Less(abs(tape.let("s2", equations.s2)), _SMALL)
+        blunt, narrow = self._blunt(), less(abs(tape.let("s2", equations.s2)), _SMALL)
         count = max(len(blunt), len(sharp))
         return [_either_pose(narrow, blunt[index % len(blunt)], sharp[index % len(sharp)], tape) for index in range(count)]
 
@@ -174,23 +178,29 @@ class _Elimination:
         """Whether k2 does not depend on joint 3."""
         return all(negligible(number) for number in self._equations.k2[1:])
 
+    def _swing(self) -> sympy.Expr:
+        """How much k2 varies with joint 3, about 1 but for special legs."""
+        first, second = self._equations.k2[1:]
+        return sympy.sqrt(first**2 + second**2) if first.is_number and second.is_number else sympy.S.One
+
     def _sharp(self) -> list[Pose]:
-        """From the roots of F, y2 = k2 / s2."""
+        """From the roots of F, y2 = k2 / s2; both scaled where they are small because axes are nearly parallel."""
         eq = self._equations
+        if eq.s2.is_number:
+            scale = 1 / constant(max(abs(eq.s2), self._swing()))
+            eq = replace(eq, s2=eq.s2 * scale, k2=self._tidy(_combined(((scale, eq.k2),))))
         inverse = 1 / nonzero(eq.s1, self._tape)
         F = _sum(_product(eq.k2, eq.k2), _scaled(_sum(self._radius2(), _scaled(_product(eq.k1, eq.k1), -(inverse**2))), -(eq.s2**2)))
-        return [self._pose(pair, slide, 0) for pair, slide in self._roots(F)]
+        return [self._pose(found, 0) for found in self._roots(F)]
 
     def _blunt(self) -> list[Pose]:
         """From the roots of k2, y2 = +-sqrt(r^2 - y1^2)."""
         tape, k2 = self._tape, self._equations.k2
-        if self._one_too_many():
-            return self._idle()
         if self._turning:
-            found = [(pair, sympy.S.Zero) for pair in circle_and_line(k2[1], k2[2], -k2[0], tape)]
+            found = [_Last(pair, sympy.S.Zero, margin) for pair, margin in circle_and_line(k2[1], k2[2], -k2[0], tape)]
         else:
-            found = [(_PAIR_0, tape.let("slide3", -k2[0] / nonzero(k2[1], tape)))]
-        return [self._pose(pair, slide, sign) for pair, slide in found for sign in (1, -1)]
+            found = [_Last(_PAIR_0, tape.let("slide3", -k2[0] / nonzero(k2[1], tape)))]
+        return [self._pose(last, sign) for last in found for sign in (1, -1)]
 
     def _idle(self) -> list[Pose]:
         """Joint 3 is one too many: it stays at 0 where the others reach, or where they just do."""
@@ -201,11 +211,13 @@ class _Elimination:
         at_rest = margin.at(rest) if self._turning else margin.constant
         free = less(0, tape.let("margin", at_rest))
         found: list[Pose] = []
-        for index, (pair, slide) in enumerate(self._roots(margin)):
-            chosen_pair = _either(free, rest, pair, tape)
-            taken = self._pose(chosen_pair, tape.let("slide3", chosen(free, sympy.S.Zero, slide)), 1 if index % 2 == 0 else -1)
-            usable = sympy.true if index < 2 else Less(self._tape.let("margin", at_rest), 0)
-            found.append(Pose(taken.pairs, taken.slides, usable, 2))
+        for index, last in enumerate(self._roots(margin)):
+            taken = _Last(
+                either_pair(free, rest, last.pair, tape),
+                tape.let("slide3", chosen(free, 0, last.slide)),
+                tape.let("margin", chosen(free, 1 if index < 2 else -1, last.margin)),
+            )
+            found.append(replace(self._pose(taken, 1 if index % 2 == 0 else -1), frozen=2))
         return found
 
     def _radius2(self) -> "_Quadratic":
@@ -218,44 +230,44 @@ class _Elimination:
             return _sum(_product(gx, gx), _product(gy, gy))
         return _sum(_Quadratic(self._square(), sympy.S.Zero, sympy.S.Zero), _scaled(_product(gz, gz), -sympy.S.One))
 
-    def _roots(self, form: "_Quadratic") -> list[tuple[Pair, sympy.Expr]]:
-        """Zeros of a form: joint 3's pair, or its slide."""
+    def _roots(self, form: "_Quadratic") -> list["_Last"]:
+        """Zeros of a form in joint 3."""
         tape = self._tape
         constant_term, first, second = (tidy(tape.let("zero_form", number)) for number in form.linear)
         square, mixed = (tidy(tape.let("zero_form", number)) for number in (form.square, form.mixed))
         if not self._turning:
-            return [(_PAIR_0, slide) for slide in quadratic(square, first, constant_term, tape)]
-        if mixed == 0:
-            found = circle_and_conic(square, first / 2, second / 2, constant_term, tape)
-            return [(pair, sympy.S.Zero) for pair in found]
-        # principal axes: cos and sin of half the angle of (square, mixed)
-        length = root(square**2 + mixed**2, tape, "principal")
-        twice = unit(square, mixed, tape, "principal_axes")
-        c, raw = root((1 + twice[0]) / 2, tape, "principal_cos"), root((1 - twice[0]) / 2, tape, "principal_sin")
-        s = tape.let("principal", chosen(less(mixed, sympy.S.Zero), -raw, raw))
+            return [_Last(_PAIR_0, slide, margin) for slide, margin in quadratic(square, first, constant_term, tape)]
+        axes, length = _PAIR_0, square
+        if mixed != 0:
+            length = root(square**2 + mixed**2, tape, "principal")
+            axes = half_angle(unit(square, mixed, tape, "principal_axes"), tape)
+        c, s = axes
         rest = constant_term + (square - length) / 2
         found = circle_and_conic(length, (first * c + second * s) / 2, (second * c - first * s) / 2, rest, tape)
-        return [(turned(pair, (c, s), tape, "third"), sympy.S.Zero) for pair in found]
+        return [_Last(turned(pair, axes, tape, "third"), sympy.S.Zero, margin) for pair, margin in found]
 
-    def _pose(self, pair3: Pair, slide3: sympy.Expr, sign: int) -> Pose:
+    def _pose(self, last: "_Last", sign: int) -> Pose:
         """All joints from the last one; sign 0 where y2 = k2 / s2."""
         tape, eq = self._tape, self._equations
-        c, s = pair3 if self._turning else (slide3, sympy.S.Zero)
+        c, s = last.pair if self._turning else (last.slide, sympy.S.Zero)
         gx, gy, gz = (tape.let("g", _at(form, c, s)) for form in self._g)
         first = tape.let("y_first", _at(eq.k1, c, s) / nonzero(eq.s1, tape))
-        bx, by, bz = self._links.target
-        radius2 = bx**2 + by**2 if self._kinds[1] == "P" else gx**2 + gy**2
+        margin = sympy.S.One
         if sign == 0:
             second = tape.let("y_second", _at(eq.k2, c, s) / nonzero(eq.s2, tape))
         else:
-            second = sign * root(radius2 - first**2, tape, "y_across")
+            bx, by, _ = self._links.target
+            radius2 = bx**2 + by**2 if self._kinds[1] == "P" else gx**2 + gy**2
+            margin = tape.let("margin", radius2 - first**2)
+            second = sign * root(margin, tape, "y_across")
         e, f = eq.e
         y = (tape.let("y", first * e - second * f), tape.let("y", first * f + second * e))
         pairs, slides = self._first_joints((gx, gy, gz), y)
+        real = both(at_most(-_SLACK, last.margin), at_most(-_SLACK, margin))
         if len(self._kinds) == 2:
-            return Pose(pairs, slides)
-        third = pair3 if self._turning else self._links.offsets[2]
-        return Pose((*pairs, third), (*slides, slide3))
+            return Pose(pairs, slides, real, margin=margin)
+        third = last.pair if self._turning else self._links.offsets[2]
+        return Pose((*pairs, third), (*slides, last.slide), real)
 
     def _first_joints(self, g: Vec, y: Pair) -> tuple[tuple[Pair, Pair], tuple[sympy.Expr, sympy.Expr]]:
         tape, (bx, by, bz), link = self._tape, self._links.target, self._links.links[0]
@@ -271,6 +283,15 @@ class _Elimination:
             return (self._links.offsets[0], pair2), (tape.let("slide1", bz - x[2]), slide2)
         px, py = tape.let("x", x[0]), tape.let("x", x[1])
         return (unit(px * bx + py * by, px * by - py * bx, tape, "first"), pair2), (sympy.S.Zero, slide2)
+
+
+@dataclass(frozen=True)
+class _Last:
+    """Joint 3: its pair, its slide, and how real they are."""
+
+    pair: Pair = _PAIR_0
+    slide: sympy.Expr = sympy.S.Zero
+    margin: sympy.Expr = sympy.S.One
 
 
 @dataclass(frozen=True)
@@ -314,15 +335,10 @@ def _combined(terms: Sequence[tuple[sympy.Expr | int, Affine]], shift: sympy.Exp
     return first + shift, second, third
 
 
-def _either(truth: sympy.Basic, then: Pair, otherwise: Pair, tape: Tape) -> Pair:
-    c, s = (tape.let("start", chosen(truth, a, b)) for a, b in zip(then, otherwise, strict=True))
-    return c, s
-
-
 def _either_pose(truth: sympy.Basic, then: Pose, otherwise: Pose, tape: Tape) -> Pose:
-    pairs = tuple(_either(truth, a, b, tape) for a, b in zip(then.pairs, otherwise.pairs, strict=True))
+    pairs = tuple(either_pair(truth, a, b, tape) for a, b in zip(then.pairs, otherwise.pairs, strict=True))
     slides = tuple(tape.let("start", chosen(truth, a, b)) for a, b in zip(then.slides, otherwise.slides, strict=True))
-    return Pose(pairs, slides)
+    return Pose(pairs, slides, less(0, chosen(truth, indicator(then.usable), indicator(otherwise.usable))))
 
 
 def negligible(number: sympy.Expr) -> bool:

@@ -4,17 +4,18 @@ The rows stand as those of walkgen_inverse_general.h do; only where the target i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
 from walkgen.signature import STATUSES
+from walkgen.symbolic.choices import at_most, both, chosen, either, finite, indicator, less
 from walkgen.symbolic.elimination import Pose, poses
-from walkgen.symbolic.function import Both, Either, Epsilon, Finite, Less, LessEqual, Opposite, Residue, Select
+from walkgen.symbolic.function import Epsilon, Opposite, Residue
 from walkgen.symbolic.links import Screw, folded, links_of
 from walkgen.symbolic.newton import Truths, motion, stepped
 from walkgen.symbolic.redundancy import superfluous
-from walkgen.symbolic.roots import angle, back, chosen, turned
+from walkgen.symbolic.roots import angle, back, turned
 from walkgen.symbolic.tape import Tape, Vec, constant, dot, minus, plus, scaled
 
 Row = tuple[tuple[sympy.Expr, ...], sympy.Expr]
@@ -26,19 +27,25 @@ _OK, _UNREACHABLE, _BAD_INPUT, _SINGULAR, _DUPLICATE = (
 _TOLERANCE = sympy.Rational(1, 10**12)
 _ORDER = sympy.Rational(1, 10**9)
 _SAME = sympy.Rational(1, 10**7)
+_TWOFOLD = sympy.Rational(1, 10**12)
 _FAR = sympy.Float("1e60", 50)
 _SLOTS = {"RRR": 4, "RRP": 4, "RPR": 4, "PRR": 4, "RPP": 2, "PRP": 2, "PPR": 2, "RR": 2, "RP": 2, "PR": 2}  # others have one
 _EXCHANGES = {1: (), 2: ((0, 1),), 4: ((0, 1), (2, 3), (0, 2), (1, 3), (1, 2))}
 _STEPS = 2
+_CLOSE = sympy.Rational(1, 100)
 
 
 @dataclass(frozen=True)
 class _Branch:
-    """A candidate: joint values (m in units of the leg's size), and whether it reaches the target, and is isolated."""
+    """A candidate: joint values (m in units of the leg's size), and 1 or 0: whether it reaches the target, whether it is not isolated.
+
+    `twofold` is the truth that another branch with the same joint values makes them a double root, and is not merely the same again.
+    """
 
     q: tuple[sympy.Expr, ...]
     reaches: sympy.Expr
     singular: sympy.Expr
+    twofold: sympy.Basic = sympy.true
 
 
 def general_rows(geometry: Sequence[sympy.Expr], p: Vec, sequence: int, tape: Tape) -> list[Row]:
@@ -70,9 +77,11 @@ class Leg:
 
     def __init__(self, screws: tuple[Screw, ...], foot: Vec, p: Vec, size: sympy.Expr, tape: Tape) -> None:
         self._tape, self._count = tape, len(screws)
-        symbols = sorted({symbol for item in (*foot, *(x for screw in screws for x in screw.point)) for symbol in item.free_symbols}, key=str)
+        symbols = sorted(
+            {symbol for item in (*foot, *(x for screw in screws for x in screw.point)) for symbol in item.free_symbols}, key=str
+        )
         self.taint = tape.let("taint", sympy.Add(*(Residue(x) for x in (*p, *symbols))))
-        bounded = [tape.let("near", Select(Less(abs(x), _FAR), x, 0)) for x in p]
+        bounded = [tape.let("near", chosen(less(abs(x), _FAR), x, 0)) for x in p]
         target = tape.vector("scaled_target", [x / size for x in bounded])
         idle = superfluous(screws, foot)
         self._joints = [joint for joint in range(len(screws)) if joint not in idle]
@@ -98,7 +107,7 @@ class Leg:
                 reach = reach + tape.let("arm", sympy.sqrt(dot(arm, arm)))
                 beyond = stand
         roundoff = 8 * tape.let("epsilon", Epsilon())
-        part = tape.let("tolerance", Select(Less(_TOLERANCE, roundoff), roundoff, _TOLERANCE))
+        part = tape.let("tolerance", chosen(less(_TOLERANCE, roundoff), roundoff, _TOLERANCE))
         if any(screw.kind == "P" for screw in used):
             away = tape.vector("far_target", minus(target, used[0].point))
             reach = reach + tape.let("target_distance", sympy.sqrt(dot(away, away) + sympy.Float("1e-200", 50)))
@@ -116,8 +125,14 @@ class Leg:
             for joint, (x, y, _) in ((0, links.target), (2, links.foot)):
                 square = tape.let("off_axis2", x**2 + y**2)
                 if kinds[joint] == "R" and not square.is_number:
-                    free[joint] = LessEqual(square, self._tolerance2)
+                    free[joint] = at_most(square, self._tolerance2)
         return tuple(free)
+
+    def _steps(self) -> int:
+        """How many Newton steps: one more where axes nearly are what they are not, for there the starts are less exact."""
+        if len(self._links.kinds) == 1:
+            return 0
+        return _STEPS + any(_nearly(number) for link in self._links.links for number in link.twist)
 
     def _branch(self, pose: Pose) -> _Branch:
         tape, links, free = self._tape, self._links, self._free()
@@ -127,42 +142,41 @@ class Leg:
             for truth, a, b in zip(free, links.offsets, pose.pairs, strict=True)
         ]
         pose = Pose(tuple(rest), pose.slides, pose.usable, pose.frozen)
-        for _ in range(_STEPS if "R" in links.kinds else 1):
+        for _ in range(self._steps()):
             pose = stepped(links, pose, still, tape)
         gap = motion(links, pose, tape).gap
-        reaches: sympy.Basic = LessEqual(tape.let("gap2", dot(gap, gap)), self._tolerance2)
-        if pose.usable is not sympy.true:
-            reaches = Both(reaches, pose.usable)
+        reaches: sympy.Basic = at_most(tape.let("gap2", dot(gap, gap)), self._tolerance2)
+        reaches = both(reaches, pose.usable)
         singular: sympy.Basic = sympy.true if self._idle or pose.frozen >= 0 else sympy.false
         values = [sympy.S.Zero] * self._count
         for index, joint in enumerate(self._joints):
             if links.kinds[index] == "R":
                 value = angle(turned(pose.pairs[index], back(links.offsets[index]), tape, "joint"), tape, "angle")
                 values[joint] = tape.let("angle", chosen(free[index], sympy.S.Zero, value))
-                if singular is not sympy.true:
-                    singular = Either(singular, free[index])
+                singular = either(singular, free[index])
             else:
                 values[joint] = pose.slides[index]
-        return _Branch(tuple(values), tape.let("reaches", _number(reaches)), tape.let("singular", _number(singular)))
+        twofold = at_most(pose.margin, _TWOFOLD) if len(links.kinds) == 2 else sympy.true
+        return _Branch(tuple(values), tape.let("reaches", indicator(reaches)), tape.let("singular", indicator(singular)), twofold)
 
 
-def _number(truth: sympy.Basic) -> sympy.Expr:
-    """1 or 0."""
-    return sympy.S.Zero if truth is sympy.false else chosen(truth, sympy.S.One, sympy.S.Zero)
+def _nearly(number: sympy.Expr) -> bool:
+    return bool(number.is_number and 0 < abs(number) < _CLOSE)
 
 
 def _rows(kinds: str, branches: list[_Branch], taint: sympy.Expr, size: sympy.Expr, tape: Tape) -> list[Row]:
-    branches = _sorted(kinds, branches, tape)
-    first, bad = branches[0], Opposite(Finite(taint))
+    branches = _sorted(branches, tape)
+    first, bad = branches[0], Opposite(finite(taint))
     rows: list[Row] = []
     for index, branch in enumerate(branches):
-        there = Less(0, branch.reaches)
-        q = branch.q if index == 0 else tuple(tape.let("q", Select(there, a, b)) for a, b in zip(branch.q, first.q, strict=True))
-        status = chosen(Less(0, branch.singular), _SINGULAR, _OK) if branch.singular != 0 else _OK
+        there = less(0, branch.reaches)
+        q = branch.q if index == 0 else tuple(tape.let("q", chosen(there, a, b)) for a, b in zip(branch.q, first.q, strict=True))
+        status = chosen(less(0, branch.singular), _SINGULAR, _OK) if branch.singular != 0 else _OK
         if index > 0:
-            status = Select(_alike(kinds, branches[index - 1], branch, tape), _DUPLICATE, status)
-        rows.append((q, Select(bad, _BAD_INPUT, Select(there, status, _UNREACHABLE))))
-    rows += [(rows[0][0], Select(bad, _BAD_INPUT, _UNREACHABLE))] * (_SLOTS.get(kinds, 1) - len(rows))
+            again = chosen(branch.twofold, _DUPLICATE, _UNREACHABLE)
+            status = chosen(_alike(kinds, branches[index - 1], branch, tape), again, status)
+        rows.append((q, chosen(bad, _BAD_INPUT, chosen(there, status, _UNREACHABLE))))
+    rows += [(rows[0][0], chosen(bad, _BAD_INPUT, _UNREACHABLE))] * (_SLOTS.get(kinds, 1) - len(rows))
     return [(tuple(_checked(kind, value, taint, size, tape) for kind, value in zip(kinds, q, strict=True)), status) for q, status in rows]
 
 
@@ -172,34 +186,33 @@ def _checked(kind: str, value: sympy.Expr, taint: sympy.Expr, size: sympy.Expr, 
     return tape.let("q", tape.let("q", value) + taint)
 
 
-def _sorted(kinds: str, branches: list[_Branch], tape: Tape) -> list[_Branch]:
+def _sorted(branches: list[_Branch], tape: Tape) -> list[_Branch]:
     """Reachable ones first, then by joint values."""
     found = [_finite(branch, tape) for branch in branches]
     for low, high in _EXCHANGES[len(found)]:
         a, b = found[low], found[high]
-        late = Less(_ORDER, tape.let("later", a.q[-1] - b.q[-1]))
+        late = less(_ORDER, tape.let("later", a.q[-1] - b.q[-1]))
         for x, y in reversed(list(zip(a.q[:-1], b.q[:-1], strict=True))):
             gap = tape.let("later", x - y)
-            late = Either(Less(_ORDER, gap), Both(LessEqual(-_ORDER, gap), late))
-        swap = tape.let("swap", Select(Less(a.reaches, b.reaches), 1, Select(Both(LessEqual(a.reaches, b.reaches), late), 1, 0)))
-        other = Less(0, swap)
+            late = either(less(_ORDER, gap), both(at_most(-_ORDER, gap), late))
+        swap = tape.let("swap", chosen(less(a.reaches, b.reaches), 1, chosen(both(at_most(a.reaches, b.reaches), late), 1, 0)))
+        other = less(0, swap)
         found[low], found[high] = _exchanged(other, b, a, tape), _exchanged(other, a, b, tape)
     return found
 
 
 def _finite(branch: _Branch, tape: Tape) -> _Branch:
     """What does not reach may have got lost on its way: 0 instead of NaN."""
-    sane = Finite(tape.let("sum", sympy.Add(*branch.q)))
-    return _Branch(tuple(tape.let("sane", Select(sane, x, 0)) for x in branch.q), branch.reaches, branch.singular)
+    sane = finite(tape.let("sum", sympy.Add(*branch.q)))
+    return replace(branch, q=tuple(tape.let("sane", chosen(sane, x, 0)) for x in branch.q))
 
 
 def _exchanged(truth: sympy.Basic, then: _Branch, otherwise: _Branch, tape: Tape) -> _Branch:
-    q = tuple(tape.let("sorted", Select(truth, a, b)) for a, b in zip(then.q, otherwise.q, strict=True))
+    q = tuple(tape.let("sorted", chosen(truth, a, b)) for a, b in zip(then.q, otherwise.q, strict=True))
     reaches, singular = (
-        tape.let("sorted", Select(truth, a, b))
-        for a, b in ((then.reaches, otherwise.reaches), (then.singular, otherwise.singular))
+        tape.let("sorted", chosen(truth, a, b)) for a, b in ((then.reaches, otherwise.reaches), (then.singular, otherwise.singular))
     )
-    return _Branch(q, reaches, singular)
+    return _Branch(q, reaches, singular, then.twofold)
 
 
 def _alike(kinds: str, a: _Branch, b: _Branch, tape: Tape) -> sympy.Basic:
@@ -208,10 +221,10 @@ def _alike(kinds: str, a: _Branch, b: _Branch, tape: Tape) -> sympy.Basic:
     truth: sympy.Basic | None = None
     for kind, x, y in zip(kinds, a.q, b.q, strict=True):
         gap = tape.let("apart", abs(x - y))
-        one = LessEqual(gap, _SAME)
+        one = at_most(gap, _SAME)
         if kind == "R":
-            one = Either(one, LessEqual(turn - _SAME, gap))
-        truth = one if truth is None else Both(truth, one)
+            one = either(one, at_most(turn - _SAME, gap))
+        truth = one if truth is None else both(truth, one)
     assert truth is not None
     return truth
 
@@ -235,5 +248,3 @@ def _size(screws: Sequence[Screw], foot: Vec) -> sympy.Expr:
         return sympy.S.One
     largest = max(float(abs(part)) for part in parts)
     return sympy.S.One if largest == 0 or 0.25 <= largest <= 4 else sympy.Integer(2) ** int(sympy.ceiling(sympy.log(largest, 2).evalf()))
-
-

@@ -7,10 +7,12 @@ parallel that normal may be far away, and the frames stand side by side instead.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import sympy
 
-from walkgen.symbolic.roots import Pair, chosen, less
+from walkgen.symbolic.choices import chosen, less
+from walkgen.symbolic.roots import Pair
 from walkgen.symbolic.tape import DIGITS, ZERO_VECTOR, Tape, Vec, constant, cross, dot, minus, plus, scaled
 
 _APART = sympy.Rational(1, 10)
@@ -60,7 +62,7 @@ def links_of(screws: Sequence[Screw], foot: Vec, target: Vec, tape: Tape) -> Lin
     """The links of one to three joints; the target is seen from the first frame, which does not move."""
     start, normals, links = screws[0].point, [], []
     here = start
-    for index, (screw, following) in enumerate(zip(screws, screws[1:], strict=False)):
+    for index, (screw, following) in enumerate(pairwise(screws)):
         beyond = foot if index + 2 == len(screws) else screws[index + 2].point
         joined = _joined(index, screw, following, here, beyond, tape)
         start, here = joined.here if index == 0 else start, joined.there
@@ -74,7 +76,9 @@ def links_of(screws: Sequence[Screw], foot: Vec, target: Vec, tape: Tape) -> Lin
     seen = _seen(beyond, normals[-1], last.axis, tape, "foot")
     return Links(
         "".join(screw.kind for screw in screws),
-        tuple(_turn(screw.axis, first, second, tape) for screw, first, second in zip(screws, [normals[0], *normals], normals, strict=False)),
+        tuple(
+            _turn(screw.axis, first, second, tape) for screw, first, second in zip(screws, [normals[0], *normals], normals, strict=False)
+        ),
         tuple(links),
         _seen(minus(target, start), normals[0], screws[0].axis, tape, "target"),
         (seen[0], sympy.S.Zero, seen[2]) if last.kind == "R" else seen,
@@ -127,7 +131,7 @@ def _slid(point: Vec, axis: Vec, along: sympy.Expr, tape: Tape) -> Vec:
 
 
 def _common(z: Vec, other: Vec, offset: Vec, tape: Tape) -> tuple[Vec, sympy.Expr]:
-    """A unit vector across two axes, along the offset where they are parallel; the square of the sine between them, 0 if that is nothing."""
+    """A unit vector across two axes, along the offset where they are parallel; the square of the sine between them, 0 for nothing."""
     normal = tape.vector("normal", cross(z, other))
     sine2 = tape.let("sine2", dot(normal, normal))
     if not sine2.is_number:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import sympy
 
+from walkgen.symbolic.choices import at_most, both, chosen, less
 from walkgen.symbolic.elimination import Pose
-from walkgen.symbolic.function import Both, Less, LessEqual
 from walkgen.symbolic.links import Links
-from walkgen.symbolic.roots import Pair, advanced, back, chosen
+from walkgen.symbolic.roots import Pair, advanced, back
 from walkgen.symbolic.tape import Tape, Vec, cross, dot, minus, plus, scaled
 
 _TINY = sympy.Float("1e-300", 50)
@@ -59,9 +59,9 @@ def stepped(links: Links, pose: Pose, still: Truths, tape: Tape) -> Pose:
     size = tape.let("determinant", size)
     gap2, length2 = tape.let("gap2", dot(now.gap, now.gap)), tape.let("length2", dot(parts, parts))
     if "R" in links.kinds:
-        near = Both(Less(_TINY, abs(size)), LessEqual(length2**2, _FARTHEST**2 * gap2 * size**4))
+        near = both(less(_TINY, abs(size)), at_most(length2**2, _FARTHEST**2 * gap2 * size**4))
     else:
-        near = Less(_TINY, abs(size))
+        near = less(_TINY, abs(size))
     gain = tape.let("gain", chosen(near, 1 / chosen(near, size, sympy.S.One), sympy.S.Zero))
     pairs, slides = list(pose.pairs), list(pose.slides)
     for joint, (kind, part) in enumerate(zip(links.kinds, parts, strict=True)):

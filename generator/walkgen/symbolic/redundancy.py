@@ -4,7 +4,6 @@ import math
 import random
 from collections.abc import Sequence
 
-
 from walkgen.symbolic.links import Screw
 from walkgen.symbolic.tape import Vec
 
@@ -93,5 +92,3 @@ def _dot(a: _Point, b: _Point) -> float:
 
 def _sum(a: _Point, b: _Point, factor: float) -> _Point:
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
-
-

@@ -1,0 +1,51 @@
+"""Choices and conditions, decided while deriving wherever numbers decide them: constant geometry leaves no trace of them."""
+
+import sympy
+
+from walkgen.symbolic.function import Both, Either, Finite, Less, LessEqual, Select
+from walkgen.symbolic.tape import constant
+
+
+def less(left: sympy.Expr | int, right: sympy.Expr | int) -> sympy.Basic:
+    """left < right."""
+    difference = _known(left, right)
+    return Less(left, right) if difference is None else sympy.sympify(bool(difference < 0))
+
+
+def at_most(left: sympy.Expr | int, right: sympy.Expr | int) -> sympy.Basic:
+    """left <= right."""
+    difference = _known(left, right)
+    return LessEqual(left, right) if difference is None else sympy.sympify(bool(difference <= 0))
+
+
+def finite(number: sympy.Expr | int) -> sympy.Basic:
+    """Neither infinite nor NaN."""
+    return sympy.true if sympy.sympify(number).is_number else Finite(number)
+
+
+def both(left: sympy.Basic, right: sympy.Basic) -> sympy.Basic:
+    """Logical and."""
+    if sympy.true in (left, right):
+        return right if left is sympy.true else left
+    return Both(left, right)
+
+
+def either(left: sympy.Basic, right: sympy.Basic) -> sympy.Basic:
+    """Logical or."""
+    return sympy.true if sympy.true in (left, right) else Either(left, right)
+
+
+def chosen(truth: sympy.Basic, then: sympy.Expr | int, otherwise: sympy.Expr | int) -> sympy.Expr:
+    """One of two values."""
+    return sympy.sympify(then) if truth is sympy.true else Select(truth, then, otherwise)
+
+
+def indicator(truth: sympy.Basic) -> sympy.Expr:
+    """1 or 0."""
+    return sympy.S.Zero if truth is sympy.false else chosen(truth, 1, 0)
+
+
+def _known(left: sympy.Expr | int, right: sympy.Expr | int) -> sympy.Expr | None:
+    """The difference of two numbers."""
+    first, second = sympy.sympify(left), sympy.sympify(right)
+    return constant(first) - constant(second) if first.is_number and second.is_number else None
