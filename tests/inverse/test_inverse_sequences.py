@@ -1,0 +1,125 @@
+"""Legs of every sequence of one to three turning and sliding joints, as users call them, against the walker and a dense multistart."""
+
+import numpy as np
+import pytest
+from sequences import NAMES, SAMPLE, anatomies, text
+
+from oracles.multistart import multistart
+
+OK, UNREACHABLE, BAD_INPUT, SINGULAR, DUPLICATE = 0, 1, 2, 3, 6
+REACHES = (OK, SINGULAR, DUPLICATE)
+REGULAR = 1e-3
+"""Least singular value, m, of poses that are compared."""
+
+
+@pytest.fixture(scope="session")
+def leg_of(built):
+    """A generated leg by its name, and the backend or the name of a robot with all legs."""
+
+    def find(name, backend="c", robot="sample"):
+        found = built(text(robot))
+        return (found.c if backend == "c" else found.numpy).legs[name]
+
+    return find
+
+
+def targets(name, count, seed=0):
+    """Random poses [count, n] and their feet."""
+    path = anatomies()[name]
+    q = path.random(np.random.default_rng([NAMES.index(name), seed]), count)
+    return path, q, path.foot(q)
+
+
+def least(path, q):
+    """The least singular value that n columns have, [...]."""
+    return np.linalg.svd(path.jacobian(q), compute_uv=False)[..., path.n - 1]
+
+
+def assert_reached(path, q, p, rows, status):
+    """Every target that forward kinematics made is reached, by the pose that made it too, and rows are where they say."""
+    assert np.all(np.isfinite(rows))
+    assert np.all(np.isin(status, (*REACHES, UNREACHABLE)))
+    reached = np.isin(status, REACHES)
+    assert np.all(reached.any(axis=1))
+    scale = path.reach + np.max(np.where(path.turning, 0.0, np.abs(rows)), axis=-1)
+    assert np.all((np.linalg.norm(path.foot(rows) - p[:, None], axis=-1) <= 1e-12 * scale)[reached])
+    nearest = np.min(np.where(reached, path.apart(rows, q[:, None]), np.inf), axis=1)
+    weakest = least(path, q)
+    regular = weakest > REGULAR
+    assert np.all(nearest[regular] <= 1e-13 + 1e-14 / weakest[regular])
+
+
+def assert_ordered(path, rows, status, general):
+    """Angles in (-pi, pi]; solutions sorted by their first joints, a repeated one after its first, unused slots last and of one pose."""
+    turning = rows[..., path.turning]
+    assert np.all((turning > -np.pi) & (turning <= np.pi))
+    if not general:
+        return
+    unused = status == UNREACHABLE
+    assert np.array_equal(unused, np.sort(unused, axis=1))
+    rising = np.diff(rows[..., 0], axis=1)
+    assert np.all((rising >= -1e-9) | unused[:, 1:])
+    twice = np.argwhere(status == DUPLICATE)
+    assert all(slot > 0 and np.array_equal(rows[row, slot], rows[row, slot - 1]) for row, slot in twice)
+
+
+def check(name, leg, count, seed=0):
+    path, q, p = targets(name, count, seed)
+    rows, status = leg.inverse(p)
+    assert_reached(path, q, p, rows, status)
+    assert_ordered(path, rows, status, leg.inverse_class.startswith("general"))
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_every_pose_is_found(leg_of, name):
+    check(name, leg_of(name), 200)
+
+
+def compare(name, leg, count, seed):
+    """Solutions that only one of the inverse and Newton found, and how many both did; singular ones left out."""
+    path, _, p = targets(name, count, seed)
+    rows, status = leg.inverse(p)
+    found, gap = multistart(path, p)
+    sharp = (gap < 1e-11) & (least(path, found) > 1e-4)
+    solved = (status == OK) & (least(path, rows) > 1e-4)
+    apart = np.where(solved & sharp[..., None], path.apart(rows, found[:, :, None]), np.inf)
+    missing = sharp & (apart.min(axis=-1) > 1e-7)
+    common = (apart.min(axis=0) <= 1e-7) & solved
+    return np.count_nonzero(missing), np.count_nonzero(solved & ~common), np.count_nonzero(common)
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_no_branch_is_missing(leg_of, name):
+    missing, alone, common = compare(name, leg_of(name), 20, 1)
+    assert missing == 0
+    assert alone <= 0.1 * common  # Newton does not find all, but enough to be a judge
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_numpy_has_the_same_rows(leg_of, name):
+    path, q, p = targets(name, 6, 2)
+    p = np.concatenate([p, p * 1.5 + 0.1])
+    rows, status = leg_of(name, "numpy").inverse(p)
+    assert_reached(path, q, p[:6], rows[:6], status[:6])
+    compiled, states = leg_of(name).inverse(p)
+    regular = np.all(least(path, compiled) > REGULAR, axis=1)
+    assert np.array_equal(status[regular], states[regular])
+    assert np.all(path.apart(rows, compiled)[(states == OK) & regular[:, None]] <= 1e-10)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", NAMES)
+def test_many_poses(leg_of, name):
+    for seed in range(10, 14):
+        check(name, leg_of(name, robot=name[0]), 5000, seed)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", NAMES)
+def test_no_branch_of_many_is_missing(leg_of, name):
+    """20 000 poses of every sequence of joints, shared by its legs."""
+    legs = sum(name.split("_")[0] == other.split("_")[0] for other in NAMES)
+    for seed in range(20, 20 + 20_000 // legs // 50):
+        missing, alone, common = compare(name, leg_of(name, robot=name[0]), 50, seed)
+        assert missing == 0
+        assert alone <= 0.1 * common
