@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from cases.to_spec import case, from_dh, from_tree
-from oracles.walker import MIRROR, read
+from oracles.screws import screws
+from oracles.walker import read
 from walkgen.runtime.solves.inverse_general import inverse_general
 
 CASES = {"phantomx_rf_leg": 8, "puma560_first3": 8, "solo12_fl_leg": 8, "scara_cobra600_rrp": 9}
@@ -18,23 +19,12 @@ def leg(request):
     return data["ik"], walkers, CASES[request.param]
 
 
-def geometry(limb):
-    """Axes and points at q = 0, by the walker's frames."""
-    pose, numbers = limb.mount, []
-    for joint in limb.joints:
-        place = (MIRROR if limb.mirrored else np.eye(4)) @ pose @ joint.before
-        axis = place[:3, :3] @ np.asarray(joint.axis) / np.linalg.norm(joint.axis) * joint.sign
-        numbers += [*(-axis if limb.mirrored else axis), *place[:3, 3]]
-        pose = pose @ joint.transform(0.0)
-    return np.array([*numbers, *limb.position(np.zeros(len(limb.joints)))])
-
-
 def test_every_solution_is_found(leg):
     ik, walkers, sequence = leg
     turning = np.array([True, True, sequence == 8])
     for walker in walkers:
         p = np.array([sample["p"] for sample in ik["reachable"]])
-        rows, status = inverse_general(geometry(walker), p, sequence)
+        rows, status = inverse_general(screws(walker).numbers, p, sequence)
         for sample, row, state in zip(ik["reachable"], rows, status, strict=True):
             found = row[state == OK]
             assert len(found) == sample["n_solutions"]
@@ -49,7 +39,7 @@ def test_unreachable_targets_give_the_closest_foot(leg):
     ik, walkers, sequence = leg
     for walker in walkers:
         p = np.array([sample["p"] for sample in ik["unreachable"]])
-        rows, status = inverse_general(geometry(walker), p, sequence)
+        rows, status = inverse_general(screws(walker).numbers, p, sequence)
         assert np.all(status == UNREACHABLE)
         for sample, row in zip(ik["unreachable"], rows, strict=True):
             distance = min(np.linalg.norm(walker.position(q) - sample["p"]) for q in row)
