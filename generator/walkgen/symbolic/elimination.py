@@ -9,12 +9,12 @@ is a conic in (cos q3, sin q3), a quadratic in a sliding q3. Where s2 is 0 or ne
 where k2 does not depend on joint 3 either, the leg has one joint too many: q3 = 0 if y2 is real there, else a root of y2 = 0.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import sympy
 
 from walkgen.symbolic.choices import at_most, both, chosen, indicator, less
+from walkgen.symbolic.forms import Affine, Quadratic, at, combined, less_multiple, negligible, product, tidy
 from walkgen.symbolic.links import Links
 from walkgen.symbolic.roots import (
     Pair,
@@ -32,12 +32,9 @@ from walkgen.symbolic.roots import (
 from walkgen.symbolic.tape import Tape, Vec, constant, dot
 
 _SMALL = sympy.Rational(1, 10**5)
-_NONE = sympy.Rational(1, 10**12)
 _APART = sympy.Rational(1, 10)
 _SLACK = sympy.Rational(1, 10**5)  # what is less real than that is no double root that rounding hides
 
-Affine = tuple[sympy.Expr, sympy.Expr, sympy.Expr]
-"""Constant, factor of cos q3 (or of a sliding q3) and of sin q3."""
 _PAIR_0: Pair = (sympy.S.One, sympy.S.Zero)
 
 
@@ -82,6 +79,8 @@ def _single(links: Links, tape: Tape) -> Pose:
 
 
 class _Elimination:
+    """The equations of one leg, and their solutions."""
+
     def __init__(self, links: Links, tape: Tape) -> None:
         self._links, self._tape, self._kinds = links, tape, links.kinds
         self._turning = self._kinds[2:] == "R"
@@ -96,8 +95,8 @@ class _Elimination:
             return (x, zero, zero), (y, zero, zero), (z, zero, zero)
         u = ((zero, x, -y), (zero, y, x), (z, zero, zero)) if self._turning else ((x, zero, zero), (y, zero, zero), (z, sympy.S.One, zero))
         (tx, ty, tz), (c, s) = self._links.links[1].t, self._links.links[1].twist
-        rotated = (u[0], _combined(((c, u[1]), (-s, u[2]))), _combined(((s, u[1]), (c, u[2]))))
-        gx, gy, gz = (self._tidy(_combined(((1, row),), shift)) for row, shift in zip(rotated, (tx, ty, tz), strict=True))
+        rotated = (u[0], combined(((c, u[1]), (-s, u[2]))), combined(((s, u[1]), (c, u[2]))))
+        gx, gy, gz = (self._tidy(combined(((1, row),), shift)) for row, shift in zip(rotated, (tx, ty, tz), strict=True))
         return gx, gy, gz
 
     def _tidy(self, form: Affine) -> Affine:
@@ -121,11 +120,11 @@ class _Elimination:
         gx, gy, gz = self._g
         one, nothing = sympy.S.One, sympy.S.Zero
         if self._kinds[0] == "P":  # y = (b_x, (b_y + s g_z) / c)
-            return _Equations(one, c, (bx, nothing, nothing), self._tidy(_combined(((s, gz),), by)), _PAIR_0)
+            return _Equations(one, c, (bx, nothing, nothing), self._tidy(combined(((s, gz),), by)), _PAIR_0)
         if self._kinds[1] == "P":  # y = (w_x, (w_y - s b_z) / c) with w = g turned by joint 2's offset
             co, so = self._links.offsets[1]
-            wx, wy = _combined(((co, gx), (-so, gy))), _combined(((so, gx), (co, gy)))
-            return _Equations(one, c, self._tidy(wx), self._tidy(_combined(((1, wy),), -s * bz)), _PAIR_0)
+            wx, wy = combined(((co, gx), (-so, gy))), combined(((so, gx), (co, gy)))
+            return _Equations(one, c, self._tidy(wx), self._tidy(combined(((1, wy),), -s * bz)), _PAIR_0)
         return self._turning_twice()
 
     def _turning_twice(self) -> _Equations:
@@ -134,9 +133,9 @@ class _Elimination:
         (tx, ty, tz), (c, s) = link.t, link.twist
         ahead, across, along = tx, tape.let("offset_across", c * ty + s * tz), tape.let("offset_along", c * tz - s * ty)
         distance2 = tape.let("target_distance2", bx**2 + by**2 + bz**2)
-        height = self._tidy(_combined(((-c, self._g[2]),), bz - tz))
+        height = self._tidy(combined(((-c, self._g[2]),), bz - tz))
         size = (distance2 - tx**2 - ty**2 - tz**2) / 2
-        distance = self._tidy(_combined(((-sympy.Rational(1, 2), self._square()), (-along, self._g[2])), size))
+        distance = self._tidy(combined(((-sympy.Rational(1, 2), self._square()), (-along, self._g[2])), size))
         if s == 0 and across != 0:
             length = root(ahead**2 + across**2, tape, "offset_length")
             return _Equations(length, s, distance, height, unit(ahead, across, tape, "offset"))
@@ -154,8 +153,8 @@ class _Elimination:
         e = unit(row1[0], row1[1], tape, "plane")
         s1 = tape.let("s1", row1[0] * e[0] + row1[1] * e[1])
         s2 = tape.let("s2", row2[1] * e[0] - row2[0] * e[1])
-        k1 = self._tidy(_combined(((cosine, height), (sine, distance))))
-        k2 = self._tidy(_combined(((cosine, distance), (-sine, height))))
+        k1 = self._tidy(combined(((cosine, height), (sine, distance))))
+        k2 = self._tidy(combined(((cosine, distance), (-sine, height))))
         return _Equations(s1, s2, k1, k2, e)
 
     def poses(self) -> list[Pose]:
@@ -188,9 +187,10 @@ class _Elimination:
         eq = self._equations
         if eq.s2.is_number:
             scale = 1 / constant(max(abs(eq.s2), self._swing()))
-            eq = replace(eq, s2=eq.s2 * scale, k2=self._tidy(_combined(((scale, eq.k2),))))
+            eq = replace(eq, s2=eq.s2 * scale, k2=self._tidy(combined(((scale, eq.k2),))))
         inverse = 1 / nonzero(eq.s1, self._tape)
-        F = _sum(_product(eq.k2, eq.k2), _scaled(_sum(self._radius2(), _scaled(_product(eq.k1, eq.k1), -(inverse**2))), -(eq.s2**2)))
+        y2 = less_multiple(self._radius2(), inverse**2, product(eq.k1, eq.k1))
+        F = less_multiple(product(eq.k2, eq.k2), eq.s2**2, y2)
         return [self._pose(found, 0) for found in self._roots(F)]
 
     def _blunt(self) -> list[Pose]:
@@ -206,9 +206,9 @@ class _Elimination:
         """Joint 3 is one too many: it stays at 0 where the others reach, or where they just do."""
         tape, eq = self._tape, self._equations
         inverse = 1 / nonzero(eq.s1, tape)
-        margin = _sum(self._radius2(), _scaled(_product(eq.k1, eq.k1), -(inverse**2)))
+        margin = less_multiple(self._radius2(), inverse**2, product(eq.k1, eq.k1))
         rest = self._links.offsets[2]
-        at_rest = margin.at(rest) if self._turning else margin.constant
+        at_rest = margin.at(*rest) if self._turning else margin.linear[0]
         free = less(0, tape.let("margin", at_rest))
         found: list[Pose] = []
         for index, last in enumerate(self._roots(margin)):
@@ -220,17 +220,17 @@ class _Elimination:
             found.append(replace(self._pose(taken, 1 if index % 2 == 0 else -1), frozen=2))
         return found
 
-    def _radius2(self) -> "_Quadratic":
+    def _radius2(self) -> Quadratic:
         """r^2 as a form in joint 3."""
         bx, by, _ = self._links.target
         gx, gy, gz = self._g
         if self._kinds[1] == "P":
-            return _Quadratic((bx**2 + by**2, sympy.S.Zero, sympy.S.Zero), sympy.S.Zero, sympy.S.Zero)
-        if not self._turning:
-            return _sum(_product(gx, gx), _product(gy, gy))
-        return _sum(_Quadratic(self._square(), sympy.S.Zero, sympy.S.Zero), _scaled(_product(gz, gz), -sympy.S.One))
+            return Quadratic((bx**2 + by**2, sympy.S.Zero, sympy.S.Zero))
+        if self._turning:
+            return less_multiple(Quadratic(self._square()), sympy.S.One, product(gz, gz))
+        return less_multiple(product(gx, gx), -sympy.S.One, product(gy, gy))
 
-    def _roots(self, form: "_Quadratic") -> list["_Last"]:
+    def _roots(self, form: Quadratic) -> list["_Last"]:
         """Zeros of a form in joint 3."""
         tape = self._tape
         constant_term, first, second = (tidy(tape.let("zero_form", number)) for number in form.linear)
@@ -250,11 +250,11 @@ class _Elimination:
         """All joints from the last one; sign 0 where y2 = k2 / s2."""
         tape, eq = self._tape, self._equations
         c, s = last.pair if self._turning else (last.slide, sympy.S.Zero)
-        gx, gy, gz = (tape.let("g", _at(form, c, s)) for form in self._g)
-        first = tape.let("y_first", _at(eq.k1, c, s) / nonzero(eq.s1, tape))
+        gx, gy, gz = (tape.let("g", at(form, c, s)) for form in self._g)
+        first = tape.let("y_first", at(eq.k1, c, s) / nonzero(eq.s1, tape))
         margin = sympy.S.One
         if sign == 0:
-            second = tape.let("y_second", _at(eq.k2, c, s) / nonzero(eq.s2, tape))
+            second = tape.let("y_second", at(eq.k2, c, s) / nonzero(eq.s2, tape))
         else:
             bx, by, _ = self._links.target
             radius2 = bx**2 + by**2 if self._kinds[1] == "P" else gx**2 + gy**2
@@ -294,58 +294,7 @@ class _Last:
     margin: sympy.Expr = sympy.S.One
 
 
-@dataclass(frozen=True)
-class _Quadratic:
-    """linear + square c^2 + mixed c s, where s^2 = 1 - c^2 if joint 3 turns and s is 0 if it slides."""
-
-    linear: Affine
-    square: sympy.Expr
-    mixed: sympy.Expr
-
-    @property
-    def constant(self) -> sympy.Expr:
-        return self.linear[0]
-
-    def at(self, pair: Pair) -> sympy.Expr:
-        """Its value."""
-        c, s = pair
-        return _at(self.linear, c, s) + self.square * c**2 + self.mixed * c * s
-
-
-def _at(form: Affine, c: sympy.Expr, s: sympy.Expr) -> sympy.Expr:
-    return form[0] + form[1] * c + form[2] * s
-
-
-def _product(a: Affine, b: Affine) -> _Quadratic:
-    linear = (a[0] * b[0] + a[2] * b[2], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + a[2] * b[0])
-    return _Quadratic(linear, a[1] * b[1] - a[2] * b[2], a[1] * b[2] + a[2] * b[1])
-
-
-def _sum(a: _Quadratic, b: _Quadratic) -> _Quadratic:
-    return _Quadratic(_combined(((1, a.linear), (1, b.linear))), a.square + b.square, a.mixed + b.mixed)
-
-
-def _scaled(a: _Quadratic, factor: sympy.Expr) -> _Quadratic:
-    return _Quadratic(_combined(((factor, a.linear),)), factor * a.square, factor * a.mixed)
-
-
-def _combined(terms: Sequence[tuple[sympy.Expr | int, Affine]], shift: sympy.Expr = sympy.S.Zero) -> Affine:
-    """A sum of multiples of forms, and of a constant."""
-    first, second, third = (sympy.Add(*(factor * form[index] for factor, form in terms)) for index in range(3))
-    return first + shift, second, third
-
-
 def _either_pose(truth: sympy.Basic, then: Pose, otherwise: Pose, tape: Tape) -> Pose:
     pairs = tuple(either_pair(truth, a, b, tape) for a, b in zip(then.pairs, otherwise.pairs, strict=True))
     slides = tuple(tape.let("start", chosen(truth, a, b)) for a, b in zip(then.slides, otherwise.slides, strict=True))
     return Pose(pairs, slides, less(0, chosen(truth, indicator(then.usable), indicator(otherwise.usable))))
-
-
-def negligible(number: sympy.Expr) -> bool:
-    """Whether it is known, and next to nothing beside 1."""
-    return bool(number.is_number and abs(constant(number)) < _NONE)
-
-
-def tidy(number: sympy.Expr) -> sympy.Expr:
-    """Nothing instead of next to nothing."""
-    return sympy.S.Zero if negligible(number) else number

@@ -12,7 +12,7 @@ from walkgen.signature import STATUSES
 from walkgen.symbolic.choices import at_most, both, chosen, either, finite, indicator, less
 from walkgen.symbolic.elimination import Pose, poses
 from walkgen.symbolic.function import Epsilon, Opposite, Residue
-from walkgen.symbolic.links import Screw, folded, links_of
+from walkgen.symbolic.links import Screw, folded, links_of, may_fold
 from walkgen.symbolic.newton import Truths, motion, stepped
 from walkgen.symbolic.redundancy import superfluous
 from walkgen.symbolic.roots import angle, back, turned
@@ -68,18 +68,17 @@ def general_rows(geometry: Sequence[sympy.Expr], p: Vec, sequence: int, tape: Ta
     size = _size(screws, foot)
     screws = tuple(Screw(screw.kind, screw.axis, scaled(1 / size, screw.point)) for screw in screws)
     foot = scaled(1 / size, foot)
-    near = Leg(screws, foot, p, size, tape)
-    return _rows(kinds, near.branches(), near.taint, size, tape)
+    leg = _Leg(screws, foot, p, size, tape)
+    return _rows(kinds, leg.branches(), leg.taint, size, tape)
 
 
-class Leg:
+class _Leg:
     """One leg on one tape: which joints count, in which order they are eliminated, and the branches."""
 
     def __init__(self, screws: tuple[Screw, ...], foot: Vec, p: Vec, size: sympy.Expr, tape: Tape) -> None:
         self._tape, self._count = tape, len(screws)
-        symbols = sorted(
-            {symbol for item in (*foot, *(x for screw in screws for x in screw.point)) for symbol in item.free_symbols}, key=str
-        )
+        numbers = (*foot, *(x for screw in screws for x in (*screw.axis, *screw.point)))
+        symbols = sorted({symbol for number in numbers for symbol in number.free_symbols}, key=str)
         self.taint = tape.let("taint", sympy.Add(*(Residue(x) for x in (*p, *symbols))))
         bounded = [tape.let("near", chosen(less(abs(x), _FAR), x, 0)) for x in p]
         target = tape.vector("scaled_target", [x / size for x in bounded])
@@ -141,19 +140,20 @@ class Leg:
             (tape.let("start", chosen(truth, a[0], b[0])), tape.let("start", chosen(truth, a[1], b[1])))
             for truth, a, b in zip(free, links.offsets, pose.pairs, strict=True)
         ]
-        pose = Pose(tuple(rest), pose.slides, pose.usable, pose.frozen)
+        pose = replace(pose, pairs=tuple(rest))
         for _ in range(self._steps()):
             pose = stepped(links, pose, still, tape)
-        gap = motion(links, pose, tape).gap
-        reaches: sympy.Basic = at_most(tape.let("gap2", dot(gap, gap)), self._tolerance2)
-        reaches = both(reaches, pose.usable)
+        now = motion(links, pose, tape)
+        reaches = both(at_most(tape.let("gap2", dot(now.gap, now.gap)), self._tolerance2), pose.usable)
+        if may_fold(links):  # the foot may come to lie on axis 2
+            free = (free[0], at_most(tape.let("arm2", dot(now.columns[1], now.columns[1])), self._tolerance2), free[2])
         singular: sympy.Basic = sympy.true if self._idle or pose.frozen >= 0 else sympy.false
         values = [sympy.S.Zero] * self._count
         for index, joint in enumerate(self._joints):
+            singular = either(singular, free[index])
             if links.kinds[index] == "R":
                 value = angle(turned(pose.pairs[index], back(links.offsets[index]), tape, "joint"), tape, "angle")
                 values[joint] = tape.let("angle", chosen(free[index], sympy.S.Zero, value))
-                singular = either(singular, free[index])
             else:
                 values[joint] = pose.slides[index]
         twofold = at_most(pose.margin, _TWOFOLD) if len(links.kinds) == 2 else sympy.true

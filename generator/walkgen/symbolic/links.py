@@ -17,6 +17,7 @@ from walkgen.symbolic.tape import DIGITS, ZERO_VECTOR, Tape, Vec, constant, cros
 
 _APART = sympy.Rational(1, 10)
 _NONE = sympy.Rational(1, 10**16)
+_FOLDED = sympy.Rational(1, 10**9)
 _NOTHING = sympy.Float("1e-280", DIGITS)
 
 
@@ -83,6 +84,21 @@ def links_of(screws: Sequence[Screw], foot: Vec, target: Vec, tape: Tape) -> Lin
         _seen(minus(target, start), normals[0], screws[0].axis, tape, "target"),
         (seen[0], sympy.S.Zero, seen[2]) if last.kind == "R" else seen,
     )
+
+
+def may_fold(links: Links) -> bool:
+    """Whether joint 3 can bring the foot onto axis 2, about which joint 2 then turns in vain; runtime parameters may always allow it."""
+    if len(links.kinds) < 3 or links.kinds[1] == "P":
+        return False
+    (tx, ty, _), (c, s), (x, _, z) = links.links[1].t, links.links[1].twist, links.foot
+    if not all(number.is_number for number in (tx, ty, c, s, x, z)):
+        return True
+    if links.kinds[2] == "P":
+        return bool(abs(tx) < _FOLDED and (abs(s) > _FOLDED or abs(ty) < _FOLDED))
+    if abs(c) < _FOLDED:
+        return bool(abs(ty - s * z) < _FOLDED and abs(tx) < abs(x) + _FOLDED)
+    cosine, sine = -tx / x, (s * z - ty) / (c * x)
+    return bool(abs(cosine**2 + sine**2 - 1) < _FOLDED)
 
 
 def _turn(axis: Vec, start: Vec, end: Vec, tape: Tape) -> Pair:
