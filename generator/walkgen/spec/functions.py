@@ -32,7 +32,31 @@ INVERSE_FUNCTIONS: Final = (
 """Of legs; one to three joints have branches, more have `inverse_pose`."""
 
 ROUTE_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, "inverse_near", "inverse_pose", "within_limits", "inverse_velocity", "inverse_acceleration")
-LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS
+DYNAMICS_FUNCTIONS: Final = (
+    "inverse_dynamics",
+    "forward_dynamics",
+    "mass_matrix",
+    "bias",
+    "gravity_torque",
+    "coriolis_matrix",
+    "kinetic_energy",
+    "potential_energy",
+)
+"""Of every leg; `forward_dynamics` where every joint moves some mass."""
+
+FLOATING_FUNCTIONS: Final = (
+    "com",
+    "com_jacobian",
+    "centroidal_momentum_matrix",
+    "momentum",
+    "momentum_rate",
+    "demanded_wrench",
+    "floating_mass_matrix",
+    "floating_inverse_dynamics",
+)
+"""Of the robot; those of the centre of mass where it has any mass."""
+
+LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS + DYNAMICS_FUNCTIONS
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
-ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity")
+ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity", *FLOATING_FUNCTIONS)
 FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS

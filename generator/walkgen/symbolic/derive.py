@@ -1,6 +1,6 @@
 """derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
@@ -9,10 +9,12 @@ from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
+from walkgen.symbolic.leg_dynamics import DYNAMICS, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
+from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 
 LegBuilder = Callable[[Mechanism, Limb], Derivation]
 PathBuilder = Callable[[Mechanism, Route], Derivation]
@@ -49,6 +51,7 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
     for leg in mechanism.legs:
         yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
         yield from _leg_inverse(mechanism, leg, wanted)
+        yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
     for limb in mechanism.chains:
         yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
     for route in routes(mechanism):
@@ -59,6 +62,13 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
         if wanted(name):
             yield getattr(robot, name)()
     yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
+    yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
+
+
+def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
+    """Without what the mechanism cannot have."""
+    derived = (build(name) for name in names if wanted(name))
+    return (function for function in derived if function is not None)
 
 
 def routes(mechanism: Mechanism) -> tuple[Route, ...]:

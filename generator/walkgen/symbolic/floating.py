@@ -12,9 +12,8 @@ from walkgen.symbolic.first_moments import FirstMoments
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler
 from walkgen.symbolic.ports import joint_port
-from walkgen.symbolic.regroup import regrouped
 from walkgen.symbolic.tape import ZERO_VECTOR, Columns, Tape, Vec, constant_vector, cross, dot, minus, plus, scaled, symbols_of, times
-from walkgen.symbolic.tree import BASE, Tree, robot_tree
+from walkgen.symbolic.tree import BASE, Tree
 from walkgen.symbolic.turning import Turning
 from walkgen.symbolic.wrench import Wrench
 
@@ -23,20 +22,15 @@ _ZERO = sympy.S.Zero
 
 
 class FloatingDynamics:
-    """What a builder works with: the robot on a tape of its own."""
+    """What a builder works with: the robot's tree, on a tape of its own."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism, self.tape = mechanism, Tape()
+    def __init__(self, mechanism: Mechanism, tree: Tree, tape: Tape) -> None:
+        self.mechanism, self.tree, self.tape = mechanism, tree, tape
         self.joints = tuple(joint for limb in mechanism.limbs for joint in limb.joints)
         self.ports = {port.name: port for port in _ports(self.joints, len(mechanism.legs))}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
         x, y, z = (expression(component, parameter_symbols(mechanism)) for component in mechanism.gravity)
         self.gravity: Vec = constant_vector((x, y, z))
-
-    @cached_property
-    def tree(self) -> Tree:
-        """The robot's links."""
-        return regrouped(robot_tree(self.mechanism, self.tape), self.tape, floating=True)
 
     @cached_property
     def turning(self) -> Turning:

@@ -31,6 +31,12 @@ class Inertia:
         return self + Inertia(-other.mass, scaled(sympy.S.NegativeOne, other.moment), _tensor([-entry for entry in other.tensor]))
 
     @property
+    def wheel(self) -> sympy.Expr:
+        """What zz is more than that of a flat body's xx and yy; turning about z leaves it."""
+        xx, yy, zz, _, _, _ = self.tensor
+        return zz - xx - yy
+
+    @property
     def columns(self) -> Columns:
         """The tensor as a matrix."""
         xx, yy, zz, xy, xz, yz = self.tensor

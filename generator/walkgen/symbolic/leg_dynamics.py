@@ -29,20 +29,15 @@ _ZERO = sympy.S.Zero
 
 
 class LegDynamics:
-    """What a builder works with: one leg, on a tape of its own."""
+    """What a builder works with: one leg's tree, on a tape of its own."""
 
-    def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
-        self.mechanism, self.leg, self.tape = mechanism, leg, Tape()
+    def __init__(self, mechanism: Mechanism, leg: Limb, tree: Tree, tape: Tape) -> None:
+        self.leg, self.tree, self.tape = leg, tree, tape
         self.ports = {port.name: port for port in _ports(leg.joints)}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
         self.drives = drives([(joint.name, joint) for joint in leg.joints], mechanism, self.tape)
         x, y, z = (expression(component, parameter_symbols(mechanism)) for component in mechanism.gravity)
         self.gravity: Vec = constant_vector((x, y, z))
-
-    @cached_property
-    def tree(self) -> Tree:
-        """The leg's links."""
-        return regrouped(leg_tree(self.mechanism, self.leg, self.tape), self.tape, floating=False)
 
     @cached_property
     def turning(self) -> Turning:
@@ -207,13 +202,24 @@ DYNAMICS: dict[str, Entry] = {
 }
 
 
-def leg_dynamics(mechanism: Mechanism, leg: Limb, name: str) -> Function | None:
-    """One function of a leg; None where it does not exist: accelerations of a leg that can move without moving mass."""
-    entry, derivation = DYNAMICS[name], LegDynamics(mechanism, leg)
-    shape = (len(leg.joints),) * entry.rank
-    inputs = [derivation.ports[port] for port in entry.inputs]
-    words = signature(mechanism, leg.name, name, inputs, [Port(entry.output, shape, entry.unit(leg.joints))], entry.doc, entry.source)
-    try:
-        return derivation.tape.function(words, entry.build(derivation))
-    except SingularMatrixError:
-        return None
+class LegFunctions:
+    """Functions of one leg; its tree of links is made once."""
+
+    def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
+        self._mechanism, self._leg, self._tape = mechanism, leg, Tape()
+
+    @cached_property
+    def _tree(self) -> Tree:
+        return regrouped(leg_tree(self._mechanism, self._leg, self._tape), self._tape, floating=False)
+
+    def function(self, name: str) -> Function | None:
+        """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass."""
+        entry, joints, tree = DYNAMICS[name], self._leg.joints, self._tree
+        leg = LegDynamics(self._mechanism, self._leg, tree, self._tape.fork())
+        output = Port(entry.output, (len(joints),) * entry.rank, entry.unit(joints))
+        inputs = [leg.ports[port] for port in entry.inputs]
+        words = signature(self._mechanism, self._leg.name, name, inputs, [output], entry.doc, entry.source)
+        try:
+            return leg.tape.function(words, entry.build(leg))
+        except SingularMatrixError:
+            return None

@@ -43,20 +43,19 @@ class Motion:
         return (ux, uy, tape.vector(f"{name}_field_z", (first, second, -(x**2) - y**2)))
 
 
-def accelerated(motion: Motion, inertia: Inertia, tape: Tape, name: str) -> Wrench:
-    """What moves a body: mass times acceleration, and the moments of it about the origin."""
+def accelerated(motion: Motion, inertia: Inertia, wheel: sympy.Expr, tape: Tape, name: str) -> Wrench:
+    """What moves a body: mass times acceleration, and the moments of it about the origin; `wheel` is the inertia's."""
     ux, uy, uz = motion.field(tape, name)
     force = plus(scaled(inertia.mass, motion.origin), times((ux, uy, uz), inertia.moment))
-    moment = plus(tape.vector(f"{name}_heave", cross(inertia.moment, motion.origin)), _turning(motion, inertia, (ux, uy, uz)))
+    moment = plus(tape.vector(f"{name}_heave", cross(inertia.moment, motion.origin)), _turning(motion, inertia, wheel, (ux, uy, uz)))
     return Wrench(tape.vector(f"{name}_inertial_force", force), tape.vector(f"{name}_inertial_moment", moment))
 
 
-def _turning(motion: Motion, inertia: Inertia, field: Columns) -> Vec:
+def _turning(motion: Motion, inertia: Inertia, wheel: sympy.Expr, field: Columns) -> Vec:
     """J dw/dt + w x J w, written with the entries of U that are there anyway."""
     xx, yy, zz, xy, xz, yz = inertia.tensor
     wx, wy, wz = motion.spin
     (_, u10, u20), (u01, _, u21), (u02, u12, _) = field
-    wheel = zz - xx - yy
     x = u21 * xx - u20 * xy + (wy**2 - wz**2) * yz + u10 * xz + wheel * wy * wz
     y = -u20 * yy + u21 * xy + (wz**2 - wx**2) * xz - u01 * yz - wheel * wx * wz
     z = motion.rate * zz + wx * wy * (yy - xx) + (wx**2 - wy**2) * xy + u02 * yz - u12 * xz
@@ -126,7 +125,7 @@ class NewtonEuler:
         """What every joint transmits, in its group's axes about the link's origin, and what the base does."""
         own = [self._own(index) for index in range(len(self.links))]
         parallel = [Wrench() for _ in self.links]
-        base = accelerated(self.base, self.turning.tree.base, self.tape, "base") + self._at_feet(BASE)
+        base = accelerated(self.base, self.turning.tree.base, self.turning.tree.base.wheel, self.tape, "base") + self._at_feet(BASE)
         for index in reversed(range(len(self.links))):
             link = self.links[index]
             total = grouped(self.turning, index, own[index].named(self.tape, f"{link.name}_own")) + parallel[index]
@@ -143,7 +142,8 @@ class NewtonEuler:
     def _own(self, index: int) -> Wrench:
         motion = self._motions[index]
         inertia = self.turning.inertia(index, first="x" if motion.spin[0] != 0 else "y")
-        return accelerated(motion, inertia, self.tape, self.links[index].name) + self._at_feet(index)
+        link = self.links[index]
+        return accelerated(motion, inertia, link.inertia.wheel, self.tape, link.name) + self._at_feet(index)
 
     def _at_feet(self, index: int) -> Wrench:
         """The reaction to forces on the feet of a link."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain
 
 import sympy
@@ -13,7 +14,9 @@ from walkgen.symbolic.floating import FloatingDynamics, tau_unit, triple
 from walkgen.symbolic.forward import flat
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.ports import signature
-from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, cross, plus, scaled, times
+from walkgen.symbolic.regroup import regrouped
+from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Tape, cross, plus, scaled, times
+from walkgen.symbolic.tree import Tree, robot_tree
 from walkgen.symbolic.velocities import Velocities, Velocity
 
 Exprs = Sequence[sympy.Expr]
@@ -203,11 +206,23 @@ ROBOT_DYNAMICS: dict[str, Entry] = {
 }
 
 
-def robot_dynamics(mechanism: Mechanism, name: str) -> Function | None:
-    """One function of the robot; None where it does not exist: there is no centre of a mass that is 0."""
-    entry, robot = ROBOT_DYNAMICS[name], FloatingDynamics(mechanism)
-    if entry.needs_mass and robot.moments.mass == 0:
-        return None
-    output = Port(entry.output, entry.shape(6 + len(robot.joints)), entry.unit(robot.joints))
-    words = signature(mechanism, "", name, [robot.ports[port] for port in entry.inputs], [output], entry.doc, entry.source)
-    return robot.tape.function(words, entry.build(robot))
+class FloatingFunctions:
+    """Functions of the robot on a floating base; its tree of links is made once."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self._mechanism, self._tape = mechanism, Tape()
+
+    @cached_property
+    def _tree(self) -> Tree:
+        return regrouped(robot_tree(self._mechanism, self._tape), self._tape, floating=True)
+
+    def function(self, name: str) -> Function | None:
+        """One of `ROBOT_DYNAMICS`; None where it does not exist: there is no centre of a mass that is 0."""
+        entry, tree = ROBOT_DYNAMICS[name], self._tree
+        robot = FloatingDynamics(self._mechanism, tree, self._tape.fork())
+        if entry.needs_mass and robot.moments.mass == 0:
+            return None
+        output = Port(entry.output, entry.shape(6 + len(robot.joints)), entry.unit(robot.joints))
+        inputs = [robot.ports[port] for port in entry.inputs]
+        words = signature(self._mechanism, "", name, inputs, [output], entry.doc, entry.source)
+        return robot.tape.function(words, entry.build(robot))

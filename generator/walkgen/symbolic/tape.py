@@ -40,6 +40,12 @@ class Tape:
         self._known[expression] = symbol
         return symbol
 
+    def fork(self) -> "Tape":
+        """Another tape that begins with what is on this one."""
+        other = Tape()
+        other._entries, other._known, other._uses = list(self._entries), dict(self._known), Counter(self._uses)
+        return other
+
     def vector(self, name: str, vector: Sequence[sympy.Expr]) -> Vec:
         """Three components under `name_x`, `name_y`, `name_z`."""
         x, y, z = (self.let(f"{name}_{axis}", component) for axis, component in zip("xyz", vector, strict=True))
