@@ -3,7 +3,10 @@
 #include <stdint.h>
 #include <time.h>
 
-enum { INPUTS = 3 }; /* q or p: every function of the benchmark takes three numbers (and a branch) */
+#ifndef WIDTH
+#define WIDTH 3 /* q or p: every function of a leg takes three numbers (and a branch) */
+#endif
+enum { INPUTS = WIDTH };
 
 typedef int32_t (*row_function)(const double *in, int32_t branch, double *out, int32_t *status);
 typedef size_t (*batch_function)(size_t rows, const double *in, const int32_t *branch, double *out, int32_t *status);

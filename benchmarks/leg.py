@@ -3,14 +3,17 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from chains import Array, read_chain
 
 S1, A2, A3 = 0.12, 0.35, 0.40
 """Height of the pitch axes above the platform, thigh, shank (m); every other length of the leg is zero."""
+
+_CHAIN = read_chain(Path(__file__).parents[1] / "specs" / "mero_leg.toml", "leg")
 
 SEED = 20240229
 TOLERANCE = 1e-9
@@ -70,17 +73,7 @@ def draw(rows: int, span: str) -> Inputs:
 
 def frames(q: Array) -> Array:
     """Platform and moved frames [rows,4,4,4] as products of classic DH matrices, straight from the spec's rows."""
-    found = [np.broadcast_to(np.eye(4), (len(q), 4, 4))]
-    for angle, (length, twist, offset) in zip(q.T, ((0.0, np.pi / 2, S1), (A2, 0.0, 0.0), (A3, 0.0, 0.0)), strict=True):
-        c, s, ca, sa, one = np.cos(angle), np.sin(angle), np.cos(twist), np.sin(twist), np.ones_like(angle)
-        matrix = [
-            [c, -s * ca, s * sa, length * c],
-            [s, c * ca, -c * sa, length * s],
-            [0 * one, sa * one, ca * one, offset * one],
-            [0 * one, 0 * one, 0 * one, one],
-        ]
-        found.append(found[-1] @ np.moveaxis(np.array(matrix), -1, 0))
-    return np.stack(found, axis=1)
+    return _CHAIN.frames(q)
 
 
 def _axes_and_jacobian(q: Array) -> tuple[Array, Array]:

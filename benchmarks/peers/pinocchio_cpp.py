@@ -15,12 +15,13 @@ DEFINES = (
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 )
 """What its CMake target defines."""
+LINK = (*DEFINES, f"-L{PREFIX / 'lib'}", f"-Wl,-rpath,{PREFIX / 'lib'}", "-lpinocchio_default")
+"""What its units are compiled and linked with."""
 
 
 def _sources() -> tuple[Source, ...]:
-    library = (f"-L{PREFIX / 'lib'}", f"-Wl,-rpath,{PREFIX / 'lib'}", "-lpinocchio_default")
     text = (HERE / "pinocchio.cpp").read_text()
-    return (Source("Pinocchio", "model", text, "c++", (PREFIX / "include", HEADERS), (*DEFINES, *library)),)
+    return (Source("Pinocchio", "model", text, "c++", (PREFIX / "include", HEADERS), LINK),)
 
 
 PEER = Peer("Pinocchio", _sources, "pin")
