@@ -1,4 +1,4 @@
-"""Affine and quadratic forms in the cosine and sine of a leg's last joint, or in its slide: what the general elimination adds and squares."""
+"""Affine and quadratic forms in cosine and sine of a leg's last joint, or in its slide: what the general elimination adds and squares."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
