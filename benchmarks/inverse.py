@@ -85,10 +85,8 @@ def show_comparison(found: Iterable[Entry]) -> None:
         ns = [f"{line['ns'][name]:.1f}" if name in line["ns"] else "" for name in ("default", "walkgen", *HANDS)]
         rows.append((f"{line['span']}, {line['title']}, {line['metric']}", *ns, *(f"{share:.2f}" for share in line["shares"].values())))
     print(table(heads, rows))
-    print(
     worst = ", ".join(f"{max(row[column] for row in rows)} {words}" for column, words in ((-2, "with its flags"), (-1, "with the best")))
     print(f"  ns a call; the bound is {BOUND} times by hand; at the worst {worst}\n")
-    )
 
 
 def show_solved(problem: Problem, entries: Iterable[Entry], refusals: Iterable[Entry]) -> None:
