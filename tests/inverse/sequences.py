@@ -1,5 +1,6 @@
 """Legs of every sequence of one to three turning and sliding joints, at right angles, parallel or askew, all in one robot."""
 
+from collections.abc import Sequence
 from functools import cache
 from itertools import product
 
@@ -29,19 +30,33 @@ def head(name: str, functions: tuple[str, ...] = FUNCTIONS, targets: tuple[str, 
     return HEAD.format(name=name, functions=next(words), targets=next(words))
 
 
-def leg(name: str, kinds: str, twists: str, generator: np.random.Generator, more: str = "") -> str:
+def design(name: str, rows: list[str], foot: str, mount: str = "") -> str:
+    """A leg of its own design: the text of every joint, the foot in the last frame, the mount's keys."""
+    lines = [f"[leg_designs.{name}]", 'dh = "classic"', f"foot = {{ xyz = [{foot}] }}"]
+    for index, row in enumerate(rows):
+        lines += [f"[[leg_designs.{name}.joints]]", f'name = "joint{index}"', row]
+    lines += ["[[legs]]", f'name = "{name}"', f'design = "{name}"', 'platform = "body"']
+    return "\n".join([*lines, *([f"mount = {{ {mount} }}"] if mount else []), ""])
+
+
+def row(kind: str, a: float, alpha: str, d: float, theta_deg: float, limits: str = "") -> str:
+    """A joint; `alpha` and `limits` with their keys."""
+    return f'type = "{"revolute" if kind == "r" else "prismatic"}"\na = {a}\n{alpha}\nd = {d}\ntheta_deg = {theta_deg}\n{limits}'
+
+
+def leg(name: str, kinds: str, twists: str, generator: np.random.Generator, limits: Sequence[str] = ()) -> str:
     """A leg of random lengths and angles with the given twists after every joint but the last, whose twist is random."""
 
     def length(most: float) -> float:
         return round(float(generator.choice([-1.0, 1.0]) * generator.uniform(0.05, most)), 3)
 
-    lines = [f"[leg_designs.{name}]", 'dh = "classic"', f"foot = {{ xyz = [{length(0.2)}, {length(0.2)}, {length(0.2)}] }}"]
-    for index, (kind, twist) in enumerate(zip(kinds, (*twists, "x"), strict=True)):
+    foot, rows = f"{length(0.2)}, {length(0.2)}, {length(0.2)}", []
+    for kind, twist, limit in zip(kinds, (*twists, "x"), limits or [""] * len(kinds), strict=True):
         alpha = TWISTS[twist] if TWISTS[twist] is not None else round(float(generator.uniform(-170, 170)), 2)
-        row = f"a = {length(0.5)}\nalpha_deg = {alpha}\nd = {length(0.3)}\ntheta_deg = {round(float(generator.uniform(-180, 180)), 1)}"
-        lines += [f"[[leg_designs.{name}.joints]]", f'name = "joint{index}"', f'type = "{"revolute" if kind == "r" else "prismatic"}"', row]
-    mount = f"mount = {{ xyz = [{length(0.3)}, {length(0.3)}, {length(0.3)}], rpy_deg = [{generator.integers(-90, 90)}, 20, 30] }}"
-    return "\n".join([*lines, more, "[[legs]]", f'name = "{name}"', f'design = "{name}"', 'platform = "body"', mount, ""])
+        theta = round(float(generator.uniform(-180, 180)), 1)
+        rows.append(row(kind, length(0.5), f"alpha_deg = {alpha}", length(0.3), theta, limit))
+    mount = f"xyz = [{length(0.3)}, {length(0.3)}, {length(0.3)}], rpy_deg = [{generator.integers(-90, 90)}, 20, 30]"
+    return design(name, rows, foot, mount)
 
 
 NAMES = tuple(f"{kinds}_{''.join(twists)}" for kinds in SEQUENCES for twists in product(TWISTS, repeat=len(kinds) - 1))
