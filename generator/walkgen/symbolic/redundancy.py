@@ -60,7 +60,7 @@ def _numbers(vector: Vec) -> _Point:
     found = []
     for item in vector:
         some = {symbol: random.Random(str(symbol)).uniform(0.3, 1.2) for symbol in item.free_symbols}  # noqa: S311
-        found.append(float(item.subs(some)))
+        found.append(complex(item.subs(some)).real)
     return found[0], found[1], found[2]
 
 
