@@ -130,3 +130,7 @@ def test_residue_is_zero_or_nan(row):
 @pytest.mark.parametrize("row", [(0.0, -1.0, 0), (-0.0, -1.0, 0), (1.0, 0.0, 0), (-1.0, -1.0, 0), (0.0, 0.0, 0)])
 def test_angle_is_the_c_librarys(row):
     assert interpret(lower(function_of(symbolic.Angle(x, y))), {"x": row})["y"] == [math.atan2(*row[:2])]
+
+
+def test_infinite_constants_keep_their_signs():
+    assert values_of(lower(function_of(-sympy.oo, sympy.oo, x)), (1.0, 2.0, 3.0)) == [-INF, INF, 1.0]

@@ -176,5 +176,5 @@ def _decimal(number: sympy.Expr) -> Decimal:
     if number.is_Integer:
         return Decimal(int(number))
     if number.is_infinite:
-        return Decimal("-Infinity" if number.is_negative else "Infinity")
+        return Decimal("-Infinity" if number.is_extended_negative else "Infinity")
     return Decimal(str(number.evalf(_DIGITS)))
