@@ -14,7 +14,7 @@ from oracles.dynamic_peer import DynamicPeer
 from oracles.measure import difference
 from walkgen.graph.lower import lower
 from walkgen.pipeline import mechanism_of
-from walkgen.symbolic.leg_dynamics import DYNAMICS, LegFunctions
+from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 
 ACCURACY = 1e-11

@@ -11,7 +11,7 @@ from walkgen.graph.interpret import interpret
 from walkgen.graph.lower import lower
 from walkgen.graph.program import Program
 from walkgen.pipeline import mechanism_of
-from walkgen.symbolic.leg_dynamics import DYNAMICS, LegFunctions
+from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 
 Array = np.ndarray
@@ -75,14 +75,20 @@ def robot_programs(spec: Path) -> dict[str, Program]:
 
 
 def value(program: Program, *inputs: Any, context: Any = None) -> Any:
-    """The output, shaped; inputs left out at the end are zeros; with a context, exact numbers in an object array."""
+    """The only output; as `values`."""
+    (found,) = values(program, *inputs, context=context)
+    return found
+
+
+def values(program: Program, *inputs: Any, context: Any = None) -> list[Any]:
+    """Every output, shaped; inputs left out at the end are zeros; with a context, exact numbers in an object array."""
     ports = program.signature.inputs
     given = [np.ravel(np.asarray(entry)) for entry in inputs]
     given += [np.zeros(port.size) for port in ports[len(given) :]]
     table = {port.name: list(entry) for port, entry in zip(ports, given, strict=True)}
-    (output,) = program.signature.outputs
-    elements = (interpret(program, table, context) if context else interpret(program, table))[output.name]
-    return np.array(elements, dtype=object if context else float).reshape(output.shape)[()]
+    found = interpret(program, table, context) if context else interpret(program, table)
+    kind = object if context else float
+    return [np.array(found[port.name], dtype=kind).reshape(port.shape)[()] for port in program.signature.outputs]
 
 
 def exact(values: Any) -> Array:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dynamic_legs import BODY, EXACT, SLIDE, SPECS, THIGH, YAW, exact, leg_programs, rate_along, spec_of, value, written
+from dynamic_legs import BODY, EXACT, SLIDE, SPECS, THIGH, YAW, exact, leg_programs, rate_along, spec_of, value, values, written
 
 from cases.to_spec import LEG_CASES, case, from_dh, from_tree
 from oracles.measure import difference
@@ -144,6 +144,22 @@ def integrated_energies(found, step):
     return energies
 
 
+def test_derivatives_of_the_efforts(leg, state):
+    """By q, qd and, as the mass matrix, qdd."""
+    q, qd, qdd = state
+
+    def efforts(both):
+        return value(leg["inverse_dynamics"], *both, exact(np.zeros(3)), context=EXACT)
+
+    by_q, by_qd = values(leg["inverse_dynamics_derivatives"], q, qd, qdd, context=EXACT)
+    slopes = (by_q, by_qd, value(leg["mass_matrix"], q, context=EXACT))
+    for which, slope in enumerate(slopes):
+        for index in range(len(q)):
+            way = exact(np.zeros((3, len(q))))
+            way[which, index] = EXACT.mpf(1)
+            assert np.max(np.abs(rate_along(efforts, np.array([q, qd, qdd]), way) - slope[:, index])) < 1e-18
+
+
 # ---- what a spec may say -------------------------------------------------------------------------------------------------------------
 
 
@@ -168,6 +184,9 @@ def test_friction_and_rotors(tmp_path):
         assert difference(value(driven["inverse_dynamics"], q, qd, qdd), tau) <= 1e-14
         assert difference(value(driven["mass_matrix"], q), value(plain["mass_matrix"], q) + np.diag(rotor)) <= 1e-14
         assert difference(value(driven["forward_dynamics"], q, qd, tau), qdd) <= 1e-11
+        plain_slopes, slopes = (values(found["inverse_dynamics_derivatives"], q, qd, qdd) for found in (plain, driven))
+        assert np.array_equal(slopes[0], plain_slopes[0])
+        assert difference(slopes[1], plain_slopes[1] + np.diag(viscous)) <= 1e-14
         energy = value(plain["kinetic_energy"], q, qd) + qd @ (rotor * qd) / 2
         assert difference(value(driven["kinetic_energy"], q, qd), energy) <= 1e-14
         for name in ("gravity_torque", "potential_energy"):
@@ -200,7 +219,8 @@ def test_runtime_parameters_reach_param(tmp_path):
     for name, program in free.items():
         inputs = [arguments[port.name] for port in program.signature.inputs]
         assert program.signature.inputs[-1].name == "param"
-        assert difference(value(program, *inputs), value(fixed[name], *inputs[:-1])) <= 1e-13, name
+        for one, other in zip(values(program, *inputs), values(fixed[name], *inputs[:-1]), strict=True):
+            assert difference(one, other) <= 1e-13, name
 
 
 def test_a_leg_without_mass_carries_forces_only(tmp_path):
@@ -229,10 +249,11 @@ def test_a_massless_tip_leaves_no_accelerations(tmp_path):
         ("bias", 53),
         ("mass_matrix", 35),
         ("gravity_torque", 7),
-        ("coriolis_matrix", 108),
+        ("coriolis_matrix", 73),
         ("forward_dynamics", 114),
         ("kinetic_energy", 55),
         ("potential_energy", 9),
+        ("inverse_dynamics_derivatives", 173),
     ],
 )
 def test_plain_leg_costs_little(name, most):

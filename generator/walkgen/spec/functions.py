@@ -41,6 +41,7 @@ DYNAMICS_FUNCTIONS: Final = (
     "coriolis_matrix",
     "kinetic_energy",
     "potential_energy",
+    "inverse_dynamics_derivatives",
 )
 """Of every leg; `forward_dynamics` where every joint moves some mass."""
 

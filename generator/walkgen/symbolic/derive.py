@@ -9,7 +9,7 @@ from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
-from walkgen.symbolic.leg_dynamics import DYNAMICS, LegFunctions
+from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach

@@ -40,6 +40,11 @@ class Tape:
         self._known[expression] = symbol
         return symbol
 
+    @property
+    def lines(self) -> tuple[tuple[sympy.Symbol, sympy.Expr], ...]:
+        """What is on the tape, in order."""
+        return tuple(self._entries)
+
     def fork(self) -> "Tape":
         """Another tape that begins with what is on this one."""
         other = Tape()

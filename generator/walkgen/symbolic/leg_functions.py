@@ -1,0 +1,138 @@
+"""Functions of one leg's dynamics: their ports, builders and words."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy
+
+from walkgen.model.mechanism import Joint, Limb, Mechanism
+from walkgen.signature import Port
+from walkgen.symbolic.drives import effort_unit
+from walkgen.symbolic.function import Function
+from walkgen.symbolic.leg_dynamics import (
+    LegDynamics,
+    bias,
+    coriolis_matrix,
+    forward_dynamics,
+    gravity_torque,
+    inverse_dynamics,
+    inverse_dynamics_derivatives,
+    kinetic_energy,
+    mass_matrix,
+    potential_energy,
+)
+from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.regroup import regrouped
+from walkgen.symbolic.tape import Tape
+from walkgen.symbolic.tree import Tree, leg_tree
+from walkgen.symbolic.triangular import SingularMatrixError
+
+Exprs = Sequence[sympy.Expr]
+Ports = Callable[[Sequence[Joint]], tuple[Port, ...]]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One generated function of a leg: names of the inputs, outputs, builder of all outputs' elements, words."""
+
+    inputs: tuple[str, ...]
+    outputs: Ports
+    build: Callable[[LegDynamics], Exprs]
+    doc: str
+    source: str
+
+
+def _mass_unit(joints: Sequence[Joint]) -> str:
+    kinds = frozenset(joint.kind for joint in joints)
+    return {frozenset({"revolute"}): "kg m^2", frozenset({"prismatic"}): "kg"}.get(kinds, "kg m^2, kg m or kg")
+
+
+def _one(name: str, rank: int, unit: Callable[[Sequence[Joint]], str]) -> Ports:
+    """A number, vector or matrix over the joints."""
+    return lambda joints: (Port(name, (len(joints),) * rank, unit(joints)),)
+
+
+_HELD = "the platform is held, gravity is the spec's in the platform's axes"
+_NEWTON_EULER = "recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters"
+_EULER = "composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters"
+_FORCE = "f is the ground's force on the foot, in the platform's axes"
+
+DYNAMICS: dict[str, Entry] = {
+    "inverse_dynamics": Entry(
+        ("q", "qd", "qdd", "f"),
+        _one("tau", 1, effort_unit),
+        inverse_dynamics,
+        f"Joint efforts of a motion, M qdd + C qd + gravity + friction - J' f; {_HELD}, {_FORCE}.",
+        _NEWTON_EULER,
+    ),
+    "forward_dynamics": Entry(
+        ("q", "qd", "tau", "f"),
+        lambda joints: (joint_port("qdd", joints, "/s^2"),),
+        forward_dynamics,
+        f"Joint accelerations of efforts tau; {_HELD}, {_FORCE}.",
+        f"{_EULER}, then L' D L (Featherstone 2005)",
+    ),
+    "mass_matrix": Entry(("q",), _one("M", 2, _mass_unit), mass_matrix, "Mass matrix, rotors included.", _EULER),
+    "bias": Entry(
+        ("q", "qd"),
+        _one("h", 1, effort_unit),
+        bias,
+        f"Joint efforts without acceleration, C qd + gravity + friction; {_HELD}.",
+        _NEWTON_EULER,
+    ),
+    "gravity_torque": Entry(("q",), _one("g", 1, effort_unit), gravity_torque, f"Joint efforts that hold the leg; {_HELD}.", _NEWTON_EULER),
+    "coriolis_matrix": Entry(
+        ("q", "qd"),
+        _one("C", 2, lambda joints: f"{effort_unit(joints)} s"),
+        coriolis_matrix,
+        "Coriolis matrix of Christoffel symbols: dM/dt - 2 C is skew; friction is left out.",
+        "composite bodies with moments of their velocities (after Echeandia and Wensing 2021)",
+    ),
+    "kinetic_energy": Entry(
+        ("q", "qd"),
+        _one("T", 0, lambda _: "J"),
+        kinetic_energy,
+        "Kinetic energy, rotors included; the platform is held.",
+        "sum of p . v / 2",
+    ),
+    "potential_energy": Entry(
+        ("q",),
+        _one("U", 0, lambda _: "J"),
+        potential_energy,
+        "Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.",
+        "U = - m g . c",
+    ),
+    "inverse_dynamics_derivatives": Entry(
+        ("q", "qd", "qdd"),
+        lambda joints: (
+            *_one("tau_d_q", 2, lambda moved: f"{effort_unit(moved)} per {joint_port('q', moved).unit}")(joints),
+            *_one("tau_d_qd", 2, lambda moved: f"{effort_unit(moved)} per {joint_port('q', moved, '/s').unit}")(joints),
+        ),
+        inverse_dynamics_derivatives,
+        f"Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; {_HELD}.",
+        "forward differentiation of recursive Newton-Euler",
+    ),
+}
+
+
+class LegFunctions:
+    """Functions of one leg; its tree of links is made once."""
+
+    def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
+        self._mechanism, self._leg, self._tape = mechanism, leg, Tape()
+
+    @cached_property
+    def _tree(self) -> Tree:
+        return regrouped(leg_tree(self._mechanism, self._leg, self._tape), self._tape, floating=False)
+
+    def function(self, name: str) -> Function | None:
+        """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass."""
+        entry, joints, tree = DYNAMICS[name], self._leg.joints, self._tree
+        leg = LegDynamics(self._mechanism, self._leg, tree, self._tape.fork())
+        inputs = [leg.ports[port] for port in entry.inputs]
+        words = signature(self._mechanism, self._leg.name, name, inputs, entry.outputs(joints), entry.doc, entry.source)
+        try:
+            return leg.tape.function(words, entry.build(leg))
+        except SingularMatrixError:
+            return None
