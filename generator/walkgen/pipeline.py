@@ -16,6 +16,7 @@ from walkgen.graph.differentiate import derivative
 from walkgen.graph.lower import lower
 from walkgen.graph.passes import fused
 from walkgen.graph.program import Composite, Program
+from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Mechanism
 from walkgen.spec.read import read
@@ -75,7 +76,7 @@ def generate(path: Path, options: BuildOptions = BuildOptions(), progress: Progr
     progress("read")
     spec = read(path)
     mechanism = assemble(spec)
-    functions = tuple(_bodies(spec, mechanism, options, progress))
+    functions = shared(tuple(_bodies(spec, mechanism, options, progress)))
     targets = options.targets or tuple(spec.generate.targets)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     return RobotCode(mechanism, functions, digest, targets, options.fma, options.float32)

@@ -35,3 +35,8 @@ class RobotCode:
     targets: tuple[str, ...] = ("c", "casadi", "numpy")
     fma: bool = True
     float32: bool = False
+
+    @property
+    def public(self) -> frozenset[Program]:
+        """The functions that are one Program: Composites may call them."""
+        return frozenset(body for body in self.functions if isinstance(body, Program))

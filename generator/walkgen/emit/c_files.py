@@ -28,7 +28,9 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     """The header and the source in one precision."""
     printer = CPrinter(precision, code.fma)
     kernels = _kernels(code, printer)
-    functions = [(_public(body, kernels, printer), batch_function(body.signature, precision)) for body in code.functions]
+    programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
+    known = kernels | programs
+    functions = [(_public(body, known, printer), batch_function(body.signature, precision)) for body in code.functions]
     return _header(code, precision, functions), _source(code, precision, list(kernels.values()), functions)
 
 
@@ -86,17 +88,18 @@ def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], fun
     )
 
 
-def _public(body: Program | Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
-    return program_function(body, printer) if isinstance(body, Program) else composite_function(body, kernels, printer)
+def _public(body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
+    return known[body] if isinstance(body, Program) else composite_function(body, known, printer)
 
 
 def _kernels(code: RobotCode, printer: CPrinter) -> dict[Program, CFunction]:
-    """Every Program that Composites call, once each, as `<function>_kernel`, numbered where two share the name."""
+    """Every Program that Composites alone call, once each, as `<function>_kernel`, numbered where two share the name."""
+    public = code.public
     kernels: dict[Program, CFunction] = {}
     taken: set[str] = set()
     for body in code.functions:
         for call in body.calls if isinstance(body, Composite) else ():
-            if isinstance(call.callee, Program) and call.callee not in kernels:
+            if isinstance(call.callee, Program) and call.callee not in kernels and call.callee not in public:
                 name = _free(f"{function_name(call.callee.signature, printer.precision)}_kernel", taken)
                 kernels[call.callee] = kernel(call.callee, name, printer)
     return kernels

@@ -1,6 +1,6 @@
 """Prints a robot's functions as CasADi SX expressions, in one file that needs casadi alone."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from keyword import kwlist
@@ -80,14 +80,15 @@ def casadi_artifact(code: RobotCode) -> Artifact:
     """`<robot>_casadi.py`: a builder a function; what needs an iterative routine and has no closed form is listed with the reason."""
     robot = code.mechanism.name
     forms = [(body, closed_form(body)) for body in code.functions]
+    public = code.public
     return lay_out(
         "casadi.py.jinja",
         f"{robot}_casadi.py",
         banner=banner(code),
         robot=robot,
         title=title(code, "CasADi"),
-        kernels=[_function(kernel, kernel, "_") for kernel in _kernels(form for _, form in forms)],
-        functions=[_function(body, form) for body, form in forms if form],
+        kernels=[_function(kernel, kernel, public, "_") for kernel in _kernels(form for _, form in forms) if kernel not in public],
+        functions=[_function(body, form, public) for body, form in forms if form],
         absent=[Absent(short_name(body.signature), _reason(body)) for body, form in forms if not form],
     )
 
@@ -130,10 +131,10 @@ def _reason(body: Body) -> str:
     return printable(f"it needs the iterative {' and '.join(routines)}" if routines else "it has no closed form")
 
 
-def _function(body: Body, form: Body, prefix: str = "") -> CasadiFunction:
+def _function(body: Body, form: Body, public: Collection[Program], prefix: str = "") -> CasadiFunction:
     signature = body.signature
     symbols = tuple(_symbol(port, "MX" if _repeats(form) else "SX") for port in form.signature.inputs)
-    lines = _composite_lines(form) if isinstance(form, Composite) else _program_lines(form)
+    lines = _composite_lines(form, public) if isinstance(form, Composite) else _program_lines(form)
     inputs, results = (", ".join(port.name for port in ports) for ports in (form.signature.inputs, form.signature.outputs))
     given, named = (_names(ports) for ports in (signature.inputs, signature.outputs))
     closing = listing("return ca.Function(", (f'"{signature.full_name}"', f"[{inputs}]", f"[{results}]", given, named), ")")
@@ -153,13 +154,15 @@ def _repeats(form: Body) -> bool:
     return isinstance(form, Composite) and any(call.repeat > 1 for call in form.calls)
 
 
-def _composite_lines(composite: Composite) -> Iterator[str]:
+def _composite_lines(composite: Composite, public: Collection[Program]) -> Iterator[str]:
     """The kernels' calls."""
     for call in composite.calls:
         assert isinstance(call.callee, Program), composite.signature.full_name
         count = len(call.callee.signature.inputs)
         arguments = [str(argument) for argument in call.arguments]
-        step = f"[{', '.join(arguments[count:])}] = _{short_name(call.callee.signature)}().call([{', '.join(arguments[:count])}])"
+        name = short_name(call.callee.signature)
+        function = f'_built("{name}")' if call.callee in public else f"_{name}()"
+        step = f"[{', '.join(arguments[count:])}] = {function}.call([{', '.join(arguments[:count])}])"
         if call.repeat > 1:
             yield f"    for _ in range({call.repeat}):"
         yield f"    {'    ' * (call.repeat > 1)}{step}"

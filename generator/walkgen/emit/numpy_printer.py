@@ -1,6 +1,6 @@
 """Prints a robot's functions as vectorised NumPy: the fall-back without a compiler, and code a person can read."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import product
@@ -74,7 +74,7 @@ class NumpyPrinter:
 def numpy_artifact(code: RobotCode) -> Artifact:
     """`<robot>_numpy.py`: every function, with numpy (and walkgen's solves where a function needs one) as its only imports."""
     robot = code.mechanism.name
-    public = [_program(body) if isinstance(body, Program) else _composite(body) for body in code.functions]
+    public = [_program(body) if isinstance(body, Program) else _composite(body, code.public) for body in code.functions]
     return lay_out(
         "numpy.py.jinja",
         f"{robot}_numpy.py",
@@ -88,14 +88,15 @@ def numpy_artifact(code: RobotCode) -> Artifact:
 
 
 def _kernels(code: RobotCode) -> tuple[Program, ...]:
-    """The Programs inside Composites, each once, in order of first use."""
+    """The Programs that are only inside Composites, each once, in order of first use."""
     bodies = [body for body in code.functions if isinstance(body, Composite)]
     found: dict[str, Program] = {}
     for program in (call.callee for body in bodies for call in body.calls if isinstance(call.callee, Program)):
         name = program.signature.full_name
         if found.setdefault(name, program) != program:
             raise AssertionError(f"two kernels are called {name}")
-    return tuple(found.values())
+    public = code.public
+    return tuple(program for program in found.values() if program not in public)
 
 
 def _imports(code: RobotCode) -> tuple[str, ...]:
@@ -123,19 +124,20 @@ def _program(program: Program, prefix: str = "") -> PythonFunction:
     return PythonFunction(prefix + short_name(signature), _parameters(program), summary(program), lines)
 
 
-def _composite(composite: Composite) -> PythonFunction:
+def _composite(composite: Composite, public: Collection[Program]) -> PythonFunction:
     signature = composite.signature
     arrays = listing(f"lead, {unpacked(port.name for port in signature.inputs)} = _arrays(", map(_given, signature.inputs), ")")
-    steps = tuple(_step(call) for call in composite.calls)
+    steps = tuple(_step(call, public) for call in composite.calls)
     spread = ", ".join(f"_spread(lead, {shape_text(port.shape)}, {_dtype(port)}, {port.name})" for port in signature.outputs)
     lines = (*arrays, *steps, f"    return {spread}")
     return PythonFunction(short_name(signature), _parameters(composite), summary(composite), lines)
 
 
-def _step(call: Call) -> str:
+def _step(call: Call, public: Collection[Program]) -> str:
     """One call; a guard only saves C the work, a routine leaves alone the rows that do not need it."""
     if isinstance(call.callee, Program):
-        name, taken = f"_{short_name(call.callee.signature)}", len(call.callee.signature.inputs)
+        prefix = "" if call.callee in public else "_"
+        name, taken = f"{prefix}{short_name(call.callee.signature)}", len(call.callee.signature.inputs)
         written = taken
     else:
         routine = ROUTINES[call.callee]

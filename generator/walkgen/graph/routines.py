@@ -39,7 +39,7 @@ _KNOWN = (
     Routine("wg_inverse_general_branch", "walkgen_inverse_general.h", "inverse_general", inputs=4, outputs=2),
     Routine("wg_nearest_row", "walkgen_rows.h", "rows", inputs=5, outputs=2),
     Routine("wg_admissible_row", "walkgen_rows.h", "rows", inputs=5, outputs=2),
-    Routine("wg_closest_within", "walkgen_reach.h", "reach", inputs=4, inouts=2),
+    Routine("wg_closest_within", "walkgen_within.h", "within", inputs=4, inouts=2),
     Routine("wg_inverse_reach", "walkgen_reach.h", "reach", inputs=5, outputs=2),
     Routine("wg_inverse_pose", "walkgen_reach.h", "reach", inputs=5, outputs=2),
     Routine("wg_adapt", "walkgen_adapt.h", "adapt", inputs=10, outputs=3),
