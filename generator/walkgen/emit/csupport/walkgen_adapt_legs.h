@@ -1,0 +1,191 @@
+/* walkgen_adapt_legs.h: legs that follow their platform, each foot on its target; walkgen_math.h explains the macros.
+ *
+ * A leg is continued by Newton from its last pose; where that does not reach the target to rounding, or leads far away, the closed form
+ * (walkgen_inverse_general.h) gives all poses, of which the nearest on the same sheet (sign of det J) counts.
+ */
+#include "walkgen_inverse_general.h"
+#include "walkgen_tree.h"
+
+#if (WG_REAL_BITS == 64 && !defined(WALKGEN_ADAPT_LEGS_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_ADAPT_LEGS_F32))
+#if WG_REAL_BITS == 64
+#define WALKGEN_ADAPT_LEGS_F64
+#define WG_LIBM(name) name
+#define WG_REGULAR WG_C(1e-9)
+#else
+#define WALKGEN_ADAPT_LEGS_F32
+#define WG_LIBM(name) name##f
+#define WG_REGULAR WG_C(1e-5)
+#endif
+
+/* A foot's last three joints at q = 0, as wg_inverse_general takes them too. reach: the longest lever of a turning joint, or 1; spans: the
+ * unit of each joint's distance. */
+struct WG_NAME(wg_adapt_leg) {
+    struct WG_NAME(wg_chain) chain;
+    WG_REAL geometry[21], reach, spans[3];
+    int32_t sequence;
+    int base;
+};
+
+/* Joint values, how far the foot is from its target (root platform's axes), and the sign of det J, 0 near singular poses. */
+struct WG_NAME(wg_adapt_pose) {
+    WG_REAL q[3], gap[3];
+    int sheet;
+};
+
+/* The leg of a foot; half: the unit of every joint's distance [nq]. */
+static inline void WG_NAME(wg_adapt_leg_of)(const struct WG_NAME(wg_tree) * tree, int foot, const WG_REAL *half,
+                                            struct WG_NAME(wg_adapt_leg) * leg) {
+    WG_REAL arm[3], swept[3];
+    int i, j;
+    leg->base = tree->base[foot];
+    leg->sequence = 1;
+    leg->reach = WG_C(0.0);
+    leg->chain.n = 3;
+    for (i = 0; i < 3; ++i) {
+        leg->chain.foot[i] = leg->geometry[18 + i] = tree->footholds[3 * foot + i];
+    }
+    for (j = 0; j < 3; ++j) {
+        const int joint = tree->leg[foot][j];
+        for (i = 0; i < 3; ++i) {
+            leg->chain.axis[j][i] = leg->geometry[6 * j + i] = tree->joints[6 * joint + i];
+            leg->chain.point[j][i] = leg->geometry[6 * j + 3 + i] = tree->joints[6 * joint + 3 + i];
+        }
+        leg->spans[j] = half[joint];
+        leg->chain.slides[j] = tree->slides[joint];
+        leg->sequence = 2 * leg->sequence + tree->slides[joint];
+        WG_NAME(wg_add)(leg->chain.foot, WG_C(-1.0), leg->chain.point[j], arm);
+        WG_NAME(wg_cross)(leg->chain.axis[j], arm, swept);
+        leg->reach = tree->slides[joint] ? leg->reach : WG_MAX(WG_NAME(wg_norm)(swept), leg->reach);
+    }
+    leg->reach = leg->reach > WG_C(0.0) ? leg->reach : WG_C(1.0);
+}
+
+/* The sign of det J, 0 where it is small against the leg's reach. */
+static inline int WG_NAME(wg_adapt_sheet)(const struct WG_NAME(wg_adapt_leg) * leg, const struct WG_NAME(wg_motion) * at) {
+    WG_REAL minor[3], determinant;
+    int j;
+    WG_NAME(wg_cross)(at->column[1], at->column[2], minor);
+    determinant = WG_NAME(wg_dot)(at->column[0], minor);
+    for (j = 0; j < 3; ++j) {
+        determinant /= leg->chain.slides[j] ? WG_C(1.0) : leg->reach;
+    }
+    return !(WG_ABS(determinant) > WG_REGULAR) ? 0 : determinant > WG_C(0.0) ? 1 : -1;
+}
+
+/* The sum of squares of joint differences over their units. */
+static inline WG_REAL WG_NAME(wg_adapt_distance)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL a[3], const WG_REAL b[3]) {
+    WG_REAL total = WG_C(0.0);
+    int j;
+    for (j = 0; j < 3; ++j) {
+        total += (a[j] - b[j]) / leg->spans[j] * ((a[j] - b[j]) / leg->spans[j]);
+    }
+    return total;
+}
+
+/* Turning joints by full turns as near to the reference as they come. */
+static inline void WG_NAME(wg_adapt_unwound)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL row[3], const WG_REAL reference[3],
+                                             WG_REAL q[3]) {
+    int j;
+    for (j = 0; j < 3; ++j) {
+        const WG_REAL turns = leg->chain.slides[j] ? WG_C(0.0) : WG_LIBM(rint)((row[j] - reference[j]) / (WG_C(2.0) * WG_PI));
+        q[j] = row[j] - WG_C(2.0) * WG_PI * turns;
+    }
+}
+
+/* The pose of the closed form nearest to a reference: one that reaches the target, a regular one first. 0 where q is no number. */
+static inline int WG_NAME(wg_adapt_closed)(const struct WG_NAME(wg_adapt_leg) * leg, const struct WG_NAME(wg_tree_motion) * at,
+                                           const WG_REAL target[3], const WG_REAL reference[3], struct WG_NAME(wg_adapt_pose) * pose) {
+    struct WG_NAME(wg_motion) here;
+    WG_REAL aim[3], rows[12], q[3], least = WG_INFINITY;
+    int32_t status[4];
+    int i, k, rank, best = 3, reaching = 0;
+    const int slots = WG_NAME(wg_slots_of)(leg->sequence);
+    WG_NAME(wg_tree_moved_back)(at, leg->base, target, aim);
+    WG_NAME(wg_inverse_general)(leg->geometry, aim, leg->sequence, rows, status);
+    for (i = 0; i < slots; ++i) {
+        reaching |= status[i] == WALKGEN_OK || status[i] == WALKGEN_SINGULAR;
+    }
+    for (i = 0; i < slots; ++i) {
+        WG_REAL distance;
+        int sheet;
+        if (status[i] == WALKGEN_BAD_INPUT) {
+            return 0;
+        }
+        if (reaching && status[i] != WALKGEN_OK && status[i] != WALKGEN_SINGULAR) {
+            continue;
+        }
+        WG_NAME(wg_adapt_unwound)(leg, rows + 3 * i, reference, q);
+        WG_NAME(wg_motion_at)(&leg->chain, q, &here);
+        sheet = WG_NAME(wg_adapt_sheet)(leg, &here);
+        distance = WG_NAME(wg_adapt_distance)(leg, q, reference);
+        rank = sheet == 0;
+        if (best == 3 || rank < best || (rank == best && distance < least)) {
+            best = rank;
+            least = distance;
+            pose->sheet = sheet;
+            WG_NAME(wg_tree_moved)(at, leg->base, here.foot, pose->gap);
+            for (k = 0; k < 3; ++k) {
+                pose->q[k] = q[k];
+                pose->gap[k] = reaching ? WG_C(0.0) : pose->gap[k] - target[k];
+            }
+        }
+    }
+    return 1;
+}
+
+/* Newton on the foot's position as long as the gap halves: whether it is down to rounding, and where that is. */
+static inline int WG_NAME(wg_adapt_newton)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL aim[3], WG_REAL q[3],
+                                           struct WG_NAME(wg_motion) * here) {
+    WG_REAL away[3], step[3], gap, size = WG_C(0.0);
+    int i, turn;
+    WG_NAME(wg_motion_at)(&leg->chain, q, here);
+    WG_NAME(wg_add)(here->foot, WG_C(-1.0), aim, away);
+    gap = WG_NAME(wg_norm)(away);
+    for (turn = 0; turn < 8 && gap > WG_C(0.0); ++turn) {
+        const WG_REAL before = gap;
+        if (!WG_NAME(wg_exact_step)(here, away, step) || !WG_NAME(wg_try_step)(&leg->chain, aim, step, q, here, away, &gap) ||
+            gap > WG_C(0.5) * before) {
+            break;
+        }
+    }
+    for (i = 0; i < 3; ++i) {
+        size += WG_ABS(leg->chain.foot[i]) + WG_ABS(aim[i]);
+    }
+    return gap <= WG_C(64.0) * WG_EPSILON * size;
+}
+
+/* The pose that continues the last one, on its sheet: whether there is one. */
+static inline int WG_NAME(wg_adapt_followed)(const struct WG_NAME(wg_adapt_leg) * leg, const struct WG_NAME(wg_tree_motion) * at,
+                                             const WG_REAL target[3], const struct WG_NAME(wg_adapt_pose) * last,
+                                             struct WG_NAME(wg_adapt_pose) * pose) {
+    struct WG_NAME(wg_motion) here;
+    WG_REAL aim[3], rows[12], q[3], most = WG_C(0.0), least = WG_INFINITY;
+    int32_t status[4];
+    int i, reached, found = 0;
+    WG_NAME(wg_tree_moved_back)(at, leg->base, target, aim);
+    *pose = *last;
+    pose->gap[0] = pose->gap[1] = pose->gap[2] = WG_C(0.0);
+    reached = WG_NAME(wg_adapt_newton)(leg, aim, pose->q, &here);
+    for (i = 0; i < 3; ++i) {
+        most = WG_MAX(most, WG_ABS(pose->q[i] - last->q[i]) / (leg->chain.slides[i] ? leg->reach : WG_C(1.0)));
+    }
+    if (reached && most <= WG_C(0.5) && WG_NAME(wg_adapt_sheet)(leg, &here) == last->sheet) {
+        return 1;
+    }
+    WG_NAME(wg_inverse_general)(leg->geometry, aim, leg->sequence, rows, status);
+    for (i = 0; i < WG_NAME(wg_slots_of)(leg->sequence); ++i) {
+        WG_NAME(wg_adapt_unwound)(leg, rows + 3 * i, last->q, q);
+        WG_NAME(wg_motion_at)(&leg->chain, q, &here);
+        if (status[i] == WALKGEN_OK && WG_NAME(wg_adapt_sheet)(leg, &here) == last->sheet &&
+            WG_NAME(wg_adapt_distance)(leg, q, last->q) < least) {
+            least = WG_NAME(wg_adapt_distance)(leg, q, last->q);
+            WG_NAME(wg_add)(q, WG_C(0.0), q, pose->q);
+            found = 1;
+        }
+    }
+    return found;
+}
+
+#undef WG_REGULAR
+#undef WG_LIBM
+#endif
