@@ -91,13 +91,13 @@ def show_comparison(found: Iterable[Entry]) -> None:
 
 def show_solved(problem: Problem, entries: Iterable[Entry], refusals: Iterable[Entry]) -> None:
     """Who reaches how many targets, and in what time."""
-    heads = (problem.title, "seed", "reached", "to 1 mm", "wrong", "its q found", "answers", "largest error", "us a call")
+    heads = (problem.title, "seed", "reached", "to 1 mm", "beyond", "its q found", "answers", "largest error", "us a call")
     rows = []
     for line in entries:
         shares = [f"{100 * line[name]:.1f} %" for name in ("reached", "close", "wrong", "found")]
         time = f"{1e-3 * line['ns']['throughput']:.3f}"
-        name = f"{line['peer']}: {line['form']}"
-        rows.append((name, line["seeds"] or "none", *shares, f"{line['branches']:.2f}", f"{line['error']:.0e}", time))
+        name, error = f"{line['peer']}: {line['form']}", f"{line['error']:.0e}" if line["reached"] else ""
+        rows.append((name, line["seeds"] or "none", *shares, f"{line['branches']:.2f}", error, time))
     print(table(heads, rows))
     for line in refusals:
         print(f"  REFUSED  {line['peer']}: {line['words']}")

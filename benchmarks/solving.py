@@ -17,7 +17,7 @@ from peers.source import HERE, Source
 from problems import Problem, Verdict
 
 _KIND = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p)
-_BUDGET = 1e9
+_BUDGET = 4e8
 """ns that one compiled solver's repetitions may take."""
 
 
