@@ -1,0 +1,117 @@
+"""Where a chain that does not reach its target comes to rest closest to it; the reference of walkgen_resting.h.
+
+Newton's method on half the squared error, with second derivatives, damped as far as its matrix and the error need it.
+"""
+
+import numpy as np
+
+from walkgen.runtime.solves.boxed import Box, boxed_descent, free_joints, stepped
+from walkgen.runtime.solves.rows import Reals, Truths
+from walkgen.runtime.solves.serial import EPSILON, Arm, Stance, every, reaches, stance_at
+from walkgen.runtime.solves.spatial import norm
+
+_STEPS = 200
+_SADDLE_STEPS = 16
+_SADDLES = 3
+_FLAT = 1e-10
+
+
+def come_to_rest(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
+    """Lead stances to rest where no way leads down, at most three times past a saddle: whether they get there [b]."""
+    at, rests = _slowed_down(arm, box, at)
+    for _ in range(_SADDLES):
+        rows = np.flatnonzero(rests & ~reaches(arm, at))
+        if rows.size:
+            after, left = _leave_saddle(arm.take(rows), box.take(rows), at.take(rows))
+            rows, after = rows[left], after.take(np.flatnonzero(left))
+        if not rows.size:
+            break
+        below, there = boxed_descent(arm.take(rows), box.take(rows), after.q)
+        slow = np.flatnonzero(~there)
+        rests[rows] = True
+        if slow.size:
+            still, rests[rows[slow]] = _slowed_down(arm.take(rows[slow]), box.take(rows[slow]), below.take(slow))
+            below = below.put(slow, still)
+        at = at.put(rows, below)
+    return at, rests
+
+
+def _slowed_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
+    """Lead stances to where no joint that may move brings the foot nearer, be it a saddle: whether they get there in 200 steps."""
+    flat = arm.reach * (at.gap + arm.reach)
+    damping = np.zeros(len(flat))
+    for _ in range(_STEPS):
+        free, slope = free_joints(box, at)
+        steep = norm(slope)
+        rows = np.flatnonzero((steep > EPSILON * flat) & (damping < 1e6 * flat))
+        if not rows.size:
+            break
+        step, found = _newton_step(curvature(arm.take(rows), at.take(rows)), free[rows], slope[rows], damping[rows])
+        after = stance_at(arm.take(rows), stepped(arm.take(rows), box.take(rows), at.q[rows], step))
+        less, same = ((after.gap < at.gap[rows] * (1.0 + sign * 4.0 * EPSILON)) for sign in (-1.0, 1.0))
+        better = found & (less | (same & (norm(free_joints(box.take(rows), after)[1]) < 0.5 * steep[rows])))
+        calm = np.where(damping[rows] < 1e-6 * flat[rows], 0.0, 0.1 * damping[rows])
+        damping[rows] = np.where(better, calm, np.maximum(10.0 * damping[rows], 1e-7 * flat[rows]))
+        at = at.put(rows[better], after.take(np.flatnonzero(better)))
+    return at, norm(free_joints(box, at)[1]) <= _FLAT * flat
+
+
+def _newton_step(matrix: Reals, free: Truths, slope: Reals, damping: Reals) -> tuple[Reals, Truths]:
+    """Newton's damped steps [b, n] of the free joints, and whether the matrix is positive [b]."""
+    values, vectors = np.linalg.eigh(_of_free(matrix, free))
+    shifted = values + damping[:, None]
+    found = np.min(shifted, axis=-1) > EPSILON * np.max(np.abs(values), axis=-1)
+    along = np.einsum("bji,bj->bi", vectors, slope) / np.where(found[:, None], shifted, 1.0)
+    return np.where(free, -np.einsum("bij,bj->bi", vectors, along), 0.0), found
+
+
+def _of_free(matrix: Reals, free: Truths) -> Reals:
+    """The rows and columns of free joints, those of the unit matrix for the others; the unit matrix where it is not finite."""
+    both = free[:, :, None] & free[:, None, :] & every(every(np.isfinite(matrix)))[:, None, None]
+    return np.where(both, matrix, np.eye(free.shape[-1]))
+
+
+def _leave_saddle(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
+    """Leave saddles along the direction of the most negative curvature, as far as that helps; which were left [b]."""
+    free, _ = free_joints(box, at)
+    values, vectors = np.linalg.eigh(_of_free(curvature(arm, at), free))
+    waiting = values[:, 0] < -8.0 * EPSILON * arm.reach * arm.reach
+    way = vectors[:, :, 0] / np.max(np.abs(vectors[:, :, 0]), axis=-1, keepdims=True)
+    left = np.zeros(len(values), bool)
+    share = 0.5
+    for turn in range(2 * _SADDLE_STEPS):
+        rows = np.flatnonzero(waiting & ~left)
+        if not rows.size:
+            break
+        after = stance_at(arm.take(rows), box.take(rows).clamped(at.q[rows] + share * way[rows]))
+        better = after.gap < at.gap[rows]
+        at = at.put(rows[better], after.take(np.flatnonzero(better)))
+        left[rows[better]] = True
+        share *= -1.0 if turn % 2 == 0 else -0.3
+    return at, left
+
+
+def curvature(arm: Arm, at: Stance) -> Reals:
+    """Second derivatives [b, n, n] of half the squared error by the joint values."""
+    columns, turning = np.swapaxes(at.jacobian, -1, -2), at.turning
+    n = turning.shape[1]
+    matrix = np.einsum("bik,bjk->bij", columns[..., :3], columns[..., :3])
+    second = np.cross(turning[:, :, None, :], columns[:, None, :, :3])
+    matrix = matrix + np.einsum("bijk,bk->bij", second, at.error[:, :3])
+    if arm.rotation is not None:
+        vector = at.error[:, 3:] / arm.length[:, None]
+        twist = 0.5 * np.einsum("bijk,bk->bij", np.cross(turning[:, :, None, :], turning[:, None, :, :]), vector)
+        matrix = matrix + (arm.length * arm.length)[:, None, None] * (_bend(vector, turning) + twist)
+    upper = np.triu(np.ones((n, n), bool))
+    return np.asarray(np.where(upper, matrix, np.swapaxes(matrix, -1, -2)))
+
+
+def _bend(vector: Reals, turning: Reals) -> Reals:
+    """Half the squared length of a rotation vector, twice along turns, less what the lengths themselves give: its shape on rotations."""
+    angle, around = norm(vector), np.einsum("bjk,bk->bj", turning, vector)
+    half = 0.5 * angle
+    curved, some = half > 1e-4, angle > 1e-150
+    factor = np.where(curved, half * np.cos(half) / np.where(curved, np.sin(half), 1.0), 1.0)[:, None, None]
+    square = np.where(some, angle * angle, 1.0)[:, None, None]
+    along = np.where(some[:, None, None], (1.0 - factor) * around[:, :, None] * around[:, None, :] / square, 0.0)
+    return np.asarray(factor * np.einsum("bik,bjk->bij", turning, turning) + along)
