@@ -17,14 +17,20 @@ SMALL = 30  # sympy operations of one line; a sum over three joints has 5, the l
 
 
 def functions_of(name):
-    """Every Function of a spec, those inside solves too."""
+    """Every Function of a spec, those inside solves and their closed forms too."""
     for derivation in pipeline.functions_of(SPECS / f"{name}.toml"):
-        if isinstance(derivation, Solve):
-            yield from (step.callee for step in derivation.steps if not isinstance(step.callee, str))
-            assert derivation.closed_form is not None
-            yield derivation.closed_form
-        else:
-            yield derivation
+        yield from inside(derivation)
+
+
+def inside(derivation):
+    if not isinstance(derivation, Solve):
+        yield derivation
+        return
+    for step in derivation.steps:
+        if not isinstance(step.callee, str):
+            yield from inside(step.callee)
+    if derivation.closed_form is not None:
+        yield from inside(derivation.closed_form)
 
 
 @pytest.mark.parametrize("fma", [True, False])
