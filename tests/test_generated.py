@@ -1,4 +1,4 @@
-"""The committed demo: every shipped spec's text is what a build writes today, and all of it stays small."""
+"""The committed demo: the text of every small shipped robot is what a build writes today, and all of it stays small."""
 
 from pathlib import Path
 
@@ -7,8 +7,9 @@ import pytest
 from walkgen.pipeline import stale
 
 ROOT = Path(__file__).parent.parent
-SPECS = sorted((ROOT / "specs").glob("*.toml"))
 GENERATED = ROOT / "generated"
+LARGE = {"mero", "mero_star", "mero_style", "solo12"}  # their text is megabytes: git ignores it, other tests build them
+SPECS = [spec for spec in sorted((ROOT / "specs").glob("*.toml")) if spec.stem not in LARGE]
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
@@ -17,11 +18,19 @@ def test_generated_text_is_what_a_build_writes(spec):
     assert not names, f"{', '.join(map(str, names))} stale; run: walkgen build {spec.relative_to(ROOT)}"
 
 
-def test_every_folder_has_a_spec():
-    folders = {folder.name for folder in GENERATED.iterdir() if folder.is_dir() and not folder.name.startswith(("_", "."))}
-    assert folders == {spec.stem for spec in SPECS}
+def test_every_small_robot_is_there_and_no_other():
+    folders = {path.relative_to(GENERATED).parts[0] for path in files()}
+    assert folders - LARGE == {spec.stem for spec in SPECS}
 
 
 def test_the_demo_is_under_six_megabytes():
-    files = [path for path in GENERATED.rglob("*") if path.is_file() and not {"_build", "__pycache__"} & set(path.parts)]
-    assert sum(path.stat().st_size for path in files) < 6_000_000
+    assert sum(path.stat().st_size for path in files() if path.relative_to(GENERATED).parts[0] not in LARGE) < 6_000_000
+
+
+def test_large_robots_are_ignored():
+    ignored = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    assert {f"/generated/{name}/" for name in LARGE} <= set(ignored)
+
+
+def files():
+    return [path for path in GENERATED.rglob("*") if path.is_file() and not {"_build", "__pycache__"} & set(path.parts)]
