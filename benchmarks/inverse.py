@@ -3,7 +3,7 @@
 First the Fig. 7 leg of specs/mero_leg.toml, one branch and all four, beside the formulas written by hand in by_hand.c (3 and 4 atan2, no
 status), everyone with its best flags; the bound is 1.2 times the hand-written version. Then targets that forward kinematics made, for that
 leg, for two legs of no special class and for a 6R arm: Newton's method on Pinocchio, Robotics Toolbox, EAIK and ssik, from near and from
-random seeds, with the share of targets they reach, or the words of their refusal.
+random seeds, with the share of targets they reach, or the words of their refusal; without a refusal of its own, why it was not tried.
 """
 
 import argparse
@@ -100,7 +100,7 @@ def show_solved(problem: Problem, entries: Iterable[Entry], refusals: Iterable[E
         rows.append((name, line["seeds"] or "none", *shares, f"{line['branches']:.2f}", error, time))
     print(table(heads, rows))
     for line in refusals:
-        print(f"  REFUSED  {line['peer']}: {line['words']}")
+        print(f"  WITHOUT  {line['peer']}: {line['words']}")
     print()
 
 

@@ -16,7 +16,7 @@ _SLOTS = 8
 def solvers(problem: Problem, refuse: Refuse) -> Iterable[Solver]:
     """The pose that the joint values made; for a position also the pose without turning. Least-squares answers do not count."""
     if "P" in problem.chain.kinds:
-        refuse("EAIK", "DhRobot(dh_alpha, dh_a, dh_d) has no word for a sliding joint")
+        refuse("EAIK", "not tried: DhRobot(dh_alpha, dh_a, dh_d) has no word for a sliding joint")
         return
     lengths, twists, offsets, turns = map(np.array, zip(*problem.chain.rows, strict=True))
     assert not turns.any()

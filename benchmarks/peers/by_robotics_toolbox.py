@@ -28,7 +28,7 @@ def solvers(problem: Problem, refuse: Refuse) -> Iterable[Solver]:
     robot = rtb.DHRobot([_link(kind, row) for kind, row in zip(problem.chain.kinds, problem.chain.rows, strict=True)])
     masks = {} if problem.posed else {"mask": [1, 1, 1, 0, 0, 0]}
     poses = problem.poses if problem.posed else np.array([SE3(*target).A for target in problem.targets])
-    slow = "its symbolic derivation of this arm takes tens of seconds"
+    slow = "not measured: it accepts this arm, and its symbolic derivation takes tens of seconds"
     refuse("Robotics Toolbox ikine_analytic", slow if problem.posed else refusal(lambda: robot.ikine_analytic(poses[0])))
     for method in ("ikine_LM", "ik_LM"):
         for name, tolerance in _TOLERANCES.items():

@@ -16,7 +16,7 @@ _ROWS = 512
 def solvers(problem: Problem, refuse: Refuse) -> Iterable[Solver]:
     """All solutions of a pose."""
     if "P" in problem.chain.kinds:
-        refuse("ssik", "Manipulator.from_dh: All joints revolute; the joint variable is the Z rotation.")
+        refuse("ssik", "not tried: Manipulator.from_dh says 'All joints revolute; the joint variable is the Z rotation.'")
         return
     lengths, twists, offsets, turns = map(np.array, zip(*problem.chain.rows, strict=True))
     assert not turns.any()
