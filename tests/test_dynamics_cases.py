@@ -21,6 +21,9 @@ LEG = (
     "coriolis_matrix",
     "kinetic_energy",
     "potential_energy",
+    "inverse_dynamics_derivatives",
+    "regressor",
+    "base_parameters",
 )
 ROBOT = ("com", "com_jacobian", "centroidal_momentum_matrix", "momentum", "momentum_rate", "demanded_wrench")
 ROBOT += ("floating_mass_matrix", "floating_inverse_dynamics")
@@ -80,6 +83,26 @@ def test_the_foot_force_may_be_left_out(built):
     assert difference(leg.inverse_dynamics(q, qd, qdd), tau) <= ACCURACY
     assert difference(leg.forward_dynamics(q, qd, tau), qdd) <= 1e-9
     assert difference(leg.inverse_dynamics(q[0], qd[0], qdd[0]), tau[0]) <= ACCURACY
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_functions_with_two_outputs(built, backend):
+    """As Python gives them: slopes by q and qd, the regressor of the fewest parameters and their values."""
+    data = case("puma560_first3")
+    conversion = from_tree(data, LEG)
+    robot, samples = built(conversion.text), data["samples"]
+    leg = getattr(robot, backend).legs[conversion.feet[0]]
+    q, qd, qdd, tau = (stacked(samples, key) for key in ("q", "qd", "qdd", "tau"))
+    Y, p = leg.base_parameters(q, qd, qdd)
+    assert difference(np.einsum("nij,nj->ni", Y, p), tau) <= ACCURACY
+    assert np.array_equal(p, np.tile(p[0], (len(q), 1)))
+    by_q, by_qd = leg.inverse_dynamics_derivatives(q, qd, qdd)
+    step = 1e-5
+    for slopes, way in ((by_q, np.array([1, 0])), (by_qd, np.array([0, 1]))):
+        for index in range(3):
+            shift = step * way[:, None] * np.eye(3)[index]
+            ahead, behind = (leg.inverse_dynamics(q + sign * shift[0], qd + sign * shift[1], qdd) for sign in (1, -1))
+            assert difference((ahead - behind) / (2 * step), slopes[:, :, index]) <= 1e-6
 
 
 def robot_arguments(data, order):

@@ -1,6 +1,6 @@
 """Legs for tests of dynamics: their Programs by name, and values from the interpreter in doubles or many digits."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -59,11 +59,11 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def leg_programs(spec: Path, index: int = 0) -> dict[str, Program]:
+def leg_programs(spec: Path, index: int = 0, names: Sequence[str] = tuple(DYNAMICS)) -> dict[str, Program]:
     """Of one leg, unfused."""
     mechanism = mechanism_of(spec)
     functions = LegFunctions(mechanism, mechanism.legs[index])
-    derived = {name: functions.function(name) for name in DYNAMICS}
+    derived = {name: functions.function(name) for name in names}
     return {name: lower(function, fma=False) for name, function in derived.items() if function}
 
 

@@ -42,6 +42,8 @@ DYNAMICS_FUNCTIONS: Final = (
     "kinetic_energy",
     "potential_energy",
     "inverse_dynamics_derivatives",
+    "regressor",
+    "base_parameters",
 )
 """Of every leg; `forward_dynamics` where every joint moves some mass."""
 

@@ -9,7 +9,7 @@ from walkgen.symbolic.inertia import Inertia
 from walkgen.symbolic.tape import IDENTITY
 from walkgen.symbolic.tree import BASE
 from walkgen.symbolic.turning import Turning
-from walkgen.symbolic.wrench import Wrench, carried, grouped
+from walkgen.symbolic.wrench import Wrench, along_route
 
 _ZERO = sympy.S.Zero
 
@@ -65,18 +65,7 @@ class CompositeBodies:
 
     def column(self, index: int) -> tuple[dict[int, sympy.Expr], Wrench]:
         """Mass matrix entries of the joint with itself and the links that bear it, by link, and the wrench on the base."""
-        wrench, found = self.unit_wrench(index), {}
-        unit = self.links[index].name
-        while True:
-            link = self.links[index]
-            effort = wrench.moment[2] if link.revolute else wrench.force[2]
-            found[index] = self.tape.let(f"M_{unit}_{link.name}", link.sense * effort)
-            wrench = carried(self.turning, index, wrench).named(self.tape, f"{unit}_on_{link.name}")
-            if link.parent == BASE:
-                return found, wrench
-            if link.turn is not None:
-                wrench = grouped(self.turning, link.parent, wrench)
-            index = link.parent
+        return along_route(self.turning, index, self.unit_wrench(index), f"M_{self.links[index].name}")
 
     @cached_property
     def columns(self) -> tuple[tuple[dict[int, sympy.Expr], Wrench], ...]:

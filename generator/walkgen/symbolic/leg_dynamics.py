@@ -9,6 +9,7 @@ import sympy
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port
+from walkgen.symbolic.base_parameters import base_regressor
 from walkgen.symbolic.composite_bodies import CompositeBodies
 from walkgen.symbolic.coriolis import Coriolis
 from walkgen.symbolic.drives import drives, effort_unit
@@ -17,6 +18,7 @@ from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.inertia import Inertia
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler
 from walkgen.symbolic.ports import joint_port
+from walkgen.symbolic.regressor import regressor_of
 from walkgen.symbolic.tangents import tangents
 from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, constant_vector, dot, scaled, symbols_of
 from walkgen.symbolic.tree import Tree
@@ -33,7 +35,7 @@ class LegDynamics:
     """What a builder works with: one leg's tree, on a tape of its own."""
 
     def __init__(self, mechanism: Mechanism, leg: Limb, tree: Tree, tape: Tape) -> None:
-        self.leg, self.tree, self.tape = leg, tree, tape
+        self.mechanism, self.leg, self.tree, self.tape = mechanism, leg, tree, tape
         self.ports = {port.name: port for port in _ports(leg.joints)}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
         self.drives = drives([(joint.name, joint) for joint in leg.joints], mechanism, self.tape)
@@ -59,6 +61,11 @@ class LegDynamics:
         base = Motion(origin=scaled(sympy.S.NegativeOne, gravity))
         forces = [(force[0], force[1], force[2])] if force else []
         return NewtonEuler(self.turning, rates, accelerations, base, forces).efforts
+
+    def moving(self) -> NewtonEuler:
+        """At qd and qdd."""
+        base = Motion(origin=scaled(sympy.S.NegativeOne, self.gravity))
+        return NewtonEuler(self.turning, self.symbols["qd"], self.symbols["qdd"], base)
 
     def newton_euler(self, rates: Exprs, accelerations: Exprs, force: Exprs = ()) -> Exprs:
         """Efforts of the joints, friction and rotors included."""
@@ -147,6 +154,17 @@ def inverse_dynamics_derivatives(leg: LegDynamics) -> Exprs:
     for index, drive in enumerate(leg.drives):
         by_qd[index][index] += drive.viscous
     return (*chain.from_iterable(by_q), *chain.from_iterable(by_qd))
+
+
+def regressor(leg: LegDynamics) -> Exprs:
+    """Row-major."""
+    return tuple(chain.from_iterable(regressor_of(leg.moving())))
+
+
+def base_parameters(leg: LegDynamics) -> Exprs:
+    """The regressor of the fewest parameters, row-major, then their values."""
+    rows, values = base_regressor(leg.mechanism, leg.moving(), leg.gravity)
+    return (*chain.from_iterable(rows), *values)
 
 
 def _ports(joints: Sequence[Joint]) -> Iterator[Port]:

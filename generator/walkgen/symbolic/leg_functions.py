@@ -12,6 +12,7 @@ from walkgen.symbolic.drives import effort_unit
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.leg_dynamics import (
     LegDynamics,
+    base_parameters,
     bias,
     coriolis_matrix,
     forward_dynamics,
@@ -21,6 +22,7 @@ from walkgen.symbolic.leg_dynamics import (
     kinetic_energy,
     mass_matrix,
     potential_energy,
+    regressor,
 )
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.regroup import regrouped
@@ -29,18 +31,23 @@ from walkgen.symbolic.tree import Tree, leg_tree
 from walkgen.symbolic.triangular import SingularMatrixError
 
 Exprs = Sequence[sympy.Expr]
-Ports = Callable[[Sequence[Joint]], tuple[Port, ...]]
+Ports = Callable[[Sequence[Joint], int], tuple[Port, ...]]
+"""Outputs of a leg with these joints, that have so many elements together."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One generated function of a leg: names of the inputs, outputs, builder of all outputs' elements, words."""
+    """One generated function of a leg: names of the inputs, outputs, builder of all outputs' elements, words.
+
+    `by_value` lets the inertias' own numbers simplify the leg.
+    """
 
     inputs: tuple[str, ...]
     outputs: Ports
     build: Callable[[LegDynamics], Exprs]
     doc: str
     source: str
+    by_value: bool = True
 
 
 def _mass_unit(joints: Sequence[Joint]) -> str:
@@ -50,9 +57,10 @@ def _mass_unit(joints: Sequence[Joint]) -> str:
 
 def _one(name: str, rank: int, unit: Callable[[Sequence[Joint]], str]) -> Ports:
     """A number, vector or matrix over the joints."""
-    return lambda joints: (Port(name, (len(joints),) * rank, unit(joints)),)
+    return lambda joints, _: (Port(name, (len(joints),) * rank, unit(joints)),)
 
 
+_PER_PARAMETER = "effort per unit of the parameter"
 _HELD = "the platform is held, gravity is the spec's in the platform's axes"
 _NEWTON_EULER = "recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters"
 _EULER = "composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters"
@@ -68,7 +76,7 @@ DYNAMICS: dict[str, Entry] = {
     ),
     "forward_dynamics": Entry(
         ("q", "qd", "tau", "f"),
-        lambda joints: (joint_port("qdd", joints, "/s^2"),),
+        lambda joints, _: (joint_port("qdd", joints, "/s^2"),),
         forward_dynamics,
         f"Joint accelerations of efforts tau; {_HELD}, {_FORCE}.",
         f"{_EULER}, then L' D L (Featherstone 2005)",
@@ -105,13 +113,33 @@ DYNAMICS: dict[str, Entry] = {
     ),
     "inverse_dynamics_derivatives": Entry(
         ("q", "qd", "qdd"),
-        lambda joints: (
-            *_one("tau_d_q", 2, lambda moved: f"{effort_unit(moved)} per {joint_port('q', moved).unit}")(joints),
-            *_one("tau_d_qd", 2, lambda moved: f"{effort_unit(moved)} per {joint_port('q', moved, '/s').unit}")(joints),
+        lambda joints, _: (
+            Port("tau_d_q", (len(joints), len(joints)), f"{effort_unit(joints)} per {joint_port('q', joints).unit}"),
+            Port("tau_d_qd", (len(joints), len(joints)), f"{effort_unit(joints)} per {joint_port('q', joints, '/s').unit}"),
         ),
         inverse_dynamics_derivatives,
         f"Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; {_HELD}.",
         "forward differentiation of recursive Newton-Euler",
+    ),
+    "regressor": Entry(
+        ("q", "qd", "qdd"),
+        lambda joints, _: (Port("Y", (len(joints), 10 * len(joints)), _PER_PARAMETER),),
+        regressor,
+        "Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia about the "
+        "origin of its joint's frame, in that frame's axes; friction and rotors are left out.",
+        "recursive Newton-Euler of unit parameters",
+    ),
+    "base_parameters": Entry(
+        ("q", "qd", "qdd"),
+        lambda joints, elements: (
+            Port("Y", (len(joints), elements // (len(joints) + 1)), _PER_PARAMETER),
+            Port("p", (elements // (len(joints) + 1),), "kg, kg m and kg m^2"),
+        ),
+        base_parameters,
+        "The fewest inertial parameters p that joint efforts depend on, as the spec has them, and the efforts' regressor Y: Y p is "
+        "inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over links.",
+        "Gautier and Khalil 1990, numerically confirmed at 50 digits",
+        by_value=False,
     ),
 }
 
@@ -123,16 +151,22 @@ class LegFunctions:
         self._mechanism, self._leg, self._tape = mechanism, leg, Tape()
 
     @cached_property
-    def _tree(self) -> Tree:
-        return regrouped(leg_tree(self._mechanism, self._leg, self._tape), self._tape, floating=False)
+    def _described(self) -> Tree:
+        return leg_tree(self._mechanism, self._leg, self._tape)
+
+    @cached_property
+    def _fewest(self) -> Tree:
+        return regrouped(self._described, self._tape, floating=False)
 
     def function(self, name: str) -> Function | None:
         """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass."""
-        entry, joints, tree = DYNAMICS[name], self._leg.joints, self._tree
+        entry, joints = DYNAMICS[name], self._leg.joints
+        tree = self._fewest if entry.by_value else regrouped(self._described, self._tape, floating=False, by_value=False)
         leg = LegDynamics(self._mechanism, self._leg, tree, self._tape.fork())
-        inputs = [leg.ports[port] for port in entry.inputs]
-        words = signature(self._mechanism, self._leg.name, name, inputs, entry.outputs(joints), entry.doc, entry.source)
         try:
-            return leg.tape.function(words, entry.build(leg))
+            built = entry.build(leg)
         except SingularMatrixError:
             return None
+        inputs, outputs = [leg.ports[port] for port in entry.inputs], entry.outputs(joints, len(built))
+        words = signature(self._mechanism, self._leg.name, name, inputs, outputs, entry.doc, entry.source)
+        return leg.tape.function(words, built)

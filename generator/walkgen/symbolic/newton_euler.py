@@ -12,7 +12,7 @@ from functools import cached_property
 import sympy
 
 from walkgen.symbolic.inertia import Inertia
-from walkgen.symbolic.tape import ZERO_VECTOR, Columns, Tape, Vec, cross, minus, plus, scaled, times
+from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Columns, Tape, Vec, cross, dot, minus, plus, scaled, times
 from walkgen.symbolic.tree import BASE, Foot
 from walkgen.symbolic.turning import Turning
 from walkgen.symbolic.wrench import Wrench, carried, grouped
@@ -34,6 +34,16 @@ class Motion:
         x, y, z = self.spin
         return (y * z - self.pole[1], self.pole[0] - x * z, self.rate)
 
+    def entered(self, columns: Columns, tape: Tape, name: str) -> "Motion":
+        """In the axes `columns` of the motion's own."""
+        if columns == IDENTITY:
+            return self
+        spin, rates, origin = (_turned_into(columns, vector) for vector in (self.spin, self.rates(), self.origin))
+        x, y, z = tape.vector(f"{name}_spin_before", spin)
+        first, second, rate = tape.vector(f"{name}_rates_before", rates)
+        pole = (tape.let(f"{name}_pole_x", x * z + second), tape.let(f"{name}_pole_y", y * z - first))
+        return Motion((x, y, z), rate, pole, tape.vector(f"{name}_at_group", origin))
+
     def field(self, tape: Tape, name: str) -> Columns:
         """U: a point at r from the origin accelerates by U r more."""
         x, y, z = self.spin
@@ -41,6 +51,11 @@ class Motion:
         ux = tape.vector(f"{name}_field_x", (-(y**2) - z**2, x * y + self.rate, 2 * x * z - first))
         uy = tape.vector(f"{name}_field_y", (x * y - self.rate, -(x**2) - z**2, 2 * y * z - second))
         return (ux, uy, tape.vector(f"{name}_field_z", (first, second, -(x**2) - y**2)))
+
+
+def _turned_into(columns: Columns, vector: Vec) -> Vec:
+    x, y, z = (dot(column, vector) for column in columns)
+    return (x, y, z)
 
 
 def accelerated(motion: Motion, inertia: Inertia, wheel: sympy.Expr, tape: Tape, name: str) -> Wrench:
@@ -72,7 +87,7 @@ class NewtonEuler:
         self.rates, self.accelerations, self.base, self.forces = rates, accelerations, base, forces
 
     @cached_property
-    def _motions(self) -> tuple[Motion, ...]:
+    def motions(self) -> tuple[Motion, ...]:
         """Of every link, where its quantities live."""
         grouped: list[Motion] = []
         found: list[Motion] = []
@@ -89,7 +104,7 @@ class NewtonEuler:
         lever = self.turning.lever(index)
         swing = times(before.field(tape, self._side(index)), lever)
         origin = tape.vector(f"{name}_at", plus(before.origin, swing))
-        motion = self._entered(index, Motion(before.spin, before.rate, before.pole, origin))
+        motion = Motion(before.spin, before.rate, before.pole, origin).entered(link.turn or IDENTITY, tape, name)
         rate, acceleration = self.turning.along(self.rates, index), self.turning.along(self.accelerations, index)
         x, y, z = motion.spin
         if link.revolute:
@@ -103,18 +118,12 @@ class NewtonEuler:
         link = self.links[index]
         return "base" if link.parent == BASE else self.links[link.parent].name
 
-    def _entered(self, index: int, motion: Motion) -> Motion:
-        """The motion in the axes of the link's group."""
-        if self.links[index].turn is None:
-            return motion
-        name = self.links[index].name
-        x, y, z = self.turning.enter(index, motion.spin, f"{name}_spin_before")
-        first, second, rate = self.turning.enter(index, motion.rates(), f"{name}_rates_before")
-        pole = (self.tape.let(f"{name}_pole_x", x * z + second), self.tape.let(f"{name}_pole_y", y * z - first))
-        return Motion((x, y, z), rate, pole, self.turning.enter(index, motion.origin, f"{name}_at_group"))
+    def own_motion(self, index: int) -> Motion:
+        """A link's motion in its own axes."""
+        return self.motions[index] if self.turning.bears[index] else self._turned(index, self.motions[index])
 
     def _turned(self, index: int, motion: Motion) -> Motion:
-        """The motion in the link's own axes."""
+        """From the group's axes into the link's own."""
         name = self.links[index].name
         spin = self.turning.back(index, motion.spin, f"{name}_spin")
         first, second, _ = self.turning.back(index, (*motion.pole, _ZERO), f"{name}_pole")
@@ -140,7 +149,7 @@ class NewtonEuler:
         return tuple(parallel), base
 
     def _own(self, index: int) -> Wrench:
-        motion = self._motions[index]
+        motion = self.motions[index]
         inertia = self.turning.inertia(index, first="x" if motion.spin[0] != 0 else "y")
         link = self.links[index]
         return accelerated(motion, inertia, link.inertia.wheel, self.tape, link.name) + self._at_feet(index)

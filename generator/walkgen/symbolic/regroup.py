@@ -16,20 +16,22 @@ from walkgen.symbolic.tape import IDENTITY, Tape, Vec, constant_vector, minus, p
 from walkgen.symbolic.tree import BASE, Foot, Link, Tree
 
 
-def regrouped(tree: Tree, tape: Tape, floating: bool) -> Tree:
+def regrouped(tree: Tree, tape: Tape, floating: bool, *, by_value: bool = True) -> Tree:
     """The tree with as few inertial numbers and lever components as possible, and the same dynamics.
 
     Args:
         tree: as the robot is described.
         tape: for entries that hold runtime parameters.
         floating: whether the base moves.
+        by_value: whether the inertias' own numbers may decide what moves, or the joints alone.
     """
     work = _Regrouping(tree, tape, floating)
     for index in range(len(work.links)):
         work.slide(index)
     for index in reversed(range(len(work.links))):
-        work.centre(index)
-        work.hand_over(index)
+        if by_value:
+            work.centre(index)
+            work.hand_over(index)
         work.give_back(index)
     return Tree(tuple(work.links), work.base, tuple(work.feet))
 
@@ -70,7 +72,8 @@ class _Regrouping:
         """Move the link's origin to `centre` in its frame, which is `way` in its parent's."""
         link = self.links[index]
         inertia = relative(link.inertia, centre).named(self.tape, f"{link.name}_about")
-        self.links[index] = replace(link, origin=constant_vector(plus(link.origin, way)), inertia=inertia)
+        frame = replace(link.frame, origin=constant_vector(minus(link.frame.origin, centre)))
+        self.links[index] = replace(link, origin=constant_vector(plus(link.origin, way)), inertia=inertia, frame=frame)
         for child in self.tree.children(index):
             origin = constant_vector(minus(self.links[child].origin, centre))
             self.links[child] = replace(self.links[child], origin=origin)

@@ -25,7 +25,7 @@ class Link:
 
     `turn` holds the axes of the link's group in the parent's frame; None continues the parent's group. `origin` lies in the
     parent's frame at q = 0 for a joint that slides. `sense` is the motion about or along z for growing q, `offset` the constant
-    part of the angle about z.
+    part of the angle about z; `frame` is the joint's own frame, that of its link's data, in the link's.
     """
 
     name: str
@@ -37,6 +37,7 @@ class Link:
     origin: Vec
     offset: sympy.Expr
     inertia: Inertia
+    frame: Frame
 
     @property
     def revolute(self) -> bool:
@@ -115,9 +116,9 @@ class _Growth:
         else:
             offset = offset + flip * zero
         origin = self.tape.vector(f"{name}_origin", origin)
-        self.links.append(Link(name, joint, coordinate, place.link, flip * joint.sign, turn, origin, offset, Inertia()))
-        self.flips.append(flip)
         after = self.named(_flipped(flip) * frame_of(joint.after, self.parameters), f"{name}_after")
+        self.links.append(Link(name, joint, coordinate, place.link, flip * joint.sign, turn, origin, offset, Inertia(), after))
+        self.flips.append(flip)
         here = _Place(len(self.links) - 1, after)
         if joint.body:
             self.carry(here, inertia_of(joint.body, self.parameters, self.tape, f"{name}_link"), f"{name}_link")

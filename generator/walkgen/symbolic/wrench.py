@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
+import sympy
+
 from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, cross, plus
+from walkgen.symbolic.tree import BASE
 from walkgen.symbolic.turning import Turning
 
 
@@ -31,6 +34,28 @@ def grouped(turning: Turning, index: int, wrench: Wrench) -> Wrench:
         return wrench
     name = turning.links[index].name
     return Wrench(turning.out(index, wrench.force, f"{name}_force_group"), turning.out(index, wrench.moment, f"{name}_moment_group"))
+
+
+def along_route(turning: Turning, index: int, wrench: Wrench, unit: str) -> tuple[dict[int, sympy.Expr], Wrench]:
+    """Efforts of a link's joint and of all that bear it, by link, for a wrench about its origin in its group's axes; what the base gets.
+
+    Args:
+        turning: the tree at its joint values.
+        index: the link.
+        wrench: what the link needs.
+        unit: begins the intermediates' names.
+    """
+    efforts: dict[int, sympy.Expr] = {}
+    while True:
+        link = turning.links[index]
+        effort = wrench.moment[2] if link.revolute else wrench.force[2]
+        efforts[index] = turning.tape.let(f"{unit}_{link.name}", link.sense * effort)
+        wrench = carried(turning, index, wrench).named(turning.tape, f"{unit}_on_{link.name}")
+        if link.parent == BASE:
+            return efforts, wrench
+        if link.turn is not None:
+            wrench = grouped(turning, link.parent, wrench)
+        index = link.parent
 
 
 def carried(turning: Turning, index: int, wrench: Wrench) -> Wrench:
