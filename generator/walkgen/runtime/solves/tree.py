@@ -202,7 +202,7 @@ def _rotation(axis: Reals, angle: float) -> Reals:
     """Rodrigues' matrix."""
     c, s = np.cos(angle), np.sin(angle)
     x, y, z = axis
-    return c * np.eye(3) + s * np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) + (1.0 - c) * np.outer(axis, axis)
+    return np.asarray(c * np.eye(3) + s * np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) + (1.0 - c) * np.outer(axis, axis))
 
 
 def columns(tree: Tree, at: Motion, joints: tuple[int, ...], point: Reals) -> Reals:
