@@ -2,14 +2,15 @@
 
 from collections import Counter
 
+import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from small_expressions import expressions, function_of
+from small_expressions import CONTEXT, SYMBOLS, close, expressions, function_of, values_of
 
 from mechanisms.hand_programs import constant, inputs, made
 from walkgen.graph.interpret import interpret
 from walkgen.graph.lower import lower
-from walkgen.graph.passes import fused, pruned
+from walkgen.graph.passes import fused, pruned, scheduled
 from walkgen.graph.program import Code, Op
 from walkgen.signature import Port
 
@@ -69,3 +70,20 @@ def test_a_product_used_twice_is_not_computed_twice():
     ):
         plain = toy(ops, outputs)
         assert fused(plain) == plain
+
+
+def test_arctangents_stand_side_by_side():
+    """What waits for one comes after all that do not; the order is otherwise kept, and so is what is computed."""
+    x, y, z = SYMBOLS
+    turned = sympy.Symbol("turned")
+    found = lower(function_of(turned, sympy.atan2(y, z) + z * x, tape=[(turned, 2 * sympy.atan2(x, y) + 1)]), fma=False)
+    codes = [op.code for op in found.ops]
+    assert codes.count(Code.ATAN2) == 2
+    assert codes.index(Code.ADD) > len(codes) - 1 - codes[::-1].index(Code.ATAN2)
+    assert close(values_of(found, (2, 3, 5))[0], 2 * CONTEXT.atan2(2, 3) + 1)
+
+
+def test_programs_without_arctangents_keep_their_order():
+    x, y, z = SYMBOLS
+    program = lower(function_of(sympy.sin(x) * y + z, x * z), fma=True)
+    assert scheduled(program) == program

@@ -7,7 +7,7 @@ from typing import Any
 import sympy
 
 from walkgen.graph.number import Numbering
-from walkgen.graph.passes import fused, pruned
+from walkgen.graph.passes import fused, pruned, scheduled
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES
 from walkgen.symbolic import function as symbolic
@@ -48,7 +48,7 @@ def program(function: Function, fma: bool) -> Program:
     lowering = _Lowering(numbering, function)
     outputs = tuple(lowering.number(output) for output in function.outputs)
     plain = pruned(Program(function.signature, numbering.ops, outputs))
-    return fused(plain) if fma else plain
+    return scheduled(fused(plain) if fma else plain)
 
 
 def _composite(solve: Solve, fma: bool) -> Composite:

@@ -242,14 +242,12 @@ class Branches:
         sine = self.tape.let("knee_sin", knee_sign * knee.sine)
         along, across = self.tape.let("along", g.a2 + g.l3 * knee.cosine), self.tape.let("across", g.l3 * sine)
         opposite, adjacent = self.tape.let("thigh_sin", z * along - X * across), self.tape.let("thigh_cos", X * along + z * across)
-        thigh = self.half_open(self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh"), "q2")
-        gamma = self._poisoned(Angle(sine, knee.cosine), "gamma")
-        values = (
-            self.yaw(rho, rho_sign, "one"),
-            Select(knee.collapsed, self._taint, thigh),
-            self.knee_value(gamma, "one", reaches_minus_pi=True),
-        )
         straight = Both(Same(knee.sine, 0), Less(knee_sign, 0))
         duplicate = Either(straight, Both(Same(self.rho, 0), Less(rho_sign, 0)))
         singular = Either(self.on_axis, knee.collapsed)
-        return values, self.status(knee.outside, duplicate, singular, self.bad)
+        status = self.tape.let("state", self.status(knee.outside, duplicate, singular, self.bad))
+        yaw = self.yaw(rho, rho_sign, "one")
+        gamma = self._poisoned(Angle(sine, knee.cosine), "gamma")
+        thigh = self.half_open(self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh"), "q2")
+        values = (yaw, Select(knee.collapsed, self._taint, thigh), self.knee_value(gamma, "one", reaches_minus_pi=True))
+        return values, status

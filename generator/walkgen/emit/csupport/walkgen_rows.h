@@ -25,6 +25,13 @@ static inline int WG_NAME(wg_joints_of)(int32_t sequence) {
     return n;
 }
 
+/* A difference of two angles less the nearest number of full turns; the C library's beyond a thousand turns. */
+static inline WG_REAL WG_NAME(wg_short_way)(WG_REAL gap) {
+    const WG_REAL magic = WG_REAL_BITS == 64 ? WG_C(6755399441055744.0) : WG_C(12582912.0); /* adding it rounds to an integer */
+    const WG_REAL turns = (gap * WG_C(0.15915494309189535) + magic) - magic;
+    return WG_LIKELY(WG_ABS(gap) < WG_C(6283.0)) ? gap - turns * (WG_C(2.0) * WG_PI) : WG_LIBM(remainder)(gap, WG_C(2.0) * WG_PI);
+}
+
 /* 2 for a row that reaches its target, 1 for one that does not, 0 for none. */
 static inline int WG_NAME(wg_row_rank)(const WG_REAL *row, int32_t state, int n) {
     int j, finite = state != WALKGEN_BAD_INPUT;
@@ -63,7 +70,7 @@ static inline void WG_NAME(wg_nearest_row)(const WG_REAL *WG_RESTRICT rows, cons
         for (j = 0; j < n; ++j) {
             const int slides = (sequence >> (n - 1 - j)) % 2 == 1;
             const WG_REAL gap = rows[n * i + j] - seed[j];
-            const WG_REAL short_way = slides ? gap : WG_LIBM(remainder)(gap, WG_C(2.0) * WG_PI);
+            const WG_REAL short_way = slides ? gap : WG_NAME(wg_short_way)(gap);
             sum += short_way * short_way;
         }
         if (rank > best || (rank == best && rank > 0 && sum < least)) {
