@@ -223,6 +223,28 @@ def test_runtime_parameters_reach_param(tmp_path):
             assert difference(one, other) <= 1e-13, name
 
 
+def test_runtime_angles(tmp_path):
+    """A twist, a zero and the mount's yaw in `param`, beside a sliding joint's offset."""
+    table = "[parameters]\ntilt = { value = 0.4, runtime = true }\nway = { value = 0.1, runtime = true }\n"
+    yaw, slide = YAW.replace("alpha_deg = 90", 'alpha = "tilt"'), SLIDE.replace("d = 0.2", 'd = "way"')
+    rows = [f"{row}, {BODY}" for row in (yaw, THIGH, slide)]
+    text = spec_of(*rows, parameters=table).replace("rpy_deg = [20, -35, 60]", 'rpy = [0.3, "2*tilt", "way"]')
+    text = text.replace("[leg_designs.arm]", '[leg_designs.arm]\nzeros = [0.0, "tilt/3", "way"]')
+    free = leg_programs(written(tmp_path, text))
+    fixed = leg_programs(written(tmp_path, text.replace(table, "[parameters]\ntilt = 0.7\nway = -0.3\n")))
+    q, qd, qdd = np.random.default_rng(6).uniform(-1.5, 1.5, (3, 3))
+    arguments = {"q": q, "qd": qd, "qdd": qdd, "tau": qdd, "f": np.array([1.0, -2.0, 3.0])}
+    for name, program in free.items():
+        inputs = [arguments[port.name] for port in program.signature.inputs[:-1]]
+        if name == "base_parameters":  # fewer may do for the one length than for all
+            Y, p = values(program, *inputs, np.array([0.7, -0.3]))
+            other, more = values(fixed[name], *inputs)
+            assert difference(Y @ p, other @ more) <= 1e-12
+            continue
+        for one, other in zip(values(program, *inputs, np.array([0.7, -0.3])), values(fixed[name], *inputs), strict=True):
+            assert difference(one, other) <= 1e-12, name
+
+
 def test_a_leg_without_mass_carries_forces_only(tmp_path):
     found = leg_programs(written(tmp_path, spec_of(YAW, THIGH, SLIDE)))
     assert "forward_dynamics" not in found

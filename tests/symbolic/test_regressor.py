@@ -85,8 +85,9 @@ def test_mirror_images(tmp_path):
 def test_runtime_parameters(tmp_path):
     """Lengths and masses in `param`: the values follow, the choice holds for all."""
     table = "[parameters]\nload = { value = 0.8, runtime = true }\nreach = { value = 0.25, runtime = true }\n"
-    rows = [f"{YAW}, {BODY}", f"{THIGH.replace('0.3', chr(34) + 'reach' + chr(34))}, {BODY}"]
-    rows.append(f"{THIGH.replace('thigh', 'shank')}, {BODY.replace('1.1', chr(34) + 'load' + chr(34))}")
+    thigh, shank = THIGH.replace("0.3", '"reach"'), THIGH.replace("thigh", "shank")
+    loaded = BODY.replace("1.1", '"load"')
+    rows = [f"{YAW}, {BODY}", f"{thigh}, {BODY}", f"{shank}, {loaded}"]
     text = spec_of(*rows, parameters=table)
     found = leg_programs(written(tmp_path, text), names=NAMES)
     numbers = np.array([1.7, 0.4])
