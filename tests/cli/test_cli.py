@@ -191,10 +191,50 @@ def test_show(arguments, words):
     assert [word for word in words if word not in result.stdout] == []
 
 
-def test_show_says_why_there_is_no_inverse():
-    result = run("show", SPECS / "solo12.toml", "--function", "inverse")
+PERPENDICULAR = "axis 1 is perpendicular to axis 2 and axis 2 parallel to axis 3"
+PIEPER = "the roots of a quartic by elimination (Pieper 1968), then Newton's polish"
+ARM = [(0.0, 90, 0.3), (0.4, 0, 0.0), (0.0, 90, 0.05), (0.0, -90, 0.4), (0.0, 90, 0.0), (0.0, 0, 0.1)]
+SHOWN = {
+    "ambler_rrp": (
+        SPECS / "ambler_rrp.toml",
+        ["general RRP: the joints are RRP, not three revolute ones", PIEPER, "root_1, root_2, root_3, root_4"],
+    ),
+    "ambler_rpp": (SPECS / "ambler_rpp.toml", ["general RPP", "the roots of a quadratic", "branches: root_1, root_2"]),
+    "solo12": (SPECS / "solo12.toml", [f"yaw-pitch-pitch: {PERPENDICULAR}"]),
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_show_says_the_class_of_the_inverse_and_why(name):
+    path, words = SHOWN[name]
+    result = run("show", path, "--function", "inverse")
     assert result.exit_code == 0
-    assert result.stdout.count("inverse: ") == 4
+    assert [word for word in words if word not in result.stdout] == []
+
+
+def test_show_says_how_far_a_printed_angle_is_from_the_class(tmp_path):
+    (tmp_path / "leg.toml").write_text(LEG.read_text(encoding="utf-8").replace("alpha_deg = 90", "alpha = 1.57", 1), encoding="utf-8")
+    result = run("show", tmp_path / "leg.toml", "--function", "inverse")
+    assert result.exit_code == 0
+    assert f"inverse: general RRR: axes 1 and 2 are 1.57 rad apart, not perpendicular; {PIEPER}" in result.stdout
+
+
+def test_show_says_why_there_is_no_closed_inverse(tmp_path):
+    """Six joints: the reason, and no equations."""
+    rows = "".join(
+        f'[[leg_designs.arm.joints]]\nname = "j{i}"\ntype = "revolute"\na = {a}\nalpha_deg = {alpha}\nd = {d}\n'
+        for i, (a, alpha, d) in enumerate(ARM)
+    )
+    head = 'walkgen = 1\n[robot]\nname = "arm"\ngravity = [0, 0, -9.81]\n[generate]\nfunctions = ["inverse_near", "inverse_pose"]\n'
+    rows = f'[leg_designs.arm]\ndh = "classic"\n{rows}'
+    tail = '[[platforms]]\nname = "body"\n[[legs]]\nname = "arm"\ndesign = "arm"\nplatform = "body"\n'
+    (tmp_path / "arm.toml").write_text(head + rows + tail, encoding="utf-8")
+    result = run("show", tmp_path / "arm.toml", "--function", "inverse")
+    assert result.exit_code == 0
+    assert "inverse: none in closed form: 6 joints leave the foot position redundant: solved by iteration from a seed" in result.stdout
+    assert "branches" not in result.stdout
+    for name in ("inverse_near", "inverse_pose"):
+        assert f"arm_arm_{name}(" in run("show", tmp_path / "arm.toml", "--function", name).stdout
 
 
 def test_show_of_an_unknown_function_names_the_nearest():

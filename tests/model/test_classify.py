@@ -40,6 +40,13 @@ GENERAL = {
     "axes 2 and 3 askew": (robot(rows(alpha2="alpha_deg = 1")), "RRR", "not parallel"),
     "RRP": (robot(rows(kinds=("revolute", "revolute", "prismatic"))), "RRP", "RRP"),
     "RPP": (robot(rows(kinds=("revolute", "prismatic", "prismatic"))), "RPP", "RPP"),
+    "RPR": (robot(rows(kinds=("revolute", "prismatic", "revolute"))), "RPR", "RPR"),
+    "PRR": (robot(rows(kinds=("prismatic", "revolute", "revolute"))), "PRR", "quartic"),
+    "PPR": (robot(rows(kinds=("prismatic", "prismatic", "revolute"))), "PPR", "quadratic"),
+    "PPP": (robot(rows(kinds=("prismatic",) * 3)), "PPP", "at most one solution"),
+    "two slides": (robot(row("one", "prismatic", alpha="alpha_deg = 90") + row("two", "prismatic")), "PP", "at most one solution"),
+    "a turn and a slide": (robot(row("one") + row("two", "prismatic")), "RP", "quadratic"),
+    "2.7e-6 rad off parallel": (robot(rows(alpha2="alpha = 2.7e-6")), "RRR", "2.7e-6 rad apart, not parallel"),
     "two joints": (robot(row("one", alpha="alpha_deg = 90") + row("two")), "RR", "RR"),
     "one joint": (robot(row("one", kind="prismatic")), "P", "projection"),
     "foot on axis 3": (robot(rows(a3="0.0")), "RRR", "axis 3"),
@@ -50,7 +57,7 @@ GENERAL = {
         "not perpendicular",
     ),
 }
-SLOTS = {"RRR": 4, "RRP": 4, "RPP": 2, "RR": 2, "P": 1}
+SLOTS = {"RRR": 4, "RRP": 4, "RPR": 4, "PRR": 4, "RPP": 2, "PPR": 2, "PPP": 1, "RR": 2, "RP": 2, "PP": 1, "P": 1}
 FOUR_JOINTS = robot(rows() + row("four"))
 NAMES = 'dh = "classic"\nbranches = ["reach_up", "reach_down", "back_up", "back_down"]'
 
@@ -87,6 +94,18 @@ def test_more_joints_have_no_branches(tmp_path):
 def test_names_of_the_spec(tmp_path, alpha):
     found = class_of(tmp_path, robot(rows(alpha), NAMES))
     assert found.branch_names == ("reach_up", "reach_down", "back_up", "back_down")
+
+
+def test_fewer_branches_have_fewer_names(tmp_path):
+    found = class_of(tmp_path, robot(rows(kinds=("revolute", "prismatic", "prismatic")), 'dh = "classic"\nbranches = ["ahead", "behind"]'))
+    assert found.branch_names == ("ahead", "behind")
+
+
+@pytest.mark.parametrize("count", [4, 6, 7])
+def test_longer_legs_say_what_they_have_instead(tmp_path, count):
+    found = class_of(tmp_path, robot("".join(row(f"joint{index}") for index in range(count))))
+    assert (found.name, found.branch_names) == ("", ())
+    assert found.reason == f"{count} joints leave the foot position redundant: solved by iteration from a seed"
 
 
 def test_the_reason_says_how_far_from_it(tmp_path):

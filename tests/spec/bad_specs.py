@@ -34,6 +34,7 @@ class Bad:
 
 THIGH = '[[leg_designs.mero_leg.joints]]\nname = "thigh"\ntype = "revolute"\na = "thigh"\nalpha_deg = 0\n'
 ROBOT = EXAMPLE.partition("[robot]\n")[2].partition("\n\n")[0]
+DESIGN = '[leg_designs.mero_leg]\ndh = "classic"'
 LEVEL = 'end = "level"' + EXAMPLE.partition('end = "level"')[2].partition("\n")[0] + "\n"
 MIRROR = 'mirror_of = "front_left"'
 LINK = "link = { mass = 1.2, com = [0.0, 0.0, 0.0], inertia = [0.002, 0.002, 0.002, 0.0, 0.0, 0.0] }"
@@ -102,6 +103,15 @@ ONE = (
         '  @@{ name = "yaw", type = "revolute" }',
         "DH row",
     ),
+    Bad("three names of four branches", "WG127", DESIGN, f'{DESIGN}\n@@branches = ["a", "b", "c"]', "give 4 names"),
+    Bad("a name of no branch", "WG130", DESIGN, f'{DESIGN}\nbranches = ["a", "b", @@"Knee up", "c"]', "not a name"),
+    Bad("two branches of a name", "WG132", DESIGN, f'{DESIGN}\nbranches = ["a", "b", "c", @@"a"]', "twice"),
+    Bad("branches that are no list", "WG112", DESIGN, f'{DESIGN}\n@@branches = "a"', '"a"'),
+    Bad("unknown weight", "WG110", "[generate]", "[adapt]\n@@limit_wieght = 1.0\n[generate]", 'did you mean "limit_weight"?'),
+    Bad("weight of text", "WG114", "[generate]", '[adapt]\n@@normal_weight = "much more"\n[generate]', "much"),
+    Bad("weight of truth", "WG112", "[generate]", "[adapt]\n@@limit_weight = true\n[generate]", "true"),
+    Bad("clearance in two units", "WG122", "[generate]", "[adapt]\nclearance = 0.3\n@@clearance_mm = 300\n[generate]", "clearance"),
+    Bad("unknown name in a weight", "WG141", "[generate]", '[adapt]\n@@clearance = "2*tigh"\n[generate]', 'did you mean "thigh"?'),
     Bad("upper case", "WG130", 'name = "front_left"', '@@name = "Front-Left"', 'call it "front_left"'),
     Bad("comment mark", "WG130", 'name = "front_left"', '@@name = "a*/b"', "not a name"),
     Bad("quote", "WG130", 'name = "front_left"', "@@name = 'a\"b'", "not a name"),
