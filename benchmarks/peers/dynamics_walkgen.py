@@ -1,0 +1,51 @@
+"""walkgen's C of specs/mero_leg.toml and specs/mero.toml, only the measured functions generated."""
+
+import hashlib
+from pathlib import Path
+
+from motions import FUNCTIONS, DynamicFunction
+from multibody import SPECS
+from peers.dynamics_source import HEAD, adapter, core
+from peers.source import HERE, Peer, Source
+from walkgen import pipeline, toolchain
+
+OUTPUT = HERE.parent / "_build" / "dynamics"
+CALLS = {
+    "leg_inverse_dynamics": "mero_leg_leg_inverse_dynamics",
+    "leg_mass_matrix": "mero_leg_leg_mass_matrix",
+    "leg_forward_dynamics": "mero_leg_leg_forward_dynamics",
+    "mero_inverse_dynamics": "mero_floating_inverse_dynamics",
+    "mero_mass_matrix": "mero_floating_mass_matrix",
+}
+OWN_NAMES = {
+    "mero_leg": '["inverse_dynamics", "mass_matrix", "forward_dynamics"]',
+    "mero": '["floating_inverse_dynamics", "floating_mass_matrix"]',
+}
+
+
+def trimmed(spec: str) -> Path:
+    """The spec with only the measured functions asked for."""
+    OUTPUT.mkdir(parents=True, exist_ok=True)
+    path = OUTPUT / f"{spec}.toml"
+    path.write_text(f"{(SPECS / f'{spec}.toml').read_text()}\n[generate]\nfunctions = {OWN_NAMES[spec]}\n")
+    return path
+
+
+def _core(function: DynamicFunction) -> str:
+    arguments = ", ".join([*dict(function.inputs), "out"])
+    return core(function, f"    {CALLS[function.name]}({arguments});")
+
+
+def _sources(spec: str, robot: str) -> tuple[Source, ...]:
+    folder = pipeline.build(trimmed(spec), OUTPUT, pipeline.BuildOptions(targets=("c",))).folder
+    functions = [function for function in FUNCTIONS if function.robot == robot]
+    cores = "\n".join(map(_core, functions)) + adapter(functions, lambda function: f"{CALLS[function.name]}_batch")
+    included = hashlib.sha256("".join(path.read_text() for path in sorted(folder.glob("*.h"))).encode()).hexdigest()
+    text = f"/* headers {included} */\n{(folder / f'{spec}.c').read_text()}\n{HEAD}{cores}\n"
+    return (
+        Source("walkgen", "default flags", text, includes=(folder,), flags=toolchain.FLAGS),
+        Source("walkgen", "spec", text, includes=(folder,)),
+    )
+
+
+PEER = Peer("walkgen", lambda: (*_sources("mero_leg", "leg"), *_sources("mero", "mero")))
