@@ -101,17 +101,18 @@ static inline int WG_NAME(wg_adapt_lower)(const struct WG_NAME(wg_adapt_problem)
 
 /* The descent from a regular stand, which becomes the one it ends in: whether Phi is stationary there.
  * Stationary: what is left of the gradient by the chain joints that their limits do not hold is at most 1e-10, or its rounding. A few steps
- * more are taken while they make it smaller. */
+ * more are taken while they make it smaller. Steps that gain little where Phi becomes steeper lead to a leg's singular pose: after a few
+ * the descent ends. */
 static inline int WG_NAME(wg_adapt_descend)(const struct WG_NAME(wg_adapt_problem) * problem, struct WG_NAME(wg_adapt_stand) * best) {
     struct WG_NAME(wg_adapt_stand) stand = *best, after = *best;
     struct WG_NAME(wg_adapt_slope) slope;
     struct WG_NAME(wg_tree_motion) at;
     WG_REAL least = WG_INFINITY, damping = WG_C(0.0);
-    int index[WG_TREE_CHAINS], turn, i, stationary = 0, polishes = 0;
+    int index[WG_TREE_CHAINS], turn, i, stationary = 0, polishes = 0, stalls = 0;
     WG_NAME(wg_tree_motion_at)(&problem->criterion.tree, stand.q, &at);
     for (turn = 0; turn < 100; ++turn) {
         WG_REAL size = WG_C(0.0), parts = WG_C(0.0);
-        int count;
+        int count, steeper;
         WG_NAME(wg_adapt_slope_at)(&problem->criterion, &at, stand.q, &slope);
         count = WG_NAME(wg_adapt_free)(problem, &stand, &slope, index);
         for (i = 0; i < count; ++i) {
@@ -120,7 +121,8 @@ static inline int WG_NAME(wg_adapt_descend)(const struct WG_NAME(wg_adapt_proble
         for (i = 0; i < problem->criterion.tree.chains; ++i) {
             parts = WG_MAX(parts, slope.size[i]);
         }
-        if (stationary && !(size < least)) {
+        steeper = !(size < least);
+        if (stationary && steeper) {
             break;
         }
         *best = stand;
@@ -130,6 +132,10 @@ static inline int WG_NAME(wg_adapt_descend)(const struct WG_NAME(wg_adapt_proble
             ++polishes;
         }
         if (!(size > WG_C(0.0)) || polishes > 4 || !WG_NAME(wg_adapt_lower)(problem, &stand, &slope, count, index, &damping, &after, &at)) {
+            break;
+        }
+        stalls = steeper && stand.cost - after.cost < WG_C(1e-4) * stand.cost ? stalls + 1 : 0;
+        if (stalls > 8) {
             break;
         }
         stand = after;

@@ -68,6 +68,21 @@ static inline int WG_NAME(wg_adapt_chain_rates)(const struct WG_NAME(wg_tree) * 
     return solved;
 }
 
+/* The equations of a tree without legs: each chain joint as wanted. */
+static inline void WG_NAME(wg_adapt_no_legs)(const struct WG_NAME(wg_tree) * tree, const WG_REAL *weight, const WG_REAL *qd0,
+                                             struct WG_NAME(wg_adapt_rates) * rates) {
+    int i, k, foot;
+    for (i = 0; i < tree->chains; ++i) {
+        rates->rhs[i] = weight[tree->chain[i]] * qd0[tree->chain[i]];
+        for (k = 0; k < tree->chains; ++k) {
+            rates->matrix[i][k] = i == k ? weight[tree->chain[i]] : WG_C(0.0);
+        }
+        for (foot = 0; foot < tree->feet; ++foot) {
+            rates->follow[foot][i][0] = rates->follow[foot][i][1] = rates->follow[foot][i][2] = WG_C(0.0);
+        }
+    }
+}
+
 /* The rates for a tree and finite inputs: a status. */
 static inline int32_t WG_NAME(wg_adapt_resolve)(const struct WG_NAME(wg_tree) * tree, const WG_REAL *limits, const WG_REAL *q,
                                                 const WG_REAL *xd, const WG_REAL *qd0, const WG_REAL bounds[2], WG_REAL *qd) {
@@ -81,15 +96,7 @@ static inline int32_t WG_NAME(wg_adapt_resolve)(const struct WG_NAME(wg_tree) * 
         (void)WG_NAME(wg_tree_range)(limits + 2 * j, tree->slides[j], &middle, &half);
         weight[j] = WG_C(1.0) / half / half;
     }
-    for (i = 0; i < tree->chains; ++i) {
-        rates.rhs[i] = weight[tree->chain[i]] * qd0[tree->chain[i]];
-        for (j = 0; j < tree->chains; ++j) {
-            rates.matrix[i][j] = i == j ? weight[tree->chain[i]] : WG_C(0.0);
-        }
-        for (foot = 0; foot < tree->feet; ++foot) {
-            rates.follow[foot][i][0] = rates.follow[foot][i][1] = rates.follow[foot][i][2] = WG_C(0.0);
-        }
-    }
+    WG_NAME(wg_adapt_no_legs)(tree, weight, qd0, &rates);
     for (foot = 0; foot < tree->feet; ++foot) {
         const int32_t state = WG_NAME(wg_adapt_leg_rates)(tree, &at, foot, weight, xd, qd0, bounds, &rates);
         status = state == WALKGEN_OK || status == WALKGEN_BAD_INPUT ? status : state;

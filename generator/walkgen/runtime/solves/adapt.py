@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from walkgen.runtime.solves.adapt_criterion import Criterion
 from walkgen.runtime.solves.adapt_descent import descended
 from walkgen.runtime.solves.adapt_legs import leg_of
+from walkgen.runtime.solves.adapt_solve import cholesky
 from walkgen.runtime.solves.adapt_stand import Problem, Stand, stand_at
 from walkgen.runtime.solves.tree import Integers, Reals, Tree, broadcast_rows, columns, limits_fit, middle_and_spans, read_tree
 from walkgen.signature import STATUSES
@@ -173,6 +174,6 @@ def _approach(problem: Problem, stand: Stand, damping: float) -> Reals:
         row *= problem.spans[chains] / leg.reach
         matrix += np.outer(row, row)
         rhs -= row * (distance / leg.reach + _MARGIN)
-    step = np.zeros(len(stand.q))
-    step[chains] = problem.spans[chains] * np.linalg.solve(matrix + damping * np.eye(len(chains)), rhs)
+    step, shares = np.zeros(len(stand.q)), cholesky(matrix + damping * np.eye(len(chains)), rhs)
+    step[chains] = 0.0 if shares is None else problem.spans[chains] * shares
     return step

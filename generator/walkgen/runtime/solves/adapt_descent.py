@@ -4,37 +4,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walkgen.runtime.solves.adapt_criterion import Derivatives, derivatives
+from walkgen.runtime.solves.adapt_solve import ROUNDINGS, cholesky
 from walkgen.runtime.solves.adapt_stand import Problem, Stand, stand_at
-from walkgen.runtime.solves.tree import Reals
 
-_EPSILON = float(np.finfo(float).eps)
 _STATIONARY = 1e-10
-_ROUNDINGS = 64.0 * _EPSILON
 _STEPS = 100
 _TRIES = 24
 _POLISHES = 4
+_STALLS = 8
+_GAIN = 1e-4
 
 
 def descended(problem: Problem, stand: Stand) -> tuple[Stand, bool]:
     """The stand that the descent from a regular one ends in, and whether Phi is stationary there.
 
     Stationary: what is left of the gradient by the chain joints that their limits do not hold is at most 1e-10, or its rounding. A few
-    steps more are taken while they make it smaller.
+    steps more are taken while they make it smaller. Steps that gain little where Phi becomes steeper lead to a leg's singular pose: after a
+    few the descent ends.
     """
-    best, least, stationary, damping, polishes = stand, np.inf, False, 0.0, 0
+    best, least, stationary, damping, polishes, stalls = stand, np.inf, False, 0.0, 0, 0
     for _ in range(_STEPS):
         slope = derivatives(problem.criterion, stand.at, stand.q)
         free = _free(problem, stand, slope)
         size = float(np.linalg.norm(slope.gradient[free]))
-        if stationary and not size < least:
+        steeper = not size < least
+        if stationary and steeper:
             break
         best, least = stand, size
-        if size <= max(_STATIONARY, _ROUNDINGS * float(np.max(slope.size, initial=0.0))):
+        if size <= max(_STATIONARY, ROUNDINGS * float(np.max(slope.size, initial=0.0))):
             stationary, polishes = True, polishes + 1
         if size == 0.0 or polishes > _POLISHES:
             break
         after, damping = _lower(problem, stand, slope, free, damping)
         if after is None:
+            break
+        stalls = stalls + 1 if steeper and stand.cost - after.cost < _GAIN * stand.cost else 0
+        if stalls > _STALLS:
             break
         stand = after
     return best, stationary
@@ -54,9 +59,9 @@ def _lower(problem: Problem, stand: Stand, slope: Derivatives, free: NDArray[np.
     gradient, hessian, scale = slope.gradient[free], slope.hessian[np.ix_(free, free)], slope.diagonal[free]
     scale = np.maximum(scale, 1e-3 * np.max(scale))
     scale = np.where(scale > 0.0, scale, 1.0)
-    slack = _ROUNDINGS * stand.cost
+    slack = ROUNDINGS * stand.cost
     for _ in range(_TRIES):
-        step = _solved(hessian + damping * np.diag(scale), -gradient)
+        step = cholesky(hessian + damping * np.diag(scale), -gradient)
         if step is not None:
             q = stand.q.copy()
             q[chains] += step / max(1.0, float(np.max(np.abs(step) / problem.spans[chains])))
@@ -69,19 +74,3 @@ def _lower(problem: Problem, stand: Stand, slope: Derivatives, free: NDArray[np.
                 return after, (0.1 * damping if damping > 1e-5 else 0.0) if well else max(4.0 * damping, 1e-3)
         damping = max(10.0 * damping, 1e-3)
     return None, damping
-
-
-def _solved(matrix: Reals, rhs: Reals) -> Reals | None:
-    """By Cholesky; None where the matrix is not clearly positive definite."""
-    lower = np.zeros_like(matrix)
-    for j in range(len(rhs)):
-        column = matrix[j:, j] - lower[j:, :j] @ lower[j, :j]
-        if not column[0] > _ROUNDINGS * matrix[j, j]:
-            return None
-        lower[j:, j] = column / np.sqrt(column[0])
-    y = np.empty_like(rhs)
-    for j in range(len(rhs)):
-        y[j] = (rhs[j] - lower[j, :j] @ y[:j]) / lower[j, j]
-    for j in range(len(rhs) - 1, -1, -1):
-        y[j] = (y[j] - lower[j + 1 :, j] @ y[j + 1 :]) / lower[j, j]
-    return y

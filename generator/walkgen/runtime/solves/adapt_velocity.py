@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from walkgen.runtime.solves.adapt_solve import cholesky
 from walkgen.runtime.solves.damped import damped_inverse_3
 from walkgen.runtime.solves.tree import (
     Integers,
@@ -87,8 +88,11 @@ def _resolved(tree: Tree, limits: Reals, q: Reals, xd: Reals, qd0: Reals, dampin
     if state == _BAD_INPUT:
         return least, state
     free = np.flatnonzero(limits[chains, 0] < limits[chains, 1])
+    solved = cholesky(matrix[np.ix_(free, free)], rhs[free])
+    if solved is None:
+        return least, _BAD_INPUT
     rates = np.zeros(len(chains))
-    rates[free] = np.linalg.solve(matrix[np.ix_(free, free)], rhs[free])
+    rates[free] = solved
     least[chains] = rates
     for leg, (own, null) in nulls.items():
         least[list(leg)] += null @ rates[own]
