@@ -3,18 +3,17 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio
 
 from leg import Array
+from trimmed import SPECS
 from walkgen.emit.urdf import urdf
 from walkgen.model.assemble import assemble
 from walkgen.spec.read import read
 
-SPECS = Path(__file__).parents[1] / "specs"
 Text = str | int
 """A number as a user writes it: a decimal, or a whole 0, 1 or -1, which every algebra simplifies away."""
 Triple = tuple[Text, Text, Text]

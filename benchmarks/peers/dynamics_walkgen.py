@@ -1,12 +1,11 @@
 """walkgen's C of specs/mero_leg.toml and specs/mero.toml, only the measured functions generated."""
 
 import hashlib
-from pathlib import Path
 
 from motions import FUNCTIONS, DynamicFunction
-from multibody import SPECS
 from peers.dynamics_source import HEAD, adapter, core
 from peers.source import HERE, Peer, Source
+from trimmed import write_spec
 from walkgen import pipeline, toolchain
 
 OUTPUT = HERE.parent / "_build" / "dynamics"
@@ -17,18 +16,10 @@ CALLS = {
     "mero_inverse_dynamics": "mero_floating_inverse_dynamics",
     "mero_mass_matrix": "mero_floating_mass_matrix",
 }
-OWN_NAMES = {
-    "mero_leg": '["inverse_dynamics", "mass_matrix", "forward_dynamics"]',
-    "mero": '["floating_inverse_dynamics", "floating_mass_matrix"]',
+ASKED = {
+    "mero_leg": ("inverse_dynamics", "mass_matrix", "forward_dynamics"),
+    "mero": ("floating_inverse_dynamics", "floating_mass_matrix"),
 }
-
-
-def trimmed(spec: str) -> Path:
-    """The spec with only the measured functions asked for."""
-    OUTPUT.mkdir(parents=True, exist_ok=True)
-    path = OUTPUT / f"{spec}.toml"
-    path.write_text(f"{(SPECS / f'{spec}.toml').read_text()}\n[generate]\nfunctions = {OWN_NAMES[spec]}\n")
-    return path
 
 
 def _core(function: DynamicFunction) -> str:
@@ -37,7 +28,7 @@ def _core(function: DynamicFunction) -> str:
 
 
 def _sources(spec: str, robot: str) -> tuple[Source, ...]:
-    folder = pipeline.build(trimmed(spec), OUTPUT, pipeline.BuildOptions(targets=("c",))).folder
+    folder = pipeline.build(write_spec(spec, ASKED[spec], OUTPUT), OUTPUT, pipeline.BuildOptions(targets=("c",))).folder
     functions = [function for function in FUNCTIONS if function.robot == robot]
     cores = "\n".join(map(_core, functions)) + adapter(functions, lambda function: f"{CALLS[function.name]}_batch")
     included = hashlib.sha256("".join(path.read_text() for path in sorted(folder.glob("*.h"))).encode()).hexdigest()
