@@ -2,9 +2,9 @@
  * walkgen_math.h explains the macros.
  *
  * Bounded, whatever the input. A descent takes at most 60 steps, 300 once it is within a thousandth of the reach. One search starts from
- * the seed, from at most 8 rows of a closed form, and from 32 points, four of which become at most 8 rows each: at most 69 descents. There
- * is a second search without limits where the first one fails, and 200 steps at the end where both do.
- * So at most 41 600 steps; from a seed near a solution 4 to 6, and some 60 where the seed is anywhere.
+ * the seed, from at most 8 rows of a closed form, from 32 points, four of which become at most 8 rows each, and from 8 points around the
+ * best: at most 77 descents. There is a second search without limits where the first one fails, and 1800 steps at the end where both do.
+ * So at most 48 000 steps; from a seed near a solution 4 to 6, and some 60 where the seed is anywhere.
  */
 #include "walkgen_search.h"
 

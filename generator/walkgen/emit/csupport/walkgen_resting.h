@@ -120,7 +120,7 @@ static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, c
                                            struct WG_NAME(wg_stance) * at) {
     struct WG_NAME(wg_stance) after;
     struct WG_NAME(wg_normal) normal, next;
-    const WG_REAL flat = arm->reach * (at->gap + arm->reach);
+    const WG_REAL size = WG_MAX(arm->reach, arm->length), flat = size * (at->gap + size), noise = WG_C(4.0) * WG_EPSILON * (at->gap + size);
     WG_REAL damping = WG_C(0.0), slope = WG_NAME(wg_free_joints)(arm, box, at, &normal), slope_after;
     int i;
     for (i = 0; i < WG_RESTING_STEPS && slope > WG_EPSILON * flat && damping < WG_C(1e6) * flat; ++i) {
@@ -128,8 +128,7 @@ static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, c
         if (better) {
             WG_NAME(wg_serial_at)(arm, &after);
             slope_after = WG_NAME(wg_free_joints)(arm, box, &after, &next);
-            better = after.gap < at->gap * (WG_C(1.0) - WG_C(4.0) * WG_EPSILON) ||
-                     (after.gap < at->gap * (WG_C(1.0) + WG_C(4.0) * WG_EPSILON) && slope_after < WG_C(0.5) * slope);
+            better = after.gap < at->gap - noise || (after.gap < at->gap + noise && slope_after < WG_C(0.5) * slope);
         }
         if (better) {
             *at = after;
@@ -143,11 +142,11 @@ static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, c
     return slope <= WG_FLAT * flat;
 }
 
-/* Lead at->q to rest where no way leads down, at most three times past a saddle: whether it gets there. */
+/* Lead at->q to rest where no way leads down, at most three times past a saddle or on from where it is slow: whether it gets there. */
 static inline int WG_NAME(wg_come_to_rest)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
                                            struct WG_NAME(wg_stance) * at) {
     int i, rests = WG_NAME(wg_slow_down)(arm, box, at);
-    for (i = 0; i < 3 && rests && !WG_NAME(wg_serial_reaches)(arm, at) && WG_NAME(wg_leave_saddle)(arm, box, at); ++i) {
+    for (i = 0; i < 3 && !WG_NAME(wg_serial_reaches)(arm, at) && (!rests || WG_NAME(wg_leave_saddle)(arm, box, at)); ++i) {
         rests = WG_NAME(wg_boxed_descent)(arm, box, at) || WG_NAME(wg_slow_down)(arm, box, at);
     }
     return rests;

@@ -12,6 +12,7 @@
 #endif
 #ifndef WG_SPREAD_STARTS
 #define WG_SPREAD_STARTS 32
+#define WG_CLOSE_STARTS 8
 #endif
 
 /* What is sought: the arm, also seen from its foot; and the best found so far: reached and near the seed, or else closest. */
@@ -56,22 +57,23 @@ static inline void WG_NAME(wg_attempt)(struct WG_NAME(wg_search) * search, const
     }
 }
 
-/* Start number k of a sequence that spreads over the box, the first ones around the seed: multiples of square roots of primes. */
-static inline void WG_NAME(wg_spread_start)(const struct WG_NAME(wg_search) * search, int k, WG_REAL *q) {
+/* Start number k of a sequence that spreads over the box, or over a part of it around a centre: multiples of square roots of primes. */
+static inline void WG_NAME(wg_spread_start)(const struct WG_NAME(wg_search) * search, const WG_REAL *centre, WG_REAL part_of_box, int k,
+                                            WG_REAL *q) {
     static const WG_REAL roots[WG_MOST_JOINTS] = {
         WG_C(0.41421356), WG_C(0.73205081), WG_C(0.23606798), WG_C(0.64575131), WG_C(0.31662479), WG_C(0.60555128),
         WG_C(0.12310563), WG_C(0.35889894), WG_C(0.79583152), WG_C(0.38516481), WG_C(0.56776436), WG_C(0.08276253),
         WG_C(0.40312424), WG_C(0.55743852), WG_C(0.85565460), WG_C(0.28010989)};
-    const WG_REAL weight = k < 8 ? WG_C(0.125) * (WG_REAL)k : WG_C(1.0), most = WG_C(16.0) * search->arm->reach;
+    const WG_REAL most = WG_C(16.0) * search->arm->reach;
     int j;
     for (j = 0; j < search->arm->n; ++j) {
         const WG_REAL low = search->box.low[j], high = search->box.high[j], part = (WG_REAL)k * roots[j];
         const WG_REAL share = part - WG_LIBM(floor)(part) - WG_C(0.5);
         WG_REAL away = share * (search->arm->slides[j] ? WG_C(2.0) * search->arm->reach : WG_C(2.0) * WG_PI);
         if (high - low <= WG_HUGE) {
-            away = low + (WG_C(0.5) + share) * (high - low) - search->seed[j];
+            away = low + (WG_C(0.5) + share) * (high - low) - centre[j];
         }
-        q[j] = search->seed[j] + weight * away;
+        q[j] = centre[j] + part_of_box * away;
         q[j] = search->arm->slides[j] ? WG_MIN(WG_MAX(q[j], -most), most) : q[j];
     }
 }
@@ -91,7 +93,8 @@ static inline void WG_NAME(wg_attempt_rows)(struct WG_NAME(wg_search) * search, 
 }
 
 /* Search in the box: from the seed; from all rows of a closed form that has all solutions, unless the seed's is near; and from spread
- * starts, one in eight turned into rows of a closed form (not `hopeful`: only where no closed form has all). */
+ * starts, one in eight turned into rows of a closed form (not `hopeful`: only where no closed form has all). Near the target, where a
+ * singular pose can hold the arm back, from starts around the best so far. */
 static inline void WG_NAME(wg_search_box)(struct WG_NAME(wg_search) * search, int hopeful) {
     const int forward = WG_NAME(wg_all_in_rows)(search->arm), backward = !forward && WG_NAME(wg_all_in_rows)(search->back);
     WG_REAL q[WG_MOST_JOINTS], unused;
@@ -106,12 +109,16 @@ static inline void WG_NAME(wg_search_box)(struct WG_NAME(wg_search) * search, in
         WG_NAME(wg_attempt_rows)(search, backward, 1, search->seed);
     }
     for (k = 1; k <= WG_SPREAD_STARTS && !search->reached && (hopeful || !(forward || backward)); ++k) {
-        WG_NAME(wg_spread_start)(search, k, q);
+        WG_NAME(wg_spread_start)(search, search->seed, WG_MIN(WG_C(0.125) * (WG_REAL)k, WG_C(1.0)), k, q);
         if (k % 8 == 0) {
             WG_NAME(wg_attempt_rows)(search, k % 16 == 0, 0, q);
         } else {
             WG_NAME(wg_attempt)(search, q);
         }
+    }
+    for (k = 1; k <= WG_CLOSE_STARTS && !search->reached && search->best.gap < WG_C(1e-3) * search->arm->reach; ++k) {
+        WG_NAME(wg_spread_start)(search, search->best.q, WG_C(0.03), k, q);
+        WG_NAME(wg_attempt)(search, q);
     }
 }
 

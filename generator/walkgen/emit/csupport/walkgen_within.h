@@ -1,7 +1,7 @@
 /* walkgen_within.h: joint values within limits that bring a foot closest to a target; walkgen_math.h explains the macros.
  *
  * Bounded: for up to three joints descents from the guess and from the 16 lowest valleys of a grid of at most 1000 points, for more joints
- * from the guess and 32 points spread over the limits. Each has at most 300 steps, and 200 to come to rest: at most 16 500 in all.
+ * from the guess and 32 points spread over the limits. Each has at most 300 steps, and 1800 to come to rest: at most 69 300 in all.
  */
 #include "walkgen_search.h"
 
@@ -109,7 +109,7 @@ static inline int WG_NAME(wg_seek_within)(struct WG_NAME(wg_search) * search) {
         if (search->arm->n <= 3) {
             WG_NAME(wg_grid_values)(&grid, search->arm->n, valleys[k], q);
         } else {
-            WG_NAME(wg_spread_start)(search, k + 1, q);
+            WG_NAME(wg_spread_start)(search, search->seed, WG_MIN(WG_C(0.125) * (WG_REAL)(k + 1), WG_C(1.0)), k + 1, q);
         }
         rests = WG_NAME(wg_attempt_rest)(search, q, rests);
     }

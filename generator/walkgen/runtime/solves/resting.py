@@ -17,28 +17,25 @@ _FLAT = 1e-10
 
 
 def come_to_rest(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
-    """Lead stances to rest where no way leads down, at most three times past a saddle: whether they get there [b]."""
+    """Lead stances to rest where no way leads down, at most three times past a saddle or on from where it is slow: which get there [b]."""
     at, rests = _slowed_down(arm, box, at)
     for _ in range(_SADDLES):
-        rows = np.flatnonzero(rests & ~reaches(arm, at))
-        if rows.size:
-            after, left = _leave_saddle(arm.take(rows), box.take(rows), at.take(rows))
-            rows, after = rows[left], after.take(np.flatnonzero(left))
-        if not rows.size:
+        astray, saddles = np.flatnonzero(~reaches(arm, at)), np.flatnonzero(~reaches(arm, at) & rests)
+        if not astray.size:
             break
-        below, there = boxed_descent(arm.take(rows), box.take(rows), after.q)
-        slow = np.flatnonzero(~there)
-        rests[rows] = True
-        if slow.size:
-            still, rests[rows[slow]] = _slowed_down(arm.take(rows[slow]), box.take(rows[slow]), below.take(slow))
-            below = below.put(slow, still)
-        at = at.put(rows, below)
+        after, left = _leave_saddle(arm.take(saddles), box.take(saddles), at.take(saddles))
+        at = at.put(saddles, after)
+        rows = np.setdiff1d(astray, saddles[~left])
+        below, there = boxed_descent(arm.take(rows), box.take(rows), at.q[rows])
+        still, ends = _slowed_down(arm.take(rows), box.take(rows), below)
+        at, rests[rows] = at.put(rows, below).put(rows[~there], still.take(np.flatnonzero(~there))), there | ends
     return at, rests
 
 
 def _slowed_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
     """Lead stances to where no joint that may move brings the foot nearer, be it a saddle: whether they get there in 200 steps."""
-    flat = arm.reach * (at.gap + arm.reach)
+    size = np.maximum(arm.reach, arm.length)
+    flat, noise = size * (at.gap + size), 4.0 * EPSILON * (at.gap + size)
     damping = np.zeros(len(flat))
     for _ in range(_STEPS):
         free, slope = free_joints(box, at)
@@ -48,7 +45,7 @@ def _slowed_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
             break
         step, found = _newton_step(curvature(arm.take(rows), at.take(rows)), free[rows], slope[rows], damping[rows])
         after = stance_at(arm.take(rows), stepped(arm.take(rows), box.take(rows), at.q[rows], step))
-        less, same = ((after.gap < at.gap[rows] * (1.0 + sign * 4.0 * EPSILON)) for sign in (-1.0, 1.0))
+        less, same = after.gap < (at.gap - noise)[rows], after.gap < (at.gap + noise)[rows]
         better = found & (less | (same & (norm(free_joints(box.take(rows), after)[1]) < 0.5 * steep[rows])))
         calm = np.where(damping[rows] < 1e-6 * flat[rows], 0.0, 0.1 * damping[rows])
         damping[rows] = np.where(better, calm, np.maximum(10.0 * damping[rows], 1e-7 * flat[rows]))

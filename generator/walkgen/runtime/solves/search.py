@@ -10,6 +10,7 @@ from walkgen.runtime.solves.serial import Arm, Places, Stance, every, stance_at
 from walkgen.runtime.solves.starts import all_in_rows, backward_rows, forward_rows, reversed_arm
 
 SPREAD_STARTS = 32
+_CLOSE, _CLOSE_STARTS, _CLOSE_PART = 1e-3, 8, 0.03
 _TURN = 2.0 * np.pi
 _SEED_IS_NEAR = 0.5
 _LONGEST = 16.0  # of the reach: what a sliding joint's start is cut to
@@ -106,17 +107,22 @@ def from_seed(search: Search, q: Reals) -> tuple[Reals, Reals]:
     return np.max(np.abs(short), axis=-1), np.sum(short * short, axis=-1)
 
 
-def spread_start(search: Search, k: int) -> Reals:
-    """Start number k [b, n] of a sequence that spreads over the box, the first ones around the seed: multiples of roots of primes."""
-    arm, low, high, seed = search.arm, search.box.low, search.box.high, search.seed
+def spread_start(search: Search, centre: Reals, part_of_box: float, k: int) -> Reals:
+    """Start number k [b, n] of a sequence that spreads over the box, or over a part of it around a centre: multiples of roots of primes."""
+    arm, low, high = search.arm, search.box.low, search.box.high
     part = k * _ROOTS[: len(arm.sliding)]
     share = part - np.floor(part) - 0.5
     away = share * np.where(arm.sliding, 2.0 * arm.reach[:, None], _TURN)
     span = high - low
     closed = np.isfinite(span)
-    away = np.where(closed, np.where(closed, low, 0.0) + (0.5 + share) * np.where(closed, span, 0.0) - seed, away)
-    q = seed + min(k / 8.0, 1.0) * away
+    away = np.where(closed, np.where(closed, low, 0.0) + (0.5 + share) * np.where(closed, span, 0.0) - centre, away)
+    q = centre + part_of_box * away
     return np.where(arm.sliding, _cut(arm, q), q)
+
+
+def spread_starts(search: Search, first: int, last: int) -> Reals:
+    """Starts first to last [m, b, n], those below 8 around the seed."""
+    return np.array([spread_start(search, search.seed, min(k / 8.0, 1.0), k) for k in range(first, last + 1)])
 
 
 def attempted(search: Search, best: Best, rows: Places, starts: Reals, *, exhaustive: bool) -> Best:
@@ -150,7 +156,8 @@ def _better(best: Best, rows: Places, other: Best) -> Best:
 
 def searched(search: Search, hopeful: Truths) -> Best:
     """Search in the box: from the seed; from all rows of a closed form that has all solutions, unless the seed's is near; and from spread
-    starts, one in eight turned into rows of a closed form (not `hopeful`: only where no closed form has all).
+    starts, one in eight turned into rows of a closed form (not `hopeful`: only where no closed form has all). Near the target, where a
+    singular pose can hold the arm back, from starts around the best so far.
     """
     everything = np.arange(len(search.seed))
     best = attempted(search, nothing(search.arm, search.seed), everything, search.seed[None], exhaustive=True)
@@ -162,13 +169,18 @@ def searched(search: Search, hopeful: Truths) -> Best:
     for complete, back in ((forward, False), (backward, True)):
         rows = np.flatnonzero(asked & complete)
         best = attempted(search, best, rows, _closed_forms(search.take(rows), search.seed[rows], back), exhaustive=True)
-    asked &= hopeful | ~(forward | backward)
+    spread = asked & (hopeful | ~(forward | backward))
     for first in range(1, SPREAD_STARTS, 8):
-        rows = np.flatnonzero(asked & ~best.reached)
-        starts = np.array([spread_start(search.take(rows), k) for k in range(first, first + 8)])
+        rows = np.flatnonzero(spread & ~best.reached)
+        starts = spread_starts(search.take(rows), first, first + 7)
         best = attempted(search, best, rows, starts[:7], exhaustive=False)
-        rows, starts = np.flatnonzero(asked & ~best.reached), starts[7, ~best.reached[rows]]
+        rows, starts = np.flatnonzero(spread & ~best.reached), starts[7, ~best.reached[rows]]
         best = attempted(search, best, rows, _closed_forms(search.take(rows), starts, first % 16 == 9), exhaustive=False)
+    rows = np.flatnonzero(asked & ~best.reached & (best.at.gap < _CLOSE * search.arm.reach))
+    for k in range(1, _CLOSE_STARTS + 1):
+        rows = rows[~best.reached[rows]]
+        starts = spread_start(search.take(rows), best.at.q[rows], _CLOSE_PART, k)
+        best = attempted(search, best, rows, starts[None], exhaustive=False)
     return best
 
 

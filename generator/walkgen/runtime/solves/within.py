@@ -7,7 +7,7 @@ from walkgen.runtime.solves.boxed import boxed_descent
 from walkgen.runtime.solves.reach import flat_rows, in_the_callers_scale
 from walkgen.runtime.solves.resting import come_to_rest
 from walkgen.runtime.solves.rows import Integers, Reals, Truths
-from walkgen.runtime.solves.search import SPREAD_STARTS, Search, bounding, fitted, read_limits, read_seed, spread_start
+from walkgen.runtime.solves.search import SPREAD_STARTS, Search, bounding, fitted, read_limits, read_seed, spread_starts
 from walkgen.runtime.solves.serial import Arm, Places, Stance, reaches, read_arm, stance_at
 from walkgen.signature import STATUSES
 
@@ -62,8 +62,7 @@ def _closest(search: Search) -> tuple[Stance, int]:
     at, there, rests = _at_rest(search, search.seed)
     if not there.any():
         n = search.seed.shape[-1]
-        spread = (spread_start(search, k)[0] for k in range(1, SPREAD_STARTS + 1))
-        others, found, ended = _at_rest(search, _valleys(search) if n in _ALONG else np.array(list(spread)))
+        others, found, ended = _at_rest(search, _valleys(search) if n in _ALONG else spread_starts(search, 1, SPREAD_STARTS)[:, 0])
         both = Stance(
             *(np.concatenate([getattr(at, name), getattr(others, name)]) for name in ("q", "jacobian", "turning", "error", "gap"))
         )
