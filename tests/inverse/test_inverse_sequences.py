@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from answers import OK, REGULAR, assert_ordered, assert_reached, least
+from answers import OK, REGULAR, SINGULAR, UNREACHABLE, assert_ordered, assert_reached, least
 from sequences import NAMES, SAMPLE, anatomies, text
 
 from oracles.multistart import multistart
@@ -31,6 +31,13 @@ def check(name, leg, count, seed=0):
     rows, status = leg.inverse(p)
     assert_reached(path, q, p, rows, status)
     assert_ordered(path, rows, status, leg.inverse_class.startswith("general"))
+    assert not redundant(name) or np.all(np.isin(status, (SINGULAR, UNREACHABLE)))
+
+
+def redundant(name):
+    """Whether the joints move the foot in fewer directions than they are, in every pose."""
+    path, q, _ = targets(name, 20, 99)
+    return bool(np.all(least(path, q) < 1e-12))
 
 
 @pytest.mark.parametrize("name", SAMPLE)
@@ -49,6 +56,10 @@ def compare(name, leg, count, seed):
     missing = sharp & (apart.min(axis=-1) > 1e-7)
     common = (apart.min(axis=0) <= 1e-7) & solved
     return np.count_nonzero(missing), np.count_nonzero(solved & ~common), np.count_nonzero(common)
+
+
+def test_redundant_legs_are_among_them():
+    assert {"rrr_zz", "pp_z", "ppp_zz", "rpp_pz", "rpp_zz"} <= {name for name in SAMPLE if redundant(name)}
 
 
 @pytest.mark.parametrize("name", SAMPLE)

@@ -12,11 +12,13 @@
 #define WG_LIBM(name) name
 #define WG_SAME WG_C(1e-7)
 #define WG_RANK WG_C(1e-12)
+#define WG_NUDGES 3
 #else
 #define WALKGEN_INVERSE_GENERAL_F32
 #define WG_LIBM(name) name##f
 #define WG_SAME WG_C(2e-3)
 #define WG_RANK WG_C(1e-6)
+#define WG_NUDGES 1
 #endif
 
 /* How many branches a leg has at most; the sequence is 1, then a binary digit a joint, base to foot: 0 turns, 1 slides (RRR is 8). */
@@ -50,11 +52,26 @@ static inline WG_REAL WG_NAME(wg_apart)(const struct WG_NAME(wg_chain) * chain, 
     return most;
 }
 
-/* OK; DUPLICATE where two solutions meet in q; SINGULAR where q is not isolated, and its free joint becomes 0.
- * A null direction of J is followed: an isolated solution lets the foot go, or the search comes back. */
+/* Whether q can move with the foot at rest: a null direction of J is followed and the foot brought back. An isolated solution lets the
+ * foot go, or the search comes back to q; where the way bends sharply, a short step shows it. */
+static inline int WG_NAME(wg_can_move)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3], WG_REAL tolerance,
+                                       const WG_REAL q[3], const WG_REAL direction[3]) {
+    WG_REAL nudge = WG_C(0.1), aside[3];
+    int i;
+    for (i = 0; i < WG_NUDGES; ++i, nudge *= WG_C(0.3)) {
+        WG_NAME(wg_add)(q, nudge, direction, aside);
+        if (WG_NAME(wg_nearest)(chain, target, 3, aside) <= tolerance && WG_NAME(wg_apart)(chain, q, aside) >= WG_C(0.1) * nudge &&
+            WG_NAME(wg_apart)(chain, q, aside) <= WG_C(3.0) * nudge) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* OK; DUPLICATE where two solutions meet in q; SINGULAR where q is not isolated, and its free joint becomes 0. */
 static inline int WG_NAME(wg_settle)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3], WG_REAL tolerance, WG_REAL q[3]) {
     struct WG_NAME(wg_motion) at;
-    WG_REAL gram[3][3], V[3][3], aside[3], least, most, longest = WG_C(0.0);
+    WG_REAL gram[3][3], V[3][3], aside[3], direction[3], least, most, longest = WG_C(0.0);
     int i, j, weakest = 0, freest = -1;
     WG_NAME(wg_motion_at)(chain, q, &at);
     for (i = 0; i < chain->n; ++i) {
@@ -76,12 +93,10 @@ static inline int WG_NAME(wg_settle)(const struct WG_NAME(wg_chain) * chain, con
         longest = WG_MAX(longest, WG_ABS(V[i][weakest]));
     }
     for (i = 0; i < 3; ++i) {
-        const WG_REAL share = i < chain->n ? V[i][weakest] / longest : WG_C(0.0);
-        aside[i] = q[i] + WG_C(0.1) * share;
-        freest = freest < 0 && WG_ABS(share) > WG_C(0.5) ? i : freest;
+        direction[i] = i < chain->n ? V[i][weakest] / longest : WG_C(0.0);
+        freest = freest < 0 && WG_ABS(direction[i]) > WG_C(0.5) ? i : freest;
     }
-    if (!(WG_NAME(wg_nearest)(chain, target, 3, aside) <= tolerance && WG_NAME(wg_apart)(chain, q, aside) >= WG_C(0.01) &&
-          WG_NAME(wg_apart)(chain, q, aside) <= WG_C(0.3))) {
+    if (!WG_NAME(wg_can_move)(chain, target, tolerance, q, direction)) {
         return WALKGEN_DUPLICATE;
     }
     for (i = 0; i < 3; ++i) {
@@ -222,5 +237,6 @@ static inline void WG_NAME(wg_inverse_general_branch)(const WG_REAL *WG_RESTRICT
 
 #undef WG_SAME
 #undef WG_RANK
+#undef WG_NUDGES
 #undef WG_LIBM
 #endif

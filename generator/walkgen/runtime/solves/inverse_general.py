@@ -20,7 +20,7 @@ _RANK = 1e-6
 _TURNS = np.arange(12) * (2.0 * np.pi / 12.0)
 _SLIDES = np.array([-1.0, 0.0, 1.0])
 _STARTS = 10
-_NEARBY = 0.01, 0.3
+_NUDGES = 0.1, 0.03, 0.009
 _SLOTS = {"RRR": 4, "RRP": 4, "RPR": 4, "PRR": 4, "RPP": 2, "PRP": 2, "PPR": 2, "RR": 2, "RP": 2, "PR": 2}  # others have one
 
 
@@ -175,13 +175,19 @@ def _settled(chain: Chain, target: Reals, q: Reals, tolerance: float) -> tuple[R
     if values[-1] > _RANK * values[0]:
         return q, _OK
     free = across_pose[n - 1]
-    aside, gap = nearest(chain, target, (q + 0.1 * free / np.max(np.abs(free)))[None], 3)
-    if gap[0] > tolerance or not _NEARBY[0] <= np.max(np.abs(aside[0] - q)) <= _NEARBY[1]:
+    if not any(_moves(chain, target, q, nudge * free / np.max(np.abs(free)), tolerance) for nudge in _NUDGES):
         return q, _DUPLICATE
     joint = int(np.argmax(np.abs(free) > 0.5 * np.max(np.abs(free))))
     fixed = np.where(np.arange(n) == joint, 0.0, q)
     still, gap = nearest(chain, target, fixed[None], joint)
     return (_wrapped(chain.kinds, still[0]) if gap[0] <= tolerance else q), _SINGULAR
+
+
+def _moves(chain: Chain, target: Reals, q: Reals, step: Reals, tolerance: float) -> bool:
+    """Whether q, moved by a step that keeps the foot nearly at rest, stays away from q when the foot is brought back."""
+    aside, gap = nearest(chain, target, (q + step)[None], 3)
+    size = np.max(np.abs(step))
+    return bool(gap[0] <= tolerance and 0.1 * size <= np.max(np.abs(aside[0] - q)) <= 3.0 * size)
 
 
 def _distinct(kinds: str, poses: Reals) -> list[Reals]:
