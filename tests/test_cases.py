@@ -8,6 +8,7 @@ import pytest
 from cases.to_spec import LEG_CASES, ROBOT_CASES, case, from_dh, from_tree
 from oracles.backends import BACKENDS
 from oracles.measure import difference
+from walkgen.spec.functions import FORWARD_FUNCTIONS
 
 ACCURACY = 1e-12
 AGREEMENT = 1e-13
@@ -21,7 +22,7 @@ def stacked(samples, key):
 
 def conversions(data):
     """By the tree of joints, and by the DH table; a robot's legs are tested one by one elsewhere."""
-    wanted = ROBOT if data["kind"] == "robot" else ()
+    wanted = ROBOT if data["kind"] == "robot" else FORWARD_FUNCTIONS
     return {"tree": from_tree(data, wanted), "dh": from_dh(data, data.get("dh_chains"), wanted)}
 
 

@@ -5,6 +5,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from walkgen.spec.functions import CHAIN_FUNCTIONS, FORWARD_FUNCTIONS
+
 Draw = Callable[[st.SearchStrategy[Any]], Any]
 
 LENGTHS = st.one_of(st.just("0.0"), st.integers(-500, 500).map(lambda n: f"{n / 1000}"))
@@ -15,6 +17,8 @@ ANGLES = st.one_of(
 )
 UNIT_AXES = ("[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]", "[-1, 0, 0]", "[0, -1, 0]", "[0, 0, -1]", "[0.6, 0.0, 0.8]", "[0.36, 0.48, -0.8]")
 CONVENTIONS = ("classic", "craig", "origin")
+FUNCTIONS = ", ".join(f'"{name}"' for name in (*FORWARD_FUNCTIONS, *CHAIN_FUNCTIONS, "platform_poses", "foot_positions", "foot_jacobians"))
+"""What random robots are tested for elsewhere is derived there."""
 
 
 @st.composite
@@ -112,5 +116,5 @@ def specs(draw: Draw, most_joints: int = 7, conventions: Sequence[str] = CONVENT
     count = draw(st.integers(1, 4))
     chains, platforms = _platforms(draw, count, conventions)
     designs, legs = _legs(draw, count, most_joints, conventions)
-    head = ["walkgen = 1", "[robot]", 'name = "robot"', "gravity = [0.0, 0.0, -9.80665]"]
+    head = ["walkgen = 1", "[robot]", 'name = "robot"', "gravity = [0.0, 0.0, -9.80665]", "[generate]", f"functions = [{FUNCTIONS}]"]
     return "\n".join([*head, *designs, *chains, *platforms, *legs]) + "\n"
