@@ -7,9 +7,11 @@ import pytest
 from scipy.optimize import least_squares
 from sequences import design, head, leg, row
 
+from oracles.backends import Built
 from oracles.measure import difference
 from oracles.screws import screws
 from oracles.walker import read
+from walkgen import pipeline
 
 OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE, DUPLICATE = 0, 1, 2, 3, 4, 6
 REACHES = (OK, SINGULAR, DUPLICATE)
@@ -241,3 +243,29 @@ def test_one_branch_is_one_row(limb):
             q, states = generated.inverse_branch(p, branch)
             assert np.all(np.isnan(q))
             assert np.all(states == BAD_INPUT)
+
+
+# ---- single precision ------------------------------------------------------------------------------------------------------------
+
+
+def test_single_precision(tmp_path):
+    names = ("walking", "rrp_xp")
+    spec = tmp_path / "spec.toml"
+    spec.write_text(
+        head("single", ("inverse", "inverse_near", "inverse_distance"), ("c",)) + "\n".join(LEGS[name] for name in names), encoding="utf-8"
+    )
+    single = Built(spec, pipeline.build(spec, tmp_path, pipeline.BuildOptions(float32=True)).folder).c
+    for name in names:
+        path, generated = PATHS[name], single.legs[name]
+        q = path.random(np.random.default_rng(8), 200, 0.3)
+        p, seed = path.foot(q).astype(np.float32), (q + 0.05).astype(np.float32)
+        for rows, status in (generated.inverse(p), generated.inverse_near(p, seed)):
+            assert rows.dtype == np.float32
+            assert np.all(np.isfinite(rows))
+            reached = np.isin(status, REACHES)
+            gap = np.linalg.norm(path.foot(rows.astype(float)) - (p[:, None] if rows.ndim == 3 else p), axis=-1)
+            assert np.all(gap[reached] <= 2e-6)
+        assert np.all(np.isin(generated.inverse(p)[1], REACHES).any(axis=1))
+        assert np.all(np.isin(generated.inverse_near(p, seed)[1], REACHES))
+        rows = generated.inverse(p)[0].astype(float)
+        assert np.all(np.abs(generated.inverse_distance(p) - np.linalg.norm(path.foot(rows) - p[:, None], axis=-1)) <= 2e-6)
