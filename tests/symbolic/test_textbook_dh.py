@@ -10,6 +10,7 @@ from textbook import CONTEXT, Leg, Row
 from walkgen.graph.interpret import interpret
 from walkgen.graph.lower import lower
 from walkgen.model.assemble import assemble
+from walkgen.spec.functions import FORWARD_FUNCTIONS
 from walkgen.spec.read import read
 from walkgen.symbolic.derive import derive
 from walkgen.symbolic.function import Solve
@@ -69,7 +70,7 @@ def functions(tmp_path_factory):
     def derived(design):
         path = tmp_path_factory.mktemp("textbook") / "spec.toml"
         path.write_text(spec_text(leg_of(design)), encoding="utf-8")
-        found = [function for function in derive(assemble(read(path))) if not isinstance(function, Solve)]
+        found = [function for function in derive(assemble(read(path)), FORWARD_FUNCTIONS) if not isinstance(function, Solve)]
         return {function.signature.name: lower(function, fma=bool(design[1] % 2)) for function in found if function.signature.owner}
 
     return derived
