@@ -82,7 +82,7 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repetitions", type=int, default=201, help="medians are taken of so many")
     parser.add_argument("--rows", type=int, default=4096, help="varied rows for single calls")
-    parser.add_argument("--slow", action="store_true", help="also Pinocchio compiled from its headers, which takes minutes")
+    parser.add_argument("--slow", action="store_true", help="also Pinocchio compiled from its headers, which takes minutes and 6 GB")
     return parser.parse_args()
 
 
