@@ -107,6 +107,7 @@ ONE = (
     Bad("a name of no branch", "WG130", DESIGN, f'{DESIGN}\nbranches = ["a", "b", @@"Knee up", "c"]', "not a name"),
     Bad("two branches of a name", "WG132", DESIGN, f'{DESIGN}\nbranches = ["a", "b", "c", @@"a"]', "twice"),
     Bad("branches that are no list", "WG112", DESIGN, f'{DESIGN}\n@@branches = "a"', '"a"'),
+    Bad("negative weight", "WG161", "[generate]", "[adapt]\n@@limit_weight = -1\n[generate]", "negative"),
     Bad("unknown weight", "WG110", "[generate]", "[adapt]\n@@limit_wieght = 1.0\n[generate]", 'did you mean "limit_weight"?'),
     Bad("weight of text", "WG114", "[generate]", '[adapt]\n@@normal_weight = "much more"\n[generate]', "much"),
     Bad("weight of truth", "WG112", "[generate]", "[adapt]\n@@limit_weight = true\n[generate]", "true"),

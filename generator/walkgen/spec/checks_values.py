@@ -8,7 +8,7 @@ from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
-from walkgen.spec.schema import Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec
+from walkgen.spec.schema import AdaptSpec, Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec
 from walkgen.spec.table import Path, Table, entries, is_scalar
 from walkgen.spec.terrain import Domain, TerrainPatch
 
@@ -25,6 +25,7 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Friction: ("viscous", "coulomb"),
     Rotor: ("inertia",),
     TerrainPatch: ("mu",),
+    AdaptSpec: ("limit_weight", "normal_weight", "clearance_weight"),
 }
 _PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")
 _DIRECTIONS: Mapping[type[Table], str] = {JointRow: "axis", TerrainPatch: "normal"}

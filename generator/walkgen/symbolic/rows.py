@@ -1,6 +1,7 @@
 """What fills the rows of all inverse branches of a leg, with support routines and without: the part that many functions begin with."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 from walkgen.model.classify import YAW_PITCH_PITCH, InverseClass, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
@@ -68,19 +69,25 @@ def parameters_of(mechanism: Mechanism) -> tuple[str, ...]:
 def _yaw_rows(mechanism: Mechanism, leg: Limb, results: tuple[Port, Port]) -> Rows:
     """The fast branches, then the closest point where a row is unreachable."""
     rows, states = results
-    branches = Branches(mechanism, leg, symbols_of(TARGET))
-    found = branches.all_rows()
-    values = [*(value for row, _ in found for value in row), *(status for _, status in found)]
-    outputs = [replace(rows, name="q"), replace(states, name="status")]
-    words = signature(mechanism, leg.name, "inverse_branches", [TARGET], [*outputs, CANONICAL], "", YAW_SOURCE)
-    fast = branches.tape.function(words, [*values, *branches.target])
-    closed = branches.tape.function(replace(words, name="inverse_closed", outputs=tuple(outputs)), values)
+    fast, closed = _yaw_kernels(mechanism, leg)
     inputs = ("p", *parameters_of(mechanism))
     steps = (
         Step(fast, (*inputs, rows.name, states.name, "target")),
         *closest(mechanism, leg, "wg_closest_yaw_pitch_pitch", (rows.name, states.name), states.size),
     )
     return Rows((*results, CANONICAL, NUMBERS), steps, (Step(closed, (*inputs, rows.name, states.name)),))
+
+
+@cache
+def _yaw_kernels(mechanism: Mechanism, leg: Limb) -> tuple[Function, Function]:
+    """All rows, with the canonical target and without it."""
+    branches = Branches(mechanism, leg, symbols_of(TARGET))
+    found = branches.all_rows()
+    values = [*(value for row, _ in found for value in row), *(status for _, status in found)]
+    outputs = row_ports(leg, inverse_class(mechanism, leg), "q", "status")
+    words = signature(mechanism, leg.name, "inverse_branches", [TARGET], [*outputs, CANONICAL], "", YAW_SOURCE)
+    fast = branches.tape.function(words, [*values, *branches.target])
+    return fast, branches.tape.function(replace(words, name="inverse_closed", outputs=outputs), values)
 
 
 def closest(mechanism: Mechanism, leg: Limb, routine: str, arguments: tuple[str, ...], count: int) -> tuple[Step, Step]:
@@ -97,6 +104,7 @@ def _geometry_function(mechanism: Mechanism, leg: Limb) -> Function:
     return tape.function(words, numbers)
 
 
+@cache
 def _general_closed(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Function:
     """The elimination as straight-line code."""
     tape = Tape()
