@@ -95,7 +95,7 @@ def read_arm(geometry: Reals, p: Reals, sequence: int) -> tuple[Arm | None, Trut
         parts = np.where(fine[:, None], geometry[:, : 6 * n], 0.0).reshape(-1, n, 2, 3)
         base = parts[:, 0, 1]
         points, foot, target = parts[:, :, 1] - base[:, None], geometry[:, 6 * n : 6 * n + 3] - base, p - base
-        fine &= every(np.isfinite(np.concatenate([points.reshape(len(p), -1), foot, target], axis=-1)))
+        fine &= every(np.isfinite(np.concatenate([points.reshape(len(p), 3 * n), foot, target], axis=-1)))
     points, foot, target = (
         np.where(fine[:, None, None], points, 0.0),
         np.where(fine[:, None], foot, 0.0),
