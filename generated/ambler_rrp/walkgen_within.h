@@ -93,24 +93,32 @@ static inline int WG_NAME(wg_attempt_rest)(struct WG_NAME(wg_search) * search, c
     return found.gap < before.gap ? rested : rests;
 }
 
-/* From the guess, then from valleys of a grid or from spread starts, until the target is reached: whether the best is at rest. */
-static inline int WG_NAME(wg_seek_within)(struct WG_NAME(wg_search) * search) {
+/* From valleys of a grid, for up to three joints, until the target is reached: whether the best is at rest. */
+static inline int WG_NAME(wg_seek_valleys)(struct WG_NAME(wg_search) * search, int rests) {
     struct WG_NAME(wg_grid) grid;
     WG_REAL q[WG_MOST_JOINTS];
-    int valleys[WG_VALLEYS], k, count = WG_SPREAD_STARTS, rests;
+    int valleys[WG_VALLEYS], k, count;
+    WG_NAME(wg_survey)(search, &grid);
+    count = WG_NAME(wg_valleys)(&grid, valleys);
+    for (k = 0; k < count && !search->reached; ++k) {
+        WG_NAME(wg_grid_values)(&grid, search->arm->n, valleys[k], q);
+        rests = WG_NAME(wg_attempt_rest)(search, q, rests);
+    }
+    return rests;
+}
+
+/* From the guess, then from valleys of a grid or from spread starts, until the target is reached: whether the best is at rest. */
+static inline int WG_NAME(wg_seek_within)(struct WG_NAME(wg_search) * search) {
+    WG_REAL q[WG_MOST_JOINTS];
+    int k, rests;
     search->reached = 0;
     search->best.gap = WG_INFINITY;
     rests = WG_NAME(wg_attempt_rest)(search, search->seed, 0);
     if (search->arm->n <= 3 && !search->reached) {
-        WG_NAME(wg_survey)(search, &grid);
-        count = WG_NAME(wg_valleys)(&grid, valleys);
+        return WG_NAME(wg_seek_valleys)(search, rests);
     }
-    for (k = 0; k < count && !search->reached; ++k) {
-        if (search->arm->n <= 3) {
-            WG_NAME(wg_grid_values)(&grid, search->arm->n, valleys[k], q);
-        } else {
-            WG_NAME(wg_spread_start)(search, search->seed, WG_MIN(WG_C(0.125) * (WG_REAL)(k + 1), WG_C(1.0)), k + 1, q);
-        }
+    for (k = 1; k <= WG_SPREAD_STARTS && !search->reached; ++k) {
+        WG_NAME(wg_spread_start)(search, search->seed, WG_MIN(WG_C(0.125) * (WG_REAL)k, WG_C(1.0)), k, q);
         rests = WG_NAME(wg_attempt_rest)(search, q, rests);
     }
     return rests;
