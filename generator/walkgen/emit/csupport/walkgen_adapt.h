@@ -1,10 +1,11 @@
 /* walkgen_adapt.h: a modular robot adapted to the terrain: chain joints that minimise a criterion, legs by their inverse.
  *
- * Where the start does not let every foot reach its target, the chains first reduce what is missing (Gauss-Newton on the distances of the
- * closest poses); where that, or the descent (walkgen_adapt_descent.h), ends early, other starts are tried, always the same ones.
+ * Where the start does not let every foot reach its target, the chains first reduce what is missing (walkgen_adapt_approach.h); where
+ * that, or the descent (walkgen_adapt_descent.h), ends early, other starts are tried, always the same ones.
  * At most 96 joints, of which 32 of chains, 16 feet, 16 platforms: about 60 kB of stack in double, 32 kB in float. walkgen_math.h explains
  * the macros.
  */
+#include "walkgen_adapt_approach.h"
 #include "walkgen_adapt_descent.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_ADAPT_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_ADAPT_F32))
@@ -139,69 +140,6 @@ static inline int WG_NAME(wg_adapt_start)(const struct WG_NAME(wg_adapt_problem)
         q[joint] = value;
     }
     return fresh;
-}
-
-/* A step of the chains that brings missing feet to their targets and a little beyond: the distance's gradient is gap . J_c / |gap|. The
- * chain joints of `other` become those after it. */
-static inline void WG_NAME(wg_adapt_approach)(const struct WG_NAME(wg_adapt_problem) * problem, const struct WG_NAME(wg_adapt_stand) * stand,
-                                              WG_REAL damping, struct WG_NAME(wg_tree_motion) * at, struct WG_NAME(wg_adapt_stand) * other) {
-    const struct WG_NAME(wg_tree) *tree = &problem->criterion.tree;
-    WG_REAL matrix[WG_TREE_CHAINS][WG_TREE_CHAINS], step[WG_TREE_CHAINS], row[WG_TREE_CHAINS], point[3], column[3];
-    int path[WG_TREE_CHAINS], foot, a, b, count;
-    for (a = 0; a < tree->chains; ++a) {
-        step[a] = WG_C(0.0);
-        for (b = 0; b < tree->chains; ++b) {
-            matrix[a][b] = a == b ? damping : WG_C(0.0);
-        }
-    }
-    WG_NAME(wg_tree_motion_at)(tree, stand->q, at);
-    for (foot = 0; foot < tree->feet; ++foot) {
-        const WG_REAL *gap = stand->legs[foot].gap, distance = WG_NAME(wg_norm)(gap), reach = problem->legs[foot].reach;
-        if (!problem->criterion.led[foot] || !(distance > WG_C(0.0))) {
-            continue;
-        }
-        WG_NAME(wg_tree_moved)(at, tree->leg[foot][2], tree->footholds + 3 * foot, point);
-        count = WG_NAME(wg_tree_path)(tree, tree->base[foot], path);
-        for (a = 0; a < count; ++a) {
-            WG_NAME(wg_tree_column)(tree, at, path[a], point, column);
-            row[a] = WG_NAME(wg_dot)(gap, column) / distance * (problem->criterion.half[path[a]] / reach);
-        }
-        for (a = 0; a < count; ++a) {
-            step[tree->place[path[a]]] -= row[a] * (distance / reach + WG_C(0.01));
-            for (b = 0; b < count; ++b) {
-                matrix[tree->place[path[a]]][tree->place[path[b]]] += row[a] * row[b];
-            }
-        }
-    }
-    *other = *stand;
-    if (WG_NAME(wg_adapt_cholesky)(tree->chains, matrix, step)) {
-        for (a = 0; a < tree->chains; ++a) {
-            const int joint = tree->chain[a];
-            other->q[joint] = WG_NAME(wg_adapt_clamped)(problem, joint, stand->q[joint] + problem->criterion.half[joint] * step[a]);
-        }
-    }
-}
-
-/* A stand from these chain joints on in which every led foot reaches its target, or one that misses no more than the first. 0 where a
- * leg's pose is no number. */
-static inline int WG_NAME(wg_adapt_reach)(const struct WG_NAME(wg_adapt_problem) * problem, struct WG_NAME(wg_adapt_stand) * stand) {
-    struct WG_NAME(wg_adapt_stand) other;
-    struct WG_NAME(wg_tree_motion) at;
-    WG_REAL damping = WG_C(0.01);
-    int turn;
-    if (!WG_NAME(wg_adapt_stand_at)(problem, NULL, stand, &at)) {
-        return 0;
-    }
-    for (turn = 0; turn < 15 && stand->missed > WG_C(0.0); ++turn) {
-        WG_NAME(wg_adapt_approach)(problem, stand, damping, &at, &other);
-        if (WG_NAME(wg_adapt_stand_at)(problem, NULL, &other, &at) && other.missed < stand->missed) {
-            *stand = other;
-            damping *= WG_C(0.25);
-        } else {
-            damping *= WG_C(4.0);
-        }
-    }
-    return 1;
 }
 
 /* The best stand of all starts: 0 where Phi is stationary, 1 where every foot reaches its target, 2 else; 3 where there is none. */

@@ -10,19 +10,17 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
+from walkgen.runtime.solves.adapt_approach import approached
 from walkgen.runtime.solves.adapt_criterion import Criterion
 from walkgen.runtime.solves.adapt_descent import descended
 from walkgen.runtime.solves.adapt_legs import leg_of
-from walkgen.runtime.solves.adapt_solve import cholesky
-from walkgen.runtime.solves.adapt_stand import Problem, Stand, stand_at
-from walkgen.runtime.solves.tree import Integers, Reals, Tree, broadcast_rows, columns, limits_fit, middle_and_spans, read_tree
+from walkgen.runtime.solves.adapt_stand import Problem, Stand
+from walkgen.runtime.solves.tree import Integers, Reals, Tree, broadcast_rows, limits_fit, middle_and_spans, read_tree
 from walkgen.signature import STATUSES
 
 _OK, _UNREACHABLE, _BAD_INPUT, _NO_CONVERGENCE = (STATUSES.index(name) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "NO_CONVERGENCE"))
 _FLAT = 1e-10
 _STARTS = 8
-_APPROACHES = 15
-_MARGIN = 0.01
 _GOLDEN = 0.6180339887498949
 
 
@@ -63,8 +61,9 @@ def adapt(
     for place in np.ndindex(shape):
         numbers, links, bounds, aims, normals, first, weigh = (row[place] for row in rows)
         tree = read_tree(numbers, links, nq, feet, platforms)
-        problem = None if tree is None else _problem(tree, bounds, aims, normals, first, weigh)
-        answer = None if problem is None else _solved(problem)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
+            problem = None if tree is None else _problem(tree, bounds, aims, normals, first, weigh)
+            answer = None if problem is None else _solved(problem)
         if answer is not None:
             q[place], status[place], cost[place] = answer
     return q, status, cost
@@ -110,7 +109,7 @@ def _solved(problem: Problem) -> tuple[Reals, int, float] | None:
     """q, status and Phi; None where they are not finite."""
     best: tuple[int, float, Stand] | None = None
     for q in _starts(problem):
-        stand = _approached(problem, q)
+        stand = approached(problem, q)
         if stand is None:
             continue
         if stand.regular(problem):
@@ -143,37 +142,3 @@ def _starts(problem: Problem) -> Iterator[Reals]:
             share = 0.5 + turn * (index + 1) * _GOLDEN
             q[joint] += radius * problem.spans[joint] * (2.0 * (share - np.floor(share)) - 1.0)
         yield problem.clamped(q)
-
-
-def _approached(problem: Problem, q: Reals) -> Stand | None:
-    """A stand from these chain joints on in which every led foot reaches its target, or one that misses less than the first."""
-    best, damping = stand_at(problem, q), 1e-2
-    for _ in range(_APPROACHES):
-        if best is None or best.missed == 0.0:
-            break
-        other = stand_at(problem, problem.clamped(best.q + _approach(problem, best, damping)))
-        if other is not None and other.missed < best.missed:
-            best, damping = other, 0.25 * damping
-        else:
-            damping *= 4.0
-    return best
-
-
-def _approach(problem: Problem, stand: Stand, damping: float) -> Reals:
-    """A step of the chains that brings missing feet to their targets and a little beyond: the distance's gradient is gap . J_c / |gap|."""
-    tree, chains = problem.tree, list(problem.tree.chains)
-    matrix, rhs = np.zeros((len(chains), len(chains))), np.zeros(len(chains))
-    for foot, (leg, pose) in enumerate(zip(problem.legs, stand.legs, strict=True)):
-        distance = float(np.linalg.norm(pose.gap))
-        if not problem.criterion.led[foot] or distance == 0.0:
-            continue
-        path = tree.path(leg.base)
-        point = stand.at.moved(leg.joints[-1], tree.feet[foot])
-        row = np.zeros(len(chains))
-        row[[chains.index(joint) for joint in path]] = pose.gap / distance @ columns(tree, stand.at, path, point)
-        row *= problem.spans[chains] / leg.reach
-        matrix += np.outer(row, row)
-        rhs -= row * (distance / leg.reach + _MARGIN)
-    step, shares = np.zeros(len(stand.q)), cholesky(matrix + damping * np.eye(len(chains)), rhs)
-    step[chains] = 0.0 if shares is None else problem.spans[chains] * shares
-    return step

@@ -41,7 +41,8 @@ class Criterion:
             tilt = at.turned(self.tree.carriers[m], self.tree.rotations[m][:, 2]) - self.normals[m]
             total += 0.5 * level * float(tilt @ tilt)
             if self.standing[m]:
-                total += height * (self._height(at, m) - wanted) ** 2
+                excess = self._height(at, m) - wanted
+                total += height * excess * excess  # in this order 0 wins over what overflows
         return total
 
     def _height(self, at: Motion, m: int) -> float:

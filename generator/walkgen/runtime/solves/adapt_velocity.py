@@ -64,7 +64,8 @@ def adapt_velocity(
         given = np.concatenate([values, speeds.ravel(), wanted])
         if tree is None or not (np.isfinite(given).all() and limits_fit(bounds)):
             continue
-        found, state = _resolved(tree, bounds, values, speeds, wanted, (float(least), float(most)))
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
+            found, state = _resolved(tree, bounds, values, speeds, wanted, (float(least), float(most)))
         if state != _BAD_INPUT and np.isfinite(found).all():
             rates[place], status[place] = found, state
     return rates, status
