@@ -104,7 +104,7 @@ def curvature(arm: Arm, at: Stance) -> Reals:
 
 
 def _bend(vector: Reals, turning: Reals) -> Reals:
-    """Half the squared length of a rotation vector, twice along turns, less what the lengths themselves give: its shape on rotations."""
+    """Half the squared length of rotation vectors, derived along turns twice [b, n, n]: its shape on rotations."""
     angle, around = norm(vector), np.einsum("bjk,bk->bj", turning, vector)
     half = 0.5 * angle
     curved, some = half > 1e-4, angle > 1e-150

@@ -101,7 +101,8 @@ def read_arm(geometry: Reals, p: Reals, sequence: int) -> tuple[Arm | None, Trut
         np.where(fine[:, None], foot, 0.0),
         np.where(fine[:, None], target, 0.0),
     )
-    return _scaled(sliding, parts[:, :, 0], points, foot, target), fine
+    away = np.max(np.abs(np.where(fine[:, None], base, 0.0)), axis=-1)
+    return _scaled(sliding, parts[:, :, 0], points, foot, target, away), fine
 
 
 def read_pose(geometry: Reals, T: Reals, sequence: int) -> tuple[Arm | None, Truths]:
@@ -122,18 +123,22 @@ def read_pose(geometry: Reals, T: Reals, sequence: int) -> tuple[Arm | None, Tru
     return replace(arm, rotation=np.where(fine[:, None, None], rotation, np.eye(3))), fine
 
 
-def _scaled(sliding: Truths, axes: Reals, points: Reals, foot: Reals, target: Reals) -> Arm:
-    """Lengths by a power of 2 to about 1. A target very far from an arm that does not slide comes nearer: only its direction counts."""
+def _scaled(sliding: Truths, axes: Reals, points: Reals, foot: Reals, target: Reals, away: Reals) -> Arm:
+    """Lengths by a power of 2 to about 1. A target very far from an arm that does not slide comes nearer: only its direction counts.
+
+    The tolerance is what roundings leave open, those of where the arm stands too, so far away [b]; an arm that is one is not enlarged.
+    """
     farthest = np.max(np.abs(target), axis=-1)
     largest = np.maximum(np.max(np.abs(foot), axis=-1), np.max(np.abs(points), axis=(-2, -1)))
+    largest = np.maximum(largest, np.ldexp(away, -_FAR))
     _, size = np.frexp(np.maximum(largest, farthest) if sliding.any() else largest)
     far = np.frexp(farthest)[1]
     far = np.where(far - size > _FAR, far - _FAR, size)
     target, foot, points = np.ldexp(target, -far[:, None]), np.ldexp(foot, -size[:, None]), np.ldexp(points, -size[:, None, None])
     points, levers = _next_to_each_other(sliding, axes, points, foot)
     reach = np.sum(norm(levers), axis=-1) + (norm(target) if sliding.any() else 0.0)
-    length = 0.25 * np.maximum(reach, 0.01)
-    return Arm(sliding, axes, points, levers, foot, target, None, size, length, reach, _TOLERANCE * reach)
+    length, tolerance = 0.25 * np.maximum(reach, 0.01), _TOLERANCE * reach + 4.0 * EPSILON * np.ldexp(away, -far)
+    return Arm(sliding, axes, points, levers, foot, target, None, size, length, reach, tolerance)
 
 
 def _next_to_each_other(sliding: Truths, axes: Reals, points: Reals, foot: Reals) -> tuple[Reals, Reals]:
