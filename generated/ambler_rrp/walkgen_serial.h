@@ -12,11 +12,13 @@
 #define WG_LIBM(name) name
 #define WG_TOLERANCE WG_C(1e-12)
 #define WG_RIGID WG_C(1e-6)
+#define WG_ZOOM 20
 #else
 #define WALKGEN_SERIAL_F32
 #define WG_LIBM(name) name##f
 #define WG_TOLERANCE (WG_C(8.0) * WG_EPSILON)
 #define WG_RIGID WG_C(1e-5)
+#define WG_ZOOM 4
 #endif
 #ifndef WG_MOST_JOINTS
 #define WG_MOST_JOINTS 16
@@ -165,9 +167,10 @@ static inline void WG_NAME(wg_serial_levers)(struct WG_NAME(wg_serial) * arm) {
     }
 }
 
-/* Lengths by a power of 2 to about 1. A target very far from an arm that does not slide comes nearer: only its direction counts. */
+/* Lengths by a power of 2 to about 1. A target very far from an arm that does not slide comes nearer: only its direction counts.
+ * arm->tolerance is how far from the origin the arm stands, and becomes what roundings leave open; an arm that is one is not enlarged. */
 static inline void WG_NAME(wg_serial_scale)(struct WG_NAME(wg_serial) * arm) {
-    WG_REAL largest = WG_C(0.0), farthest = WG_C(0.0);
+    WG_REAL largest = WG_LIBM(ldexp)(arm->tolerance, -WG_ZOOM), farthest = WG_C(0.0);
     int i, j, far, sliding = 0;
     for (i = 0; i < 3; ++i) {
         farthest = WG_MAX(farthest, WG_ABS(arm->target[i]));
@@ -189,7 +192,7 @@ static inline void WG_NAME(wg_serial_scale)(struct WG_NAME(wg_serial) * arm) {
     }
     WG_NAME(wg_serial_levers)(arm);
     arm->reach += sliding ? WG_NAME(wg_norm)(arm->target) : WG_C(0.0);
-    arm->tolerance = WG_TOLERANCE * arm->reach;
+    arm->tolerance = WG_TOLERANCE * arm->reach + WG_C(4.0) * WG_EPSILON * WG_LIBM(ldexp)(arm->tolerance, -far);
     arm->length = WG_C(0.25) * WG_MAX(arm->reach, WG_C(0.01));
 }
 
@@ -202,7 +205,9 @@ static inline int WG_NAME(wg_serial_read)(const WG_REAL *geometry, const WG_REAL
         fine = isfinite(geometry[i]) && (i >= 3 || isfinite(p[i]));
     }
     arm->rows = 3;
+    arm->tolerance = WG_C(0.0);
     for (i = 0; fine && i < 3; ++i) {
+        arm->tolerance = WG_MAX(arm->tolerance, WG_ABS(geometry[3 + i]));
         for (j = 0; j < arm->n; ++j) {
             arm->slides[j] = (sequence >> (arm->n - 1 - j)) % 2 == 1;
             arm->axis[j][i] = geometry[6 * j + i];
@@ -225,11 +230,11 @@ static inline int WG_NAME(wg_serial_read)(const WG_REAL *geometry, const WG_REAL
 static inline int WG_NAME(wg_serial_read_pose)(const WG_REAL *geometry, const WG_REAL T[16], int32_t sequence,
                                                struct WG_NAME(wg_serial) * arm) {
     WG_REAL p[3], R[9], square[9], next[9], determinant;
-    int i, k, fine = WG_ABS(T[12]) <= WG_RIGID && WG_ABS(T[13]) <= WG_RIGID && WG_ABS(T[14]) <= WG_RIGID && WG_ABS(T[15] - WG_C(1.0)) <= WG_RIGID;
+    int i, k, fine = WG_ABS(T[15] - WG_C(1.0)) <= WG_RIGID;
     for (i = 0; i < 9; ++i) {
         R[i] = T[i + i / 3];
         p[i / 3] = T[4 * (i / 3) + 3];
-        fine = fine && WG_ABS(R[i]) <= WG_C(2.0);
+        fine = fine && WG_ABS(R[i]) <= WG_C(2.0) && WG_ABS(T[12 + i / 3]) <= WG_RIGID;
     }
     if (!fine || !WG_NAME(wg_serial_read)(geometry, p, sequence, arm)) {
         return 0;
@@ -253,5 +258,6 @@ static inline int WG_NAME(wg_serial_read_pose)(const WG_REAL *geometry, const WG
 
 #undef WG_TOLERANCE
 #undef WG_RIGID
+#undef WG_ZOOM
 #undef WG_LIBM
 #endif

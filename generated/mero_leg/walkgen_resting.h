@@ -17,7 +17,7 @@
 #define WG_SADDLE_STEPS 16
 #endif
 
-/* Half the squared length of a rotation vector, twice along turns a and b, less what the lengths themselves give: its shape on rotations. */
+/* Half the squared length of a rotation vector, derived along turns a and b: its shape on rotations. */
 static inline WG_REAL WG_NAME(wg_bend)(const WG_REAL vector[3], WG_REAL angle, const WG_REAL a[3], const WG_REAL b[3]) {
     const WG_REAL half = WG_C(0.5) * angle, sine = WG_SIN(half);
     const WG_REAL factor = half > WG_C(1e-4) ? half * WG_COS(half) / sine : WG_C(1.0);

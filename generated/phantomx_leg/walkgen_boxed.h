@@ -27,7 +27,7 @@ struct WG_NAME(wg_normal) {
     WG_REAL A[WG_MOST_JOINTS][WG_MOST_JOINTS], b[WG_MOST_JOINTS];
 };
 
-/* A x = b for the first k rows by L D L' of a symmetric matrix, given below its diagonal; how many pivots are positive: k, or b is not x. */
+/* A x = b for the first k rows by L D L' of a symmetric matrix, given below its diagonal; how many pivots are positive: k, or no x. */
 static inline int WG_NAME(wg_solve_positive)(int k, struct WG_NAME(wg_normal) * normal) {
     WG_REAL *b = normal->b;
     int i, j, m;
@@ -46,8 +46,8 @@ static inline int WG_NAME(wg_solve_positive)(int k, struct WG_NAME(wg_normal) * 
             for (m = 0; m < j; ++m) {
                 sum -= normal->A[i][m] * normal->A[m][j];
             }
-            row[i] = sum;                        /* D L' above the diagonal */
-            normal->A[i][j] = sum * row[j];      /* L below */
+            row[i] = sum; /* D L' above the diagonal, L below */
+            normal->A[i][j] = sum * row[j];
         }
         for (m = 0; m < j; ++m) {
             b[j] -= row[m] * b[m];
