@@ -33,24 +33,30 @@ class Robot:
         return len(self.joints), len(self.feet), len(self.platforms)
 
     def frames(self, q) -> list[Array]:
-        """Every joint's frame after its motion, the root's last; complex q too."""
+        """Every joint's frame after its motion, the root's last [..., 4, 4]; rows of q, and complex ones too."""
+        q = np.asarray(q)
         frames = [np.eye(4)] * (len(self.joints) + 1)
         for index, joint in enumerate(self.joints):
-            motion = translation((0.0, 0.0, q[index])) if joint.slides else rotation(Z, q[index])
-            frames[index] = frames[joint.parent] @ joint.before @ motion
+            frames[index] = frames[joint.parent] @ joint.before @ _motion(q[..., index], joint.slides)
         return frames
 
     def foot_positions(self, q) -> Array:
+        """[..., k, 3]"""
         frames = self.frames(q)
-        return np.array([(frames[joint] @ pose)[:3, 3] for joint, pose in self.feet]).reshape(-1, 3)
+        return np.stack([(frames[joint] @ pose)[..., :3, 3] for joint, pose in self.feet], axis=-2)
 
-    def platform_poses(self, q) -> Array:
+    def platform_poses(self, q) -> list[Array]:
         frames = self.frames(q)
-        return np.array([frames[joint] @ pose for joint, pose in self.platforms])
+        return [frames[joint] @ pose for joint, pose in self.platforms]
 
     def jacobian(self, q) -> Array:
         """Of all feet's coordinates [3 k, nq], by complex steps: exact to rounding."""
-        return np.stack([self.foot_positions(q + step).imag.ravel() / STEP for step in 1j * STEP * np.eye(len(q))], axis=-1)
+        return np.asarray(self.foot_positions(q + 1j * STEP * np.eye(len(q))).imag.reshape(len(q), -1).T / STEP)
+
+    def least_singular_value(self, q) -> float:
+        """Of all legs' Jacobians."""
+        J = self.jacobian(q).reshape(-1, 3, len(q))
+        return float(min(np.linalg.svd(J[foot][:, leg])[1][-1] for foot, leg in enumerate(self.legs)))
 
     @property
     def geometry(self) -> Array:
@@ -100,6 +106,18 @@ class Robot:
         return replace(self, limits=limits)
 
 
+def _motion(q: Array, slides: bool) -> Array:
+    """Along or about z [..., 4, 4]."""
+    motion = np.zeros((*q.shape, 4, 4), q.dtype) + np.eye(4)
+    if slides:
+        motion[..., 2, 3] = q
+    else:
+        motion[..., 0, 0] = motion[..., 1, 1] = np.cos(q)
+        motion[..., 1, 0] = np.sin(q)
+        motion[..., 0, 1] = -motion[..., 1, 0]
+    return motion
+
+
 @dataclass(frozen=True)
 class Ground:
     """A robot's task: the criterion of theory note 1, section 3.3, on targets [k, 3] and unit normals [m, 3]; weights as `adapt` takes."""
@@ -110,15 +128,15 @@ class Ground:
     weights: Array
 
     def phi(self, q):
-        """Complex q too. Joints without two limits apart do not count."""
+        """Rows of q, and complex ones too. Joints without two limits apart do not count."""
         robot, (limit, level, height, wanted) = self.robot, self.weights
         counted = np.isfinite(robot.limits).all(axis=-1) & (robot.limits[:, 0] < robot.limits[:, 1])
-        total = limit * np.sum(((q - robot.middle)[counted] / robot.half[counted]) ** 2)
+        total = limit * np.sum(((q - robot.middle)[..., counted] / robot.half[counted]) ** 2, axis=-1)
         poses, homes = robot.platform_poses(q), np.array([robot.home(foot) for foot in range(len(robot.feet))])
         for m in range(1, len(robot.platforms)):
-            total += level * (1.0 - self.normals[m] @ poses[m][:3, 2])
+            total += level * (1.0 - poses[m][..., :3, 2] @ self.normals[m])
             if (homes == m).any():
-                total += height * (self.normals[m] @ (poses[m][:3, 3] - self.targets[homes == m].mean(axis=0)) - wanted) ** 2
+                total += height * ((poses[m][..., :3, 3] - self.targets[homes == m].mean(axis=0)) @ self.normals[m] - wanted) ** 2
         return total
 
     def followed(self, c, q) -> Array | None:
@@ -135,8 +153,14 @@ class Ground:
     def gradient(self, q) -> Array:
         """Of Phi by the chain joints, legs following: N^T dPhi/dq, all by complex steps [nc]."""
         chains, legs, J = self.robot.chains, self.robot.legs.ravel(), self.robot.jacobian(q)
-        slope = np.array([self.phi(q + step).imag / STEP for step in 1j * STEP * np.eye(len(q))])
+        slope = self.phi(q + 1j * STEP * np.eye(len(q))).imag / STEP
         return slope[chains] - np.linalg.solve(J[:, legs], J[:, chains]).T @ slope[legs]
+
+    def pushed(self, q) -> Array:
+        """What is left of the gradient by the chain joints that their limits do not hold [nc]."""
+        gradient, (lower, upper) = self.gradient(q), self.robot.limits[self.robot.chains].T
+        c = q[self.robot.chains]
+        return np.where(((c <= lower) & (gradient > 0.0)) | ((c >= upper) & (gradient < 0.0)) | (lower == upper), 0.0, gradient)
 
 
 def unit(vectors) -> Array:
@@ -188,6 +212,18 @@ def random_robot(rng, modules: int, serial: bool, legs_on_root: bool = True) -> 
     posture = np.array([rng.uniform(-0.2, 0.2) if j not in leg else rng.uniform(-0.1, 0.1) for j in range(len(joints))])
     half = np.array([0.2 if joint.slides else rng.uniform(0.5, 1.0) for joint in joints])
     return Robot(tuple(joints), tuple(feet), tuple(platforms), np.stack([posture - half, posture + half], axis=-1))
+
+
+def random_ground(seed: int, serial: bool, modules: int = 0) -> tuple[Ground, Array]:
+    """A robot, by default of two modules or of three in a row, on targets of a posture in which no leg is near a singular one."""
+    rng = np.random.default_rng(seed)
+    while True:
+        robot = random_robot(rng, modules or (3 if serial else 2), serial, legs_on_root=not serial)
+        q = robot.middle + 0.4 * robot.half * rng.uniform(-1.0, 1.0, len(robot.joints))
+        if robot.least_singular_value(q) > 0.08:
+            break
+    normals = unit(rng.uniform(-0.2, 0.2, (len(robot.platforms), 3)) + np.array([0.0, 0.0, 1.0]))
+    return Ground(robot, robot.foot_positions(q), normals, np.array([1.0, 4.0, 20.0, 0.30])), q
 
 
 def _module(rng, joints: list[TreeJoint], parent: int, pose: Array, turn: float) -> tuple[int, Array]:

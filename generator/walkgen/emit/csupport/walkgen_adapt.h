@@ -2,8 +2,8 @@
  *
  * Where the start does not let every foot reach its target, the chains first reduce what is missing (walkgen_adapt_approach.h); where
  * that, or the descent (walkgen_adapt_descent.h), ends early, other starts are tried, always the same ones.
- * At most 96 joints, of which 32 of chains, 16 feet, 16 platforms: about 60 kB of stack in double, 32 kB in float. walkgen_math.h explains
- * the macros.
+ * At most 96 joints, of which 32 of chains, 16 feet, 16 platforms: at most 64 kB of stack in double, 36 kB in float (gcc -O2).
+ * walkgen_math.h explains the macros.
  */
 #include "walkgen_adapt_approach.h"
 #include "walkgen_adapt_descent.h"
@@ -185,7 +185,7 @@ static inline void WG_NAME(wg_adapt)(const WG_REAL *WG_RESTRICT geometry, const 
     struct WG_NAME(wg_adapt_stand) best;
     int i, foot;
     *status = WALKGEN_BAD_INPUT;
-    *cost = WG_NAN;
+    *cost = best.cost = WG_NAN;
     if (WG_NAME(wg_adapt_read)(geometry, topology, limits, targets, normal, start, weights, nq, feet, platforms, &problem)) {
         *status = states[WG_NAME(wg_adapt_search)(&problem, &best)];
     }

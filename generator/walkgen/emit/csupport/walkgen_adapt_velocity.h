@@ -2,7 +2,7 @@
  *
  * The chain joints' rates cd are free, every leg follows: qd = qd_p + N cd with qd_p = (0, J_leg^-1 xd) and N = [1; -J_leg^-1 J_c]. The
  * least |qd - qd0| weighted by W = diag(1 / half^2) is where (N^T W N) cd = N^T W (qd0 - qd_p), a matrix as small as the chains are few.
- * About 38 kB of stack in double, 19 kB in float.
+ * At most 44 kB of stack in double, 24 kB in float (gcc -O2).
  */
 #include "walkgen_adapt_criterion.h"
 #include "walkgen_adapt_solve.h"
