@@ -27,7 +27,7 @@ struct WG_NAME(wg_contact_work) {
     WG_REAL start[6];
     struct WG_NAME(wg_contact_stance) stance;
     struct WG_NAME(wg_contact_dual) dual;
-    WG_REAL f[WALKGEN_MAX_FEET][3];
+    WG_REAL f[3][WALKGEN_MAX_FEET];
 };
 
 /* a = A^-1 m for the symmetric A of points' second moments (xx, yy, zz, xy, xz, yz); whether it is well conditioned. */
@@ -103,39 +103,58 @@ static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points,
 static inline int WG_NAME(wg_contact_read)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
                                            const WG_REAL *weight, const WG_REAL *n_max, int32_t facets,
                                            struct WG_NAME(wg_contact_stance) * stance, WG_REAL *noise) {
+    struct WG_NAME(wg_contact_cones) *cones = &stance->cones;
+    const WG_REAL angle = WG_PI / (WG_REAL)(facets > 0 ? facets : 1);
+    WG_REAL unit;
     int i, j;
     if (!WG_NAME(wg_contact_fine)(k, points, normals, mu, wrench, weight, n_max, facets)) {
         return 0;
     }
-    stance->feet = k;
+    stance->feet = cones->rows = k;
     stance->turned = stance->lost[0] = stance->lost[1] = stance->lost[2] = 0;
     WG_NAME(wg_contact_place)(points, weight, stance);
     *noise = WG_NAME(wg_contact_load)(wrench, stance);
     WG_NAME(wg_contact_inertia)(stance);
-    for (i = 0; i < k; ++i) {
-        struct WG_NAME(wg_contact_cone) *cone = &stance->cone[i];
+    unit = WG_C(1.0) / stance->force_unit;
+    cones->facets = facets;
+    cones->side = cones->corner = WG_C(0.7071067811865476);
+    if (facets != 0 && facets != 4) {
+        cones->side = WG_COS(angle);
+        cones->corner = WG_SIN(angle);
+    }
+    for (i = 0; i < ((k + 3) & ~3); ++i) {
+        const int foot = i < k;
         for (j = 0; j < 3; ++j) {
-            cone->n[j] = normals[3 * i + j];
+            cones->n[j][i] = foot ? normals[3 * i + j] : WG_C(0.0);
+            cones->along[j][i] = cones->aside[j][i] = WG_C(0.0);
+            stance->r[j][i] = foot ? stance->r[j][i] : WG_C(0.0);
         }
-        cone->mu = mu[i];
-        cone->n_max = WG_LIBM(ldexp)(n_max[i], -stance->force_size);
-        cone->facets = 0;
-        if (facets) {
-            WG_NAME(wg_contact_sides)(facets, cone);
+        stance->ease[i] = foot ? stance->ease[i] : WG_C(0.0);
+        cones->n_max[i] = foot ? unit * n_max[i] : WG_C(0.0);
+        WG_NAME(wg_contact_rub)(foot ? mu[i] : WG_C(0.0), i, cones);
+        if (foot && facets) {
+            WG_NAME(wg_contact_aim)(i, cones);
         }
     }
     return WG_NAME(wg_contact_finite)(stance->b, 6);
 }
 
-/* Whether the feet are spread well; if not, the principal axes, and the axis of a moment that cannot be carried, or -1. */
-static inline int WG_NAME(wg_contact_spread)(WG_REAL noise, struct WG_NAME(wg_contact_stance) * stance) {
-    const WG_REAL(*J)[3] = (const WG_REAL(*)[3])stance->inertia;
-    const WG_REAL trace = J[0][0] + J[1][1] + J[2][2];
-    const WG_REAL determinant = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[1][2]) - J[0][1] * (J[0][1] * J[2][2] - J[1][2] * J[0][2]) +
-                                J[0][2] * (J[0][1] * J[1][2] - J[1][1] * J[0][2]);
-    int axis = -1;
-    if (!(determinant > WG_C(1e-5) * trace * trace * trace)) {
+/* Multipliers of the forces without cones in dual->y. Where the feet are not spread well, the principal axes; the axis of a moment that
+ * cannot be carried, or -1. */
+static inline int WG_NAME(wg_contact_spread)(WG_REAL noise, struct WG_NAME(wg_contact_stance) * stance, WG_REAL y[6]) {
+    const WG_REAL *J = stance->inertia, trace = J[0] + J[3] + J[5], inverse = WG_C(1.0) / stance->mass;
+    WG_REAL turning[6];
+    int i, axis = -1;
+    if (WG_NAME(wg_contact_invert)(J, trace, turning) > WG_C(1e-5)) {
+        WG_NAME(wg_contact_apply)(turning, stance->b + 3, y + 3);
+    } else {
         (void)WG_NAME(wg_contact_principal)(noise, stance, &axis);
+        for (i = 0; i < 3; ++i) {
+            y[3 + i] = stance->lost[i] ? WG_C(0.0) : stance->b[3 + i] / J[i == 0 ? 0 : 2 * i + 1];
+        }
+    }
+    for (i = 0; i < 3; ++i) {
+        y[i] = inverse * stance->b[i];
     }
     return axis;
 }
@@ -144,17 +163,11 @@ static inline int WG_NAME(wg_contact_spread)(WG_REAL noise, struct WG_NAME(wg_co
 static inline void WG_NAME(wg_contact_start)(struct WG_NAME(wg_contact_work) * work) {
     const struct WG_NAME(wg_contact_stance) *stance = &work->stance;
     struct WG_NAME(wg_contact_dual) *dual = &work->dual;
-    WG_REAL H[6][6], least, last, first[6];
+    WG_REAL least, first[6];
     int i;
     dual->stretch = WG_C(1.0);
     dual->bound = WG_C(0.0);
     dual->centre = NULL;
-    for (i = 0; i < stance->feet; ++i) {
-        dual->image[i].full = 1;
-        dual->image[i].count = 0;
-    }
-    WG_NAME(wg_contact_curvature)(stance, dual, WG_C(0.0), H);
-    WG_NAME(wg_contact_solve)(stance, stance->b, H, dual->y);
     WG_NAME(wg_contact_evaluate)(stance, dual);
     if (work->feet != stance->feet || stance->turned) {
         return;
@@ -165,8 +178,7 @@ static inline void WG_NAME(wg_contact_start)(struct WG_NAME(wg_contact_work) * w
         dual->y[i] = WG_LIBM(ldexp)(work->start[i], i < 3 ? -stance->force_size : stance->length_size - stance->force_size);
     }
     WG_NAME(wg_contact_evaluate)(stance, dual);
-    last = WG_NAME(wg_contact_product)(dual->slope, dual->slope);
-    if (!(last < least)) {
+    if (!(WG_NAME(wg_contact_product)(dual->slope, dual->slope) < least)) {
         for (i = 0; i < 6; ++i) {
             dual->y[i] = first[i];
         }
@@ -174,18 +186,16 @@ static inline void WG_NAME(wg_contact_start)(struct WG_NAME(wg_contact_work) * w
     }
 }
 
-/* Forces, verified, of multipliers that are the answer: 0 where they do not balance. */
+/* work->f handed over if they balance: whether they do. */
 static inline int WG_NAME(wg_contact_deliver)(struct WG_NAME(wg_contact_work) * work, WG_REAL *f, int32_t *state, WG_REAL *violation) {
     const struct WG_NAME(wg_contact_stance) *stance = &work->stance;
-    WG_REAL largest;
+    const WG_REAL lacking = WG_NAME(wg_contact_imbalance)(stance, work->f);
     int i;
-    const WG_REAL lacking = WG_NAME(wg_contact_polish)(stance, &work->dual, work->f);
-    (void)WG_NAME(wg_contact_lacking)(stance, &work->dual, &largest);
     if (!(lacking <= WG_FAIR)) {
         return 0;
     }
     WG_NAME(wg_contact_hand_over)(stance, work->f, f, state);
-    *violation = WG_LIBM(ldexp)(lacking, stance->force_size);
+    *violation = lacking * stance->force_unit;
     work->feet = stance->turned ? 0 : stance->feet;
     for (i = 0; i < 6; ++i) {
         work->start[i] = WG_LIBM(ldexp)(work->dual.y[i], i < 3 ? stance->force_size : stance->force_size - stance->length_size);
@@ -193,17 +203,33 @@ static inline int WG_NAME(wg_contact_deliver)(struct WG_NAME(wg_contact_work) * 
     return 1;
 }
 
-/* The search: its status. */
+/* The certificate of the better of two proofs: y's, or the one of the least violation, which dual holds; both may hide in rounding. */
+static inline void WG_NAME(wg_contact_prove)(const struct WG_NAME(wg_contact_work) * work, const WG_REAL y[6], WG_REAL gain,
+                                             WG_REAL certificate[6], WG_REAL *violation) {
+    const struct WG_NAME(wg_contact_stance) *stance = &work->stance;
+    const WG_REAL *least = work->dual.y, strict = WG_NAME(wg_contact_proof)(stance, least, WG_C(8.0) * WG_EPSILON, WG_C(0.0));
+    if (strict > WG_C(0.0) || !(gain > WG_C(0.0))) {
+        gain = strict > WG_C(0.0) ? strict : WG_NAME(wg_contact_proof)(stance, least, WG_C(0.0), WG_C(1.0));
+        y = least;
+    }
+    WG_NAME(wg_contact_refute)(stance, y, gain, certificate, violation);
+}
+
+/* The search: its status. At the edge of what can be carried (to 1e-10 of the load) the forces may be any that carry it. */
 static inline int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_work) * work, WG_REAL *f, int32_t *state, WG_REAL certificate[6],
                                                WG_REAL *violation) {
     struct WG_NAME(wg_contact_stance) *stance = &work->stance;
     struct WG_NAME(wg_contact_dual) *dual = &work->dual;
-    WG_REAL y[6], gain = WG_C(0.0);
+    WG_REAL y[6], any[3][WALKGEN_MAX_FEET], gain = WG_C(0.0);
     int i, answer;
     WG_NAME(wg_contact_start)(work);
     answer = WG_NAME(wg_contact_ascend)(stance, 12, dual);
-    if (answer == WG_CONTACT_FOUND && WG_NAME(wg_contact_deliver)(work, f, state, violation)) {
-        return WALKGEN_OK;
+    if (answer == WG_CONTACT_FOUND) {
+        WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, work->f);
+        WG_NAME(wg_contact_polish)(stance, dual, work->f);
+        if (WG_NAME(wg_contact_deliver)(work, f, state, violation)) {
+            return WALKGEN_OK;
+        }
     }
     for (i = 0; i < 6; ++i) {
         y[i] = dual->y[i];
@@ -211,26 +237,20 @@ static inline int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_work) *
     if (answer == WG_CONTACT_REFUTED) {
         gain = WG_NAME(wg_contact_proof)(stance, y, WG_C(8.0) * WG_EPSILON, WG_C(0.0));
     }
-    answer = WG_NAME(wg_contact_violate)(stance, dual);
-    if (answer == WG_CONTACT_REFUTED || gain > WG_C(0.0)) {
-        const WG_REAL strict = WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(8.0) * WG_EPSILON, WG_C(0.0));
-        const int other = strict > WG_C(0.0) || !(gain > WG_C(0.0));
-        gain = strict > WG_C(0.0) ? strict : other ? WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_C(1.0)) : gain;
-        WG_NAME(wg_contact_refute)(stance, other ? dual->y : y, gain, certificate, violation);
+    if (WG_NAME(wg_contact_violate)(stance, dual) == WG_CONTACT_REFUTED || gain > WG_C(0.0)) {
+        WG_NAME(wg_contact_prove)(work, y, gain, certificate, violation);
         return WALKGEN_INFEASIBLE;
     }
-    for (i = 0; i < 3 * stance->feet; ++i) {
-        work->f[i / 3][i % 3] = dual->image[i / 3].f[i % 3];
-    }
-    for (i = 0; i < 6; ++i) {
-        dual->y[i] = y[i];
-    }
-    WG_NAME(wg_contact_evaluate)(stance, dual);
-    (void)WG_NAME(wg_contact_ascend)(stance, 200, dual);
+    WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, any);
+    WG_NAME(wg_contact_into_cones)(stance, any);
+    (void)WG_NAME(wg_contact_approach)(stance, dual);
+    WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, work->f);
+    WG_NAME(wg_contact_polish)(stance, dual, work->f);
     if (WG_NAME(wg_contact_deliver)(work, f, state, violation)) {
         return WALKGEN_OK;
     }
-    return WALKGEN_NO_CONVERGENCE;
+    WG_NAME(wg_contact_copy)(stance->feet, any, work->f);
+    return WG_NAME(wg_contact_deliver)(work, f, state, violation) ? WALKGEN_OK : WALKGEN_NO_CONVERGENCE;
 }
 
 static inline int32_t WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
@@ -259,7 +279,7 @@ static inline int32_t WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL
     if (!(WG_NAME(wg_contact_product)(work->stance.b, work->stance.b) > WG_C(0.0))) {
         return WALKGEN_OK;
     }
-    axis = WG_NAME(wg_contact_spread)(noise, &work->stance);
+    axis = WG_NAME(wg_contact_spread)(noise, &work->stance, work->dual.y);
     if (axis >= 0) {
         y[3 + axis] = work->stance.b[3 + axis];
         WG_NAME(wg_contact_refute)(&work->stance, y, y[3 + axis] * y[3 + axis], certificate, violation);

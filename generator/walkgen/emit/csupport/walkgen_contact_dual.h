@@ -1,11 +1,10 @@
-/* walkgen_contact_dual.h: the six multipliers of a stance's balance, led to the least forces; walkgen_math.h explains the macros.
+/* walkgen_contact_dual.h: the six multipliers of a stance's balance: forces, slope and curvature; walkgen_math.h explains the macros.
  *
  * The forces that minimise half of sum weight |f|^2 under A f = b in cones are f_i = P_i(ease_i A_i' y), P the nearest force in the cone, for
  * the y that maximises the concave b . y - sum of weight |f|^2 / 2. Its slope is b - A f, its second derivative the sum of -A_i P_i' A_i'
- * ease_i, found together with the nearest forces: Newton, with a search along the line where a cone's boundary is crossed. y grows without
- * bound where the load cannot be carried, in a direction that proves it.
+ * ease_i, found together with the nearest forces. y grows without bound where the load cannot be carried, in a direction that proves it.
  *
- * The same steps maximise b . y - |A' y|^2 / 2 - sum of |P_i(centre_i + stretch A_i' y)|^2 / (2 stretch), which always has a maximum.
+ * The same code serves b . y - |A' y|^2 / 2 - sum of |P_i(centre_i + stretch A_i' y)|^2 / (2 stretch), which always has a maximum.
  */
 #include "walkgen_contact_stance.h"
 
@@ -19,149 +18,206 @@
 /* Multipliers, what they make of every foot, and the slope; `stretch` and `centre` (NULL: 0) as above, `bound` 1 with |A' y|^2 / 2. */
 struct WG_NAME(wg_contact_dual) {
     WG_REAL y[6], slope[6], stretch, bound;
-    const WG_REAL (*centre)[3];
-    struct WG_NAME(wg_contact_image) image[WALKGEN_MAX_FEET];
+    const WG_REAL (*centre)[WALKGEN_MAX_FEET];
+    struct WG_NAME(wg_contact_images) images;
 };
 
-/* The multipliers' product with a foot's force: y_force + y_moment x r. */
-WG_INLINE void WG_NAME(wg_contact_pull)(const WG_REAL y[6], const WG_REAL r[3], WG_REAL z[3]) {
-    z[0] = y[0] + (y[4] * r[2] - y[5] * r[1]);
-    z[1] = y[1] + (y[5] * r[0] - y[3] * r[2]);
-    z[2] = y[2] + (y[3] * r[1] - y[4] * r[0]);
-}
+/* A symmetric matrix by blocks of forces and moments: A, C (xx, xy, xz, yy, yz, zz), B below A. */
+struct WG_NAME(wg_contact_matrix) {
+    WG_REAL A[6], B[3][3], C[6];
+};
 
-/* sum += factor (f, r x f). */
-WG_INLINE void WG_NAME(wg_contact_push)(const WG_REAL f[3], const WG_REAL r[3], WG_REAL factor, WG_REAL sum[6]) {
-    sum[0] += factor * f[0];
-    sum[1] += factor * f[1];
-    sum[2] += factor * f[2];
-    sum[3] += factor * (r[1] * f[2] - r[2] * f[1]);
-    sum[4] += factor * (r[2] * f[0] - r[0] * f[2]);
-    sum[5] += factor * (r[0] * f[1] - r[1] * f[0]);
-}
-
-/* |A' y|^2's slope: (mass y_force, inertia y_moment). */
-static inline void WG_NAME(wg_contact_metric)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL product[6]) {
+/* The multipliers' products with the feet's forces: y_force + y_moment x r. */
+WG_INLINE void WG_NAME(wg_contact_pull)(const struct WG_NAME(wg_contact_stance) * WG_RESTRICT stance, const WG_REAL y[6],
+                                        WG_REAL z[3][WALKGEN_MAX_FEET]) {
+    const WG_REAL a = y[0], b = y[1], c = y[2], d = y[3], e = y[4], f = y[5];
+    const int32_t rows = (stance->feet + 3) & ~3;
     int i;
-    for (i = 0; i < 3; ++i) {
-        product[i] = stance->mass * y[i];
-        product[3 + i] = WG_NAME(wg_dot)(stance->inertia[i], y + 3);
+    for (i = 0; i < rows; ++i) {
+        const WG_REAL x = stance->r[0][i], h = stance->r[1][i], k = stance->r[2][i];
+        z[0][i] = a + (e * k - f * h);
+        z[1][i] = b + (f * x - d * k);
+        z[2][i] = c + (d * h - e * x);
     }
 }
 
-/* Forces and slope at dual->y. */
-static inline void WG_NAME(wg_contact_evaluate)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
-    WG_REAL z[3];
-    int i, j;
-    for (j = 0; j < 6; ++j) {
-        dual->slope[j] = stance->b[j];
-    }
+/* What forces lack of the load: b - A f. */
+static inline void WG_NAME(wg_contact_rest)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET], WG_REAL rest[6]) {
+    WG_REAL sum[6] = {stance->b[0], stance->b[1], stance->b[2], stance->b[3], stance->b[4], stance->b[5]};
+    int i;
     for (i = 0; i < stance->feet; ++i) {
-        struct WG_NAME(wg_contact_image) *image = &dual->image[i];
-        const WG_REAL factor = dual->stretch * stance->ease[i];
-        WG_NAME(wg_contact_pull)(dual->y, stance->r[i], z);
-        for (j = 0; j < 3; ++j) {
-            z[j] = factor * z[j] + (dual->centre ? dual->centre[i][j] : WG_C(0.0));
-        }
-        if (stance->cone[i].facets) {
-            WG_NAME(wg_contact_nearest_faceted)(&stance->cone[i], z, image);
-        } else {
-            WG_NAME(wg_contact_nearest)(&stance->cone[i], z, image);
-        }
-        WG_NAME(wg_contact_push)(image->f, stance->r[i], WG_C(-1.0), dual->slope);
+        const WG_REAL x = f[0][i], y = f[1][i], z = f[2][i];
+        sum[0] -= x;
+        sum[1] -= y;
+        sum[2] -= z;
+        sum[3] -= stance->r[1][i] * z - stance->r[2][i] * y;
+        sum[4] -= stance->r[2][i] * x - stance->r[0][i] * z;
+        sum[5] -= stance->r[0][i] * y - stance->r[1][i] * x;
     }
-    if (dual->bound > WG_C(0.0)) {
-        WG_REAL product[6];
-        WG_NAME(wg_contact_metric)(stance, dual->y, product);
-        for (j = 0; j < 6; ++j) {
-            dual->slope[j] -= dual->bound * product[j];
-        }
-    }
-    for (j = 0; j < 3; ++j) {
-        dual->slope[3 + j] = stance->lost[j] ? WG_C(0.0) : dual->slope[3 + j];
-    }
-}
-
-/* Minus the second derivative, below its diagonal; the diagonal raised by `damping` of that of A A'. */
-static inline void WG_NAME(wg_contact_curvature)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
-                                                 WG_REAL damping, WG_REAL H[6][6]) {
-    int i, j, m, row;
-    for (j = 0; j < 6; ++j) {
-        for (m = 0; m < j; ++m) {
-            H[j][m] = j > 2 && m > 2 ? dual->bound * stance->inertia[j - 3][m - 3] : WG_C(0.0);
-        }
-        H[j][j] = (damping + dual->bound) * (j < 3 ? stance->mass : stance->inertia[j - 3][j - 3]);
-    }
-    for (i = 0; i < stance->feet; ++i) {
-        const struct WG_NAME(wg_contact_image) *image = &dual->image[i];
-        const WG_REAL *r = stance->r[i], factor = dual->stretch * stance->ease[i];
-        if (image->full) {
-            const WG_REAL x = factor * r[0], y = factor * r[1], z = factor * r[2];
-            H[0][0] += factor;
-            H[1][1] += factor;
-            H[2][2] += factor;
-            H[3][1] -= z;
-            H[3][2] += y;
-            H[4][0] += z;
-            H[4][2] -= x;
-            H[5][0] -= y;
-            H[5][1] += x;
-            H[3][3] += y * r[1] + z * r[2];
-            H[4][3] -= x * r[1];
-            H[4][4] += x * r[0] + z * r[2];
-            H[5][3] -= x * r[2];
-            H[5][4] -= y * r[2];
-            H[5][5] += x * r[0] + y * r[1];
-        }
-        for (row = 0; row < image->count; ++row) {
-            const WG_REAL share = factor * image->c[row];
-            WG_REAL a[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};
-            WG_NAME(wg_contact_push)(image->v[row], r, WG_C(1.0), a);
-            for (j = 0; j < 6; ++j) {
-                const WG_REAL scaled = share * a[j];
-                for (m = 0; m <= j; ++m) {
-                    H[j][m] += scaled * a[m];
-                }
-            }
-        }
-    }
-}
-
-/* step = H^-1 slope by L D L'; a pivot that rounding made nothing counts as large: nothing moves there. H is overwritten. */
-static inline void WG_NAME(wg_contact_solve)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL slope[6], WG_REAL H[6][6],
-                                             WG_REAL step[6]) {
-    WG_REAL inverse[6], scaled[6];
-    int i, j, m;
-    for (j = 0; j < 6; ++j) {
-        const WG_REAL size = j < 3 ? stance->mass : stance->inertia[j - 3][j - 3];
-        WG_REAL pivot = H[j][j];
-        step[j] = slope[j];
-        for (m = 0; m < j; ++m) {
-            scaled[m] = H[j][m] * inverse[m];
-            pivot -= scaled[m] * H[j][m];
-        }
-        for (m = 0; m < j; ++m) {
-            H[j][m] = scaled[m];
-            step[j] -= scaled[m] * step[m];
-        }
-        inverse[j] = pivot > WG_C(0.01) * WG_EPSILON * size && !(j > 2 && stance->lost[j - 3]) ? WG_C(1.0) / pivot : WG_C(0.0);
-        for (i = j + 1; i < 6; ++i) {
-            for (m = 0; m < j; ++m) {
-                H[i][j] -= H[i][m] * H[j][m];
-            }
-        }
-    }
-    for (j = 5; j >= 0; --j) {
-        step[j] *= inverse[j];
-        for (i = j + 1; i < 6; ++i) {
-            step[j] -= H[i][j] * step[i];
-        }
+    for (i = 0; i < 6; ++i) {
+        rest[i] = i > 2 && stance->lost[i - 3] ? WG_C(0.0) : sum[i];
     }
 }
 
 /* a . b. */
 WG_INLINE WG_REAL WG_NAME(wg_contact_product)(const WG_REAL a[6], const WG_REAL b[6]) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
+}
+
+/* M v of a symmetric matrix (xx, xy, xz, yy, yz, zz). */
+WG_INLINE void WG_NAME(wg_contact_apply)(const WG_REAL M[6], const WG_REAL v[3], WG_REAL product[3]) {
+    product[0] = M[0] * v[0] + M[1] * v[1] + M[2] * v[2];
+    product[1] = M[1] * v[0] + M[3] * v[1] + M[4] * v[2];
+    product[2] = M[2] * v[0] + M[4] * v[1] + M[5] * v[2];
+}
+
+/* |A' y|^2's slope: (mass y_force, inertia y_moment). */
+static inline void WG_NAME(wg_contact_metric)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL product[6]) {
+    product[0] = stance->mass * y[0];
+    product[1] = stance->mass * y[1];
+    product[2] = stance->mass * y[2];
+    WG_NAME(wg_contact_apply)(stance->inertia, y + 3, product + 3);
+}
+
+/* Forces and slope at dual->y. */
+static inline void WG_NAME(wg_contact_evaluate)(const struct WG_NAME(wg_contact_stance) * WG_RESTRICT stance,
+                                                struct WG_NAME(wg_contact_dual) * WG_RESTRICT dual) {
+    WG_REAL z[3][WALKGEN_MAX_FEET], product[6];
+    int i, j;
+    WG_NAME(wg_contact_pull)(stance, dual->y, z);
+    for (j = 0; j < 3; ++j) {
+        for (i = 0; i < ((stance->feet + 3) & ~3); ++i) {
+            z[j][i] *= dual->stretch * stance->ease[i];
+        }
+    }
+    for (i = 0; i < 3 * stance->feet && dual->centre; ++i) {
+        z[i % 3][i / 3] += dual->centre[i % 3][i / 3];
+    }
+    WG_NAME(wg_contact_nearest)(&stance->cones, z, &dual->images);
+    WG_NAME(wg_contact_rest)(stance, dual->images.f, dual->slope);
+    if (dual->bound > WG_C(0.0)) {
+        WG_NAME(wg_contact_metric)(stance, dual->y, product);
+        for (j = 0; j < 6; ++j) {
+            dual->slope[j] -= j > 2 && stance->lost[j - 3] ? WG_C(0.0) : dual->bound * product[j];
+        }
+    }
+}
+
+/* Minus the second derivative; its diagonal raised by `damping` of that of A A'. */
+static inline void WG_NAME(wg_contact_curvature)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
+                                                 WG_REAL damping, struct WG_NAME(wg_contact_matrix) * H) {
+    int i, j, m;
+    for (j = 0; j < 6; ++j) {
+        const int diagonal = j == 0 || j == 3 || j == 5;
+        H->A[j] = diagonal ? (damping + dual->bound) * stance->mass : WG_C(0.0);
+        H->C[j] = (diagonal ? damping + dual->bound : dual->bound) * stance->inertia[j];
+        H->B[j / 3][j % 3] = H->B[2][j % 3] = WG_C(0.0);
+    }
+    for (i = 0; i < stance->feet; ++i) {
+        const WG_REAL r[3] = {stance->r[0][i], stance->r[1][i], stance->r[2][i]}, factor = dual->stretch * stance->ease[i];
+        const WG_REAL(*slope)[WALKGEN_MAX_FEET] = (const WG_REAL(*)[WALKGEN_MAX_FEET])dual->images.slope;
+        const WG_REAL P[3][3] = {{factor * slope[0][i], factor * slope[1][i], factor * slope[2][i]},
+                                 {factor * slope[1][i], factor * slope[3][i], factor * slope[4][i]},
+                                 {factor * slope[2][i], factor * slope[4][i], factor * slope[5][i]}};
+        WG_REAL B[3][3];
+        for (m = 0; m < 3; ++m) {
+            B[0][m] = r[1] * P[2][m] - r[2] * P[1][m];
+            B[1][m] = r[2] * P[0][m] - r[0] * P[2][m];
+            B[2][m] = r[0] * P[1][m] - r[1] * P[0][m];
+        }
+        for (m = 0; m < 3; ++m) {
+            H->B[0][m] += B[0][m];
+            H->B[1][m] += B[1][m];
+            H->B[2][m] += B[2][m];
+        }
+        H->A[0] += P[0][0];
+        H->A[1] += P[0][1];
+        H->A[2] += P[0][2];
+        H->A[3] += P[1][1];
+        H->A[4] += P[1][2];
+        H->A[5] += P[2][2];
+        H->C[0] += r[1] * B[0][2] - r[2] * B[0][1];
+        H->C[1] += r[2] * B[0][0] - r[0] * B[0][2];
+        H->C[2] += r[0] * B[0][1] - r[1] * B[0][0];
+        H->C[3] += r[2] * B[1][0] - r[0] * B[1][2];
+        H->C[4] += r[0] * B[1][1] - r[1] * B[1][0];
+        H->C[5] += r[0] * B[2][1] - r[1] * B[2][0];
+    }
+}
+
+/* M^-1 of a symmetric matrix by its adjugate; its determinant over the cube of `size`. */
+WG_INLINE WG_REAL WG_NAME(wg_contact_invert)(const WG_REAL M[6], WG_REAL size, WG_REAL inverse[6]) {
+    const WG_REAL a = M[3] * M[5] - M[4] * M[4], b = M[2] * M[4] - M[1] * M[5], c = M[1] * M[4] - M[2] * M[3];
+    const WG_REAL determinant = M[0] * a + M[1] * b + M[2] * c, scale = WG_C(1.0) / determinant;
+    inverse[0] = scale * a;
+    inverse[1] = scale * b;
+    inverse[2] = scale * c;
+    inverse[3] = scale * (M[0] * M[5] - M[2] * M[2]);
+    inverse[4] = scale * (M[1] * M[2] - M[0] * M[4]);
+    inverse[5] = scale * (M[0] * M[3] - M[1] * M[1]);
+    return determinant / (size * size * size);
+}
+
+/* step = H^-1 slope by blocks; whether H is conditioned well enough for that. */
+WG_INLINE int WG_NAME(wg_contact_solve_blocks)(const struct WG_NAME(wg_contact_matrix) * H, const WG_REAL slope[6], WG_REAL step[6]) {
+    WG_REAL A[6], C[6], S[6], Y[3][3], x[3], rest[3], first, second;
+    int i, j;
+    first = WG_NAME(wg_contact_invert)(H->A, H->A[0] + H->A[3] + H->A[5], A);
+    WG_NAME(wg_contact_apply)(A, slope, x);
+    for (i = 0; i < 3; ++i) {
+        WG_NAME(wg_contact_apply)(A, H->B[i], Y[i]);
+        rest[i] = slope[3 + i] - WG_NAME(wg_dot)(H->B[i], x);
+    }
+    S[0] = H->C[0] - WG_NAME(wg_dot)(H->B[0], Y[0]);
+    S[1] = H->C[1] - WG_NAME(wg_dot)(H->B[0], Y[1]);
+    S[2] = H->C[2] - WG_NAME(wg_dot)(H->B[0], Y[2]);
+    S[3] = H->C[3] - WG_NAME(wg_dot)(H->B[1], Y[1]);
+    S[4] = H->C[4] - WG_NAME(wg_dot)(H->B[1], Y[2]);
+    S[5] = H->C[5] - WG_NAME(wg_dot)(H->B[2], Y[2]);
+    second = WG_NAME(wg_contact_invert)(S, H->C[0] + H->C[3] + H->C[5], C);
+    WG_NAME(wg_contact_apply)(C, rest, step + 3);
+    for (j = 0; j < 3; ++j) {
+        step[j] = x[j] - (Y[0][j] * step[3] + Y[1][j] * step[4] + Y[2][j] * step[5]);
+    }
+    return (first > WG_C(1e-5)) & (second > WG_C(1e-8));
+}
+
+/* step = H^-1 slope by L D L'; a pivot that rounding made nothing counts as large: nothing moves there. */
+static inline void WG_NAME(wg_contact_solve)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_matrix) * H,
+                                             const WG_REAL slope[6], WG_REAL step[6]) {
+    static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    WG_REAL L[6][6], inverse[6], scaled[6];
+    int i, j, m;
+    for (j = 0; j < 6; ++j) {
+        for (m = 0; m <= j; ++m) {
+            L[j][m] = j < 3 ? H->A[place[j][m]] : m < 3 ? H->B[j - 3][m] : H->C[place[j - 3][m - 3]];
+        }
+    }
+    for (j = 0; j < 6; ++j) {
+        const WG_REAL size = j < 3 ? stance->mass : stance->inertia[place[j - 3][j - 3]];
+        WG_REAL pivot = L[j][j];
+        step[j] = slope[j];
+        for (m = 0; m < j; ++m) {
+            scaled[m] = L[j][m] * inverse[m];
+            pivot -= scaled[m] * L[j][m];
+        }
+        for (m = 0; m < j; ++m) {
+            L[j][m] = scaled[m];
+            step[j] -= scaled[m] * step[m];
+        }
+        inverse[j] = pivot > WG_C(0.01) * WG_EPSILON * size && !(j > 2 && stance->lost[j - 3]) ? WG_C(1.0) / pivot : WG_C(0.0);
+        for (i = j + 1; i < 6; ++i) {
+            for (m = 0; m < j; ++m) {
+                L[i][j] -= L[i][m] * L[j][m];
+            }
+        }
+    }
+    for (j = 5; j >= 0; --j) {
+        step[j] *= inverse[j];
+        for (i = j + 1; i < 6; ++i) {
+            step[j] -= L[i][j] * step[i];
+        }
+    }
 }
 
 #endif

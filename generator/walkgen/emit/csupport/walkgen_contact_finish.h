@@ -4,111 +4,96 @@
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_CONTACT_FINISH_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_CONTACT_FINISH_F32))
 #if WG_REAL_BITS == 64
 #define WALKGEN_CONTACT_FINISH_F64
-#define WG_LIBM(name) name
 #define WG_SHARP WG_C(1e-14)
+#define WG_ENOUGH WG_C(1e-12)
 #else
 #define WALKGEN_CONTACT_FINISH_F32
-#define WG_LIBM(name) name##f
 #define WG_SHARP WG_C(3e-7)
+#define WG_ENOUGH WG_C(3e-6)
 #endif
 
-/* The force in a foot's cone nearest to f. */
-static inline void WG_NAME(wg_contact_in_cone)(const struct WG_NAME(wg_contact_cone) * cone, WG_REAL f[3]) {
-    struct WG_NAME(wg_contact_image) image;
-    int j;
-    if (cone->facets) {
-        WG_NAME(wg_contact_nearest_faceted)(cone, f, &image);
-    } else {
-        WG_NAME(wg_contact_nearest)(cone, f, &image);
-    }
+/* `to` = `from`, of all feet. */
+static inline void WG_NAME(wg_contact_copy)(int32_t feet, WG_REAL from[3][WALKGEN_MAX_FEET], WG_REAL to[3][WALKGEN_MAX_FEET]) {
+    int i, j;
     for (j = 0; j < 3; ++j) {
-        f[j] = image.f[j];
+        for (i = 0; i < ((feet + 3) & ~3); ++i) {
+            to[j][i] = from[j][i];
+        }
     }
+}
+
+/* The nearest forces in the cones, in place. */
+static inline void WG_NAME(wg_contact_into_cones)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET]) {
+    struct WG_NAME(wg_contact_images) images;
+    WG_NAME(wg_contact_nearest)(&stance->cones, f, &images);
+    WG_NAME(wg_contact_copy)(stance->feet, images.f, f);
 }
 
 /* What the forces lack of b: its length. */
-static inline WG_REAL WG_NAME(wg_contact_balance)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[][3], WG_REAL lacking[6]) {
-    int i;
-    for (i = 0; i < 6; ++i) {
-        lacking[i] = stance->b[i];
-    }
-    for (i = 0; i < stance->feet; ++i) {
-        WG_NAME(wg_contact_push)(f[i], stance->r[i], WG_C(-1.0), lacking);
-    }
-    for (i = 0; i < 3; ++i) {
-        lacking[3 + i] = stance->lost[i] ? WG_C(0.0) : lacking[3 + i];
-    }
-    return WG_SQRT(WG_NAME(wg_contact_product)(lacking, lacking));
+static inline WG_REAL WG_NAME(wg_contact_imbalance)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET]) {
+    WG_REAL rest[6];
+    WG_NAME(wg_contact_rest)(stance, f, rest);
+    return WG_SQRT(WG_NAME(wg_contact_product)(rest, rest));
 }
 
-/* The forces of dual, moved least along their cones' boundaries as found until they balance: large multipliers do not blur them then.
- * What they still lack. */
-static inline WG_REAL WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
-                                                 WG_REAL f[WALKGEN_MAX_FEET][3]) {
-    WG_REAL lacking[6], H[6][6], step[6], z[3], best[WALKGEN_MAX_FEET][3], least, now;
-    int turn, i, j, row;
-    for (i = 0; i < 3 * stance->feet; ++i) {
-        best[i / 3][i % 3] = f[i / 3][i % 3] = dual->image[i / 3].f[i % 3];
-    }
-    least = WG_NAME(wg_contact_balance)(stance, f, lacking);
-    for (turn = 0; turn < 5 && least > WG_SHARP; ++turn) {
-        WG_NAME(wg_contact_curvature)(stance, dual, WG_SHARP, H);
-        WG_NAME(wg_contact_solve)(stance, lacking, H, step);
+/* The forces of dual, moved least along their cones' boundaries as found until they balance: large multipliers do not blur them then. */
+static inline void WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
+                                              WG_REAL f[3][WALKGEN_MAX_FEET]) {
+    struct WG_NAME(wg_contact_matrix) H;
+    WG_REAL rest[6], step[6], z[3][WALKGEN_MAX_FEET], next[3][WALKGEN_MAX_FEET], least, now;
+    int turn, i, j;
+    for (turn = 0; turn < 5; ++turn) {
+        WG_NAME(wg_contact_rest)(stance, f, rest);
+        least = WG_SQRT(WG_NAME(wg_contact_product)(rest, rest));
+        if (least <= (turn ? WG_SHARP : WG_ENOUGH)) {
+            return;
+        }
+        WG_NAME(wg_contact_curvature)(stance, dual, WG_SHARP, &H);
+        WG_NAME(wg_contact_solve)(stance, &H, rest, step);
+        WG_NAME(wg_contact_pull)(stance, step, z);
         for (i = 0; i < stance->feet; ++i) {
-            const struct WG_NAME(wg_contact_image) *image = &dual->image[i];
-            WG_NAME(wg_contact_pull)(step, stance->r[i], z);
+            WG_REAL slope[6], pull[3] = {z[0][i], z[1][i], z[2][i]}, moved[3];
+            for (j = 0; j < 6; ++j) {
+                slope[j] = dual->images.slope[j][i];
+            }
+            WG_NAME(wg_contact_apply)(slope, pull, moved);
             for (j = 0; j < 3; ++j) {
-                f[i][j] += image->full ? stance->ease[i] * z[j] : WG_C(0.0);
+                next[j][i] = f[j][i] + stance->ease[i] * moved[j];
             }
-            for (row = 0; row < image->count; ++row) {
-                WG_NAME(wg_add)(f[i], stance->ease[i] * image->c[row] * WG_NAME(wg_dot)(image->v[row], z), image->v[row], f[i]);
-            }
-            WG_NAME(wg_contact_in_cone)(&stance->cone[i], f[i]);
         }
-        now = WG_NAME(wg_contact_balance)(stance, f, lacking);
+        for (i = stance->feet; i < ((stance->feet + 3) & ~3); ++i) {
+            next[0][i] = next[1][i] = next[2][i] = WG_C(0.0);
+        }
+        WG_NAME(wg_contact_into_cones)(stance, next);
+        now = WG_NAME(wg_contact_imbalance)(stance, next);
         if (!(now < least)) {
-            break;
+            return;
         }
-        least = now;
-        for (i = 0; i < 3 * stance->feet; ++i) {
-            best[i / 3][i % 3] = f[i / 3][i % 3];
-        }
+        WG_NAME(wg_contact_copy)(stance->feet, next, f);
     }
-    for (i = 0; i < 3 * stance->feet; ++i) {
-        f[i / 3][i % 3] = best[i / 3][i % 3];
-    }
-    return least;
 }
 
-/* How a foot bears inside its cone: sticking, sliding, free. */
-static inline int32_t WG_NAME(wg_contact_state)(const struct WG_NAME(wg_contact_cone) * cone, const WG_REAL f[3]) {
-    struct WG_NAME(wg_contact_image) image;
-    WG_REAL inside[3];
-    const WG_REAL N = WG_NAME(wg_dot)(cone->n, f);
-    int j;
-    if (!(N > WG_C(0.0))) {
-        return WG_CONTACT_FREE;
-    }
-    for (j = 0; j < 3; ++j) { /* outside by a few roundings if f is on the boundary */
-        inside[j] = f[j] + WG_C(16.0) * WG_EPSILON * (f[j] - N * cone->n[j]);
-    }
-    if (cone->facets) {
-        WG_NAME(wg_contact_nearest_faceted)(cone, inside, &image);
-    } else {
-        WG_NAME(wg_contact_nearest)(cone, inside, &image);
-    }
-    return image.state;
-}
-
-/* Forces of the inside to the inputs' frame and unit; the states. */
-static inline void WG_NAME(wg_contact_hand_over)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[][3], WG_REAL *out,
-                                                 int32_t *state) {
+/* Forces of the inside to the inputs' frame and unit. A foot slides if its force is inside its cone by no more than a few roundings. */
+static inline void WG_NAME(wg_contact_hand_over)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET],
+                                                 WG_REAL *out, int32_t *state) {
+    struct WG_NAME(wg_contact_images) images;
+    WG_REAL outwards[3][WALKGEN_MAX_FEET];
     int i, j;
-    for (i = 0; i < stance->feet; ++i) {
-        state[i] = WG_NAME(wg_contact_state)(&stance->cone[i], f[i]);
+    for (i = 0; i < ((stance->feet + 3) & ~3); ++i) {
+        const WG_REAL *const n[3] = {stance->cones.n[0], stance->cones.n[1], stance->cones.n[2]};
+        const WG_REAL N = n[0][i] * f[0][i] + n[1][i] * f[1][i] + n[2][i] * f[2][i];
         for (j = 0; j < 3; ++j) {
-            const WG_REAL part = stance->turned ? WG_NAME(wg_dot)(stance->axes[j], f[i]) : f[i][j];
-            out[3 * i + j] = WG_LIBM(ldexp)(part, stance->force_size);
+            outwards[j][i] = f[j][i] + WG_C(32.0) * WG_EPSILON * (f[j][i] - N * n[j][i]);
+        }
+    }
+    WG_NAME(wg_contact_nearest)(&stance->cones, outwards, &images);
+    for (i = 0; i < stance->feet; ++i) {
+        const int bears = WG_ABS(f[0][i]) + WG_ABS(f[1][i]) + WG_ABS(f[2][i]) > WG_C(0.0);
+        state[i] = !bears ? WG_CONTACT_FREE : images.inside[i] > WG_C(0.0) ? WG_CONTACT_STICK : WG_CONTACT_SLIDE;
+        for (j = 0; j < 3; ++j) {
+            const WG_REAL(*axes)[3] = (const WG_REAL(*)[3])stance->axes;
+            const WG_REAL part = stance->turned ? axes[j][0] * f[0][i] + axes[j][1] * f[1][i] + axes[j][2] * f[2][i] : f[j][i];
+            out[3 * i + j] = part * stance->force_unit;
         }
     }
 }
@@ -131,16 +116,16 @@ static inline void WG_NAME(wg_contact_blank)(int32_t k, WG_REAL value, WG_REAL *
 static inline void WG_NAME(wg_contact_refute)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL gain,
                                               WG_REAL certificate[6], WG_REAL *violation) {
     const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
-    WG_REAL z[3], square = WG_C(0.0);
+    WG_REAL z[3][WALKGEN_MAX_FEET], square = WG_C(0.0);
     int i;
+    WG_NAME(wg_contact_pull)(stance, y, z);
     for (i = 0; i < stance->feet; ++i) {
-        WG_NAME(wg_contact_pull)(y, stance->r[i], z);
-        square += stance->ease[i] * WG_NAME(wg_dot)(z, z);
+        square += stance->ease[i] * (z[0][i] * z[0][i] + z[1][i] * z[1][i] + z[2][i] * z[2][i]);
     }
     WG_NAME(wg_contact_certificate)(stance, y, whole, certificate);
-    *violation = square > WG_C(0.0) ? WG_LIBM(ldexp)(gain / WG_SQRT(square), stance->force_size) : WG_INFINITY;
+    *violation = square > WG_C(0.0) ? gain / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
 }
 
-#undef WG_LIBM
 #undef WG_SHARP
+#undef WG_ENOUGH
 #endif

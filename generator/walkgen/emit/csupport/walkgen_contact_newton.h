@@ -11,18 +11,20 @@
 #define WALKGEN_CONTACT_NEWTON_F64
 #define WG_SHARP WG_C(1e-13)  /* balance, of the load, that ends the search */
 #define WG_FAIR WG_C(1e-10)   /* balance, of the load, that forces must have */
-#define WG_HAIR WG_C(1e-10)   /* by which cones are widened to make a proof strict */
-#define WG_RATHER WG_C(1e-12) /* of the load over the greatest forces that a proof excludes */
+#define WG_HAIR WG_C(1e-11)   /* by which cones are widened to make a proof strict */
+#define WG_RATHER WG_C(1e-12) /* of the load over the greatest forces that a proof excludes, if it can be had */
+#define WG_ENOUGH WG_C(1e-7)  /* and else */
 #define WG_DAMPED WG_C(1e-14)
-#define WG_FIRM WG_C(1e-5)
+#define WG_FIRM WG_C(1e-9)
 #else
 #define WALKGEN_CONTACT_NEWTON_F32
 #define WG_SHARP WG_C(2e-6)
 #define WG_FAIR WG_C(5e-5)
 #define WG_HAIR WG_C(1e-5)
 #define WG_RATHER WG_C(1e-5)
+#define WG_ENOUGH WG_C(1e-4)
 #define WG_DAMPED WG_C(1e-7)
-#define WG_FIRM WG_C(1e-2)
+#define WG_FIRM WG_C(1e-9)
 #endif
 #ifndef WG_CONTACT_FOUND
 #define WG_CONTACT_FOUND 0
@@ -34,27 +36,31 @@
  * than rounding could hide. */
 static inline WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL strictly,
                                                 WG_REAL allowed) {
+    const struct WG_NAME(wg_contact_cones) *cones = &stance->cones;
     const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
-    WG_REAL gain = whole, z[3], e[3], w[3], u, v = WG_C(0.0);
+    WG_REAL gain = whole, z[3][WALKGEN_MAX_FEET], c, s;
     int i, j;
+    WG_NAME(wg_contact_pull)(stance, y, z);
     for (i = 0; i < stance->feet; ++i) {
-        const struct WG_NAME(wg_contact_cone) *cone = &stance->cone[i];
-        WG_REAL lack;
-        WG_NAME(wg_contact_pull)(y, stance->r[i], z);
-        lack = WG_NAME(wg_dot)(cone->n, z);
-        if (cone->facets) {
-            WG_NAME(wg_contact_sector)(cone, z, e, w, &u, &v);
-            lack += cone->mu * (cone->side * u + cone->corner * v);
-        } else {
-            for (j = 0, u = lack; j < 3; ++j) {
-                e[j] = z[j] - u * cone->n[j];
-            }
-            lack += cone->mu * WG_NAME(wg_norm)(e);
+        WG_REAL N = WG_C(0.0), a = WG_C(0.0), b = WG_C(0.0), square = WG_C(0.0), part[3], most;
+        for (j = 0; j < 3; ++j) {
+            N += cones->n[j][i] * z[j][i];
+            a += cones->along[j][i] * z[j][i];
+            b += cones->aside[j][i] * z[j][i];
+            square += z[j][i] * z[j][i];
         }
-        lack += strictly * WG_NAME(wg_norm)(z);
-        if (cone->n_max <= WG_HUGE) {
-            gain -= lack > WG_C(0.0) ? cone->n_max * lack : WG_C(0.0);
-        } else if (lack > allowed * whole) {
+        for (j = 0; j < 3; ++j) {
+            part[j] = z[j][i] - N * cones->n[j][i];
+        }
+        most = WG_NAME(wg_norm)(part);
+        if (cones->facets) {
+            WG_NAME(wg_contact_side)(cones->facets, a, b, &c, &s);
+            most = cones->side * (c * a + s * b) + cones->corner * WG_ABS(c * b - s * a);
+        }
+        most = N + cones->mu[i] * most + strictly * WG_SQRT(square);
+        if (cones->n_max[i] <= WG_HUGE) {
+            gain -= most > WG_C(0.0) ? cones->n_max[i] * most : WG_C(0.0);
+        } else if (most > allowed * whole) {
             return WG_C(0.0);
         }
     }
@@ -66,12 +72,11 @@ static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_st
     WG_REAL gain = WG_NAME(wg_contact_product)(stance->b, dual->y);
     int i;
     for (i = 0; i < stance->feet; ++i) {
-        const struct WG_NAME(wg_contact_image) *image = &dual->image[i];
-        if (image->state != WG_CONTACT_FREE) {
-            if (!(stance->cone[i].n_max <= WG_HUGE)) {
+        if (dual->images.lack[i] > WG_C(0.0)) {
+            if (!(stance->cones.n_max[i] <= WG_HUGE)) {
                 return 0;
             }
-            gain -= stance->cone[i].n_max * image->lack;
+            gain -= stance->cones.n_max[i] * dual->images.lack[i];
         }
     }
     return gain > WG_HAIR * WG_SQRT(WG_NAME(wg_contact_product)(dual->y, dual->y));
@@ -111,24 +116,29 @@ static inline void WG_NAME(wg_contact_search)(const struct WG_NAME(wg_contact_st
     }
 }
 
-/* Length of the slope, and the largest part of a force. */
-static inline WG_REAL WG_NAME(wg_contact_lacking)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
-                                                  WG_REAL *largest) {
+/* The largest part of a force, at least that of the load. */
+static inline WG_REAL WG_NAME(wg_contact_largest)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual) {
+    WG_REAL largest = WG_C(1.0);
     int i;
-    *largest = WG_C(1.0);
     for (i = 0; i < 3 * stance->feet; ++i) {
-        *largest = WG_MAX(*largest, WG_ABS(dual->image[i / 3].f[i % 3]));
+        largest = WG_MAX(largest, WG_ABS(dual->images.f[i % 3][i / 3]));
     }
+    return largest;
+}
+
+/* Length of the slope. */
+WG_INLINE WG_REAL WG_NAME(wg_contact_lacking)(const struct WG_NAME(wg_contact_dual) * dual) {
     return WG_SQRT(WG_NAME(wg_contact_product)(dual->slope, dual->slope));
 }
 
 /* From dual->y, evaluated, to the maximum: WG_CONTACT_FOUND, WG_CONTACT_REFUTED with a proof, or WG_CONTACT_OPEN after `most` steps. */
 static inline int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_stance) * stance, int most, struct WG_NAME(wg_contact_dual) * dual) {
-    WG_REAL H[6][6], step[6], largest;
+    struct WG_NAME(wg_contact_matrix) H;
+    WG_REAL step[6];
     int turn;
     for (turn = 0;; ++turn) {
-        const WG_REAL lacking = WG_NAME(wg_contact_lacking)(stance, dual, &largest);
-        if (lacking <= WG_SHARP * largest) {
+        const WG_REAL lacking = WG_NAME(wg_contact_lacking)(dual);
+        if (lacking <= WG_SHARP * (turn < 6 ? WG_C(1.0) : WG_NAME(wg_contact_largest)(stance, dual))) {
             return WG_CONTACT_FOUND;
         }
         if (WG_NAME(wg_contact_refuted)(stance, dual)) {
@@ -137,8 +147,10 @@ static inline int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_sta
         if (turn == most) {
             return WG_CONTACT_OPEN;
         }
-        WG_NAME(wg_contact_curvature)(stance, dual, WG_C(1e-3) * WG_MIN(lacking, WG_C(1.0)) + WG_DAMPED, H);
-        WG_NAME(wg_contact_solve)(stance, dual->slope, H, step);
+        WG_NAME(wg_contact_curvature)(stance, dual, WG_C(1e-3) * WG_MIN(lacking, WG_C(1.0)) + WG_DAMPED, &H);
+        if (!WG_NAME(wg_contact_solve_blocks)(&H, dual->slope, step)) {
+            WG_NAME(wg_contact_solve)(stance, &H, dual->slope, step);
+        }
         if (!(WG_NAME(wg_contact_product)(dual->slope, step) > WG_C(0.0))) {
             return WG_CONTACT_OPEN;
         }
@@ -148,16 +160,17 @@ static inline int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_sta
 
 /* The maximum of the bounded problem near enough: Newton until the slope is small beside |y|. */
 static inline void WG_NAME(wg_contact_settle)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
-    WG_REAL H[6][6], step[6], size, largest;
+    struct WG_NAME(wg_contact_matrix) H;
+    WG_REAL step[6], size;
     int turn;
     WG_NAME(wg_contact_evaluate)(stance, dual);
     for (turn = 0; turn < 30; ++turn) {
         size = WG_SQRT(WG_NAME(wg_contact_product)(dual->y, dual->y));
-        if (turn > 0 && WG_NAME(wg_contact_lacking)(stance, dual, &largest) <= WG_C(1e-3) * size) {
+        if (turn > 0 && WG_NAME(wg_contact_lacking)(dual) <= WG_C(1e-3) * size) {
             return;
         }
-        WG_NAME(wg_contact_curvature)(stance, dual, WG_C(0.0), H);
-        WG_NAME(wg_contact_solve)(stance, dual->slope, H, step);
+        WG_NAME(wg_contact_curvature)(stance, dual, WG_C(0.0), &H);
+        WG_NAME(wg_contact_solve)(stance, &H, dual->slope, step);
         if (!(WG_NAME(wg_contact_product)(dual->slope, step) > WG_C(0.0))) {
             return;
         }
@@ -169,37 +182,50 @@ static inline void WG_NAME(wg_contact_settle)(const struct WG_NAME(wg_contact_st
 static inline void WG_NAME(wg_contact_widen)(const WG_REAL *mu, WG_REAL share, struct WG_NAME(wg_contact_stance) * stance) {
     int i;
     for (i = 0; i < stance->feet; ++i) {
-        stance->cone[i].mu = mu[i] + share * (WG_C(1.0) + mu[i] * mu[i]);
+        WG_NAME(wg_contact_rub)(mu[i] + share * (WG_C(1.0) + mu[i] * mu[i]), i, &stance->cones);
     }
 }
 
-/* The least violation: WG_CONTACT_REFUTED with its proof in dual->y, WG_CONTACT_FOUND where it vanishes, else WG_CONTACT_OPEN. dual->image
- * has the forces, in cones a hair wider. */
+/* The bounded problem's next centre: the forces found, or the vectors that they are nearest to. */
+static inline void WG_NAME(wg_contact_recentre)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
+                                                int forces, WG_REAL centre[3][WALKGEN_MAX_FEET]) {
+    WG_REAL z[3][WALKGEN_MAX_FEET];
+    int i, j;
+    WG_NAME(wg_contact_pull)(stance, dual->y, z);
+    for (j = 0; j < 3; ++j) {
+        for (i = 0; i < stance->feet; ++i) {
+            centre[j][i] = forces ? dual->images.f[j][i] : centre[j][i] + dual->stretch * stance->ease[i] * z[j][i];
+        }
+    }
+}
+
+/* The least violation: WG_CONTACT_REFUTED with its proof in dual->y, WG_CONTACT_FOUND where it vanishes, else WG_CONTACT_OPEN. */
 static inline int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
-    WG_REAL centre[WALKGEN_MAX_FEET][3], mu[WALKGEN_MAX_FEET], slack = WG_C(0.1), size, largest;
+    WG_REAL centre[3][WALKGEN_MAX_FEET], mu[WALKGEN_MAX_FEET], slack = WG_C(0.1), size, largest;
     int turn, i, answer = WG_CONTACT_OPEN;
     for (i = 0; i < stance->feet; ++i) {
-        mu[i] = stance->cone[i].mu;
-        centre[i][0] = centre[i][1] = centre[i][2] = WG_C(0.0);
+        mu[i] = stance->cones.mu[i];
+        centre[0][i] = centre[1][i] = centre[2][i] = WG_C(0.0);
     }
-    dual->centre = (const WG_REAL(*)[3])centre;
+    dual->centre = (const WG_REAL(*)[WALKGEN_MAX_FEET])centre;
     dual->bound = WG_C(1.0);
     for (turn = 0; turn < 40 && answer == WG_CONTACT_OPEN; ++turn) {
         WG_NAME(wg_contact_widen)(mu, WG_HAIR, stance);
         dual->stretch = WG_C(1.0) / slack;
         WG_NAME(wg_contact_settle)(stance, dual);
         WG_NAME(wg_contact_widen)(mu, WG_C(0.0), stance);
-        (void)WG_NAME(wg_contact_lacking)(stance, dual, &largest);
+        largest = WG_NAME(wg_contact_largest)(stance, dual);
         size = WG_SQRT(WG_NAME(wg_contact_product)(dual->y, dual->y));
         if (size <= WG_C(10.0) * WG_RATHER * largest) {
             answer = WG_CONTACT_FOUND;
         } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + WG_C(8.0) * WG_EPSILON / size) > WG_C(0.0)) {
             answer = WG_CONTACT_REFUTED;
         }
-        for (i = 0; i < 3 * stance->feet; ++i) {
-            centre[i / 3][i % 3] = dual->image[i / 3].f[i % 3];
-        }
+        WG_NAME(wg_contact_recentre)(stance, dual, 1, centre);
         slack = WG_MAX(WG_C(0.1) * slack, WG_FIRM * size);
+    }
+    if (answer == WG_CONTACT_OPEN && WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_ENOUGH) > WG_C(0.0)) {
+        answer = WG_CONTACT_REFUTED;
     }
     dual->centre = NULL;
     dual->bound = WG_C(0.0);
@@ -207,10 +233,47 @@ static inline int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) 
     return answer;
 }
 
+/* The least forces of a load that can be carried, however large: proximal steps of the multipliers, each a bounded problem. */
+static inline int WG_NAME(wg_contact_approach)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
+    WG_REAL centre[3][WALKGEN_MAX_FEET], sum[6], slack = WG_C(0.1), lacking = WG_C(1.0), largest;
+    int turn, i, answer = WG_CONTACT_OPEN;
+    for (i = 0; i < 3 * stance->feet; ++i) {
+        centre[i % 3][i / 3] = WG_C(0.0);
+    }
+    for (i = 0; i < 6; ++i) {
+        sum[i] = WG_C(0.0);
+    }
+    dual->centre = (const WG_REAL(*)[WALKGEN_MAX_FEET])centre;
+    dual->bound = WG_C(1.0);
+    for (turn = 0; turn < 40 && answer == WG_CONTACT_OPEN; ++turn) {
+        WG_REAL product[6];
+        dual->stretch = WG_C(1.0) / slack;
+        WG_NAME(wg_contact_settle)(stance, dual);
+        largest = WG_NAME(wg_contact_largest)(stance, dual);
+        WG_NAME(wg_contact_metric)(stance, dual->y, product);
+        for (i = 0; i < 6; ++i) {
+            product[i] += dual->slope[i];
+            sum[i] += dual->stretch * dual->y[i];
+        }
+        lacking = WG_SQRT(WG_NAME(wg_contact_product)(product, product));
+        answer = lacking <= WG_SHARP * largest ? WG_CONTACT_FOUND : WG_CONTACT_OPEN;
+        WG_NAME(wg_contact_recentre)(stance, dual, 0, centre);
+        slack = WG_MAX(WG_C(0.1) * slack, WG_DAMPED);
+    }
+    dual->centre = NULL;
+    dual->bound = WG_C(0.0);
+    dual->stretch = WG_C(1.0);
+    for (i = 0; i < 6; ++i) {
+        dual->y[i] = sum[i];
+    }
+    return answer;
+}
+
 #undef WG_SHARP
 #undef WG_FAIR
 #undef WG_HAIR
 #undef WG_RATHER
+#undef WG_ENOUGH
 #undef WG_DAMPED
 #undef WG_FIRM
 #endif

@@ -12,20 +12,20 @@
 #define WALKGEN_CONTACT_STANCE_F64
 #define WG_LIBM(name) name
 #define WG_UNIT WG_C(1e-9)
+#define WG_POWERS 1000
 #else
 #define WALKGEN_CONTACT_STANCE_F32
 #define WG_LIBM(name) name##f
 #define WG_UNIT WG_C(1e-5)
-#endif
-#ifndef WALKGEN_MAX_FEET
-#define WALKGEN_MAX_FEET 16
+#define WG_POWERS 120
 #endif
 
-/* A stance inside: r from the centre, ease = 1 / weight, A f = b with A f the sum of (f, r x f); `inertia` of points of mass `ease`. */
+/* A stance inside: r from the centre, ease = 1 / weight, A f = b with A f the sum of (f, r x f); `inertia` of points of mass
+ * `ease` (xx, xy, xz, yy, yz, zz). */
 struct WG_NAME(wg_contact_stance) {
     int32_t feet, lost[3], turned, force_size, length_size; /* sizes: powers of 2 */
-    WG_REAL r[WALKGEN_MAX_FEET][3], ease[WALKGEN_MAX_FEET], b[6], mass, inertia[3][3], centre[3], axes[3][3];
-    struct WG_NAME(wg_contact_cone) cone[WALKGEN_MAX_FEET];
+    WG_REAL r[3][WALKGEN_MAX_FEET], ease[WALKGEN_MAX_FEET], b[6], mass, inertia[6], centre[3], axes[3][3], force_unit;
+    struct WG_NAME(wg_contact_cones) cones;
 };
 
 /* Exponent of a power of 2 above all numbers' sizes; `none` where they are 0. */
@@ -37,6 +37,11 @@ static inline int32_t WG_NAME(wg_contact_size)(const WG_REAL *values, int32_t co
     }
     (void)WG_LIBM(frexp)(largest, &exponent);
     return largest > WG_C(0.0) ? exponent : none;
+}
+
+/* 2 to an exponent, kept in the range of numbers. */
+static inline WG_REAL WG_NAME(wg_contact_power)(int32_t exponent) {
+    return WG_LIBM(ldexp)(WG_C(1.0), exponent > WG_POWERS ? WG_POWERS : exponent < -WG_POWERS ? -WG_POWERS : exponent);
 }
 
 /* Whether numbers are finite. */
@@ -67,35 +72,35 @@ static inline int WG_NAME(wg_contact_fine)(int32_t k, const WG_REAL *points, con
 /* Points divided by a power of 2, their centre, and r scaled; r is 0 where the points are one to rounding. */
 static inline void WG_NAME(wg_contact_place)(const WG_REAL *points, const WG_REAL *weight, struct WG_NAME(wg_contact_stance) * stance) {
     const int32_t k = stance->feet, far = WG_NAME(wg_contact_size)(points, 3 * k, 0);
-    const int32_t heavy = WG_NAME(wg_contact_size)(weight, k, 0);
+    const WG_REAL shrink = WG_NAME(wg_contact_power)(-far), heavy = WG_NAME(wg_contact_power)(WG_NAME(wg_contact_size)(weight, k, 0));
+    WG_REAL sum[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, largest = WG_C(0.0), grow, inverse;
     int32_t size;
     int i, j;
     stance->mass = WG_C(0.0);
     for (i = 0; i < k; ++i) {
-        stance->ease[i] = WG_C(1.0) / WG_LIBM(ldexp)(weight[i], -heavy);
+        stance->ease[i] = heavy / weight[i];
         stance->mass += stance->ease[i];
-    }
-    for (j = 0; j < 3; ++j) {
-        stance->centre[j] = WG_C(0.0);
-        for (i = 0; i < k; ++i) {
-            stance->r[i][j] = WG_LIBM(ldexp)(points[3 * i + j], -far);
-            stance->centre[j] += stance->ease[i] / stance->mass * stance->r[i][j];
+        for (j = 0; j < 3; ++j) {
+            stance->r[j][i] = shrink * points[3 * i + j];
+            sum[j] += stance->ease[i] * stance->r[j][i];
         }
     }
+    inverse = WG_C(1.0) / stance->mass;
     for (i = 0; i < k; ++i) {
-        WG_NAME(wg_add)(stance->r[i], WG_C(-1.0), stance->centre, stance->r[i]);
+        for (j = 0; j < 3; ++j) {
+            stance->r[j][i] -= inverse * sum[j];
+            largest = WG_MAX(largest, WG_ABS(stance->r[j][i]));
+        }
     }
-    size = WG_NAME(wg_contact_size)(&stance->r[0][0], 3 * k, 0);
-    if (WG_LIBM(ldexp)(WG_C(1.0), size) <= WG_C(64.0) * WG_EPSILON) {
-        size = 0;
-    }
-    for (i = 0; i < 3 * k; ++i) {
-        stance->r[i / 3][i % 3] = WG_LIBM(ldexp)(stance->r[i / 3][i % 3], -size);
+    size = largest <= WG_C(64.0) * WG_EPSILON ? 0 : WG_NAME(wg_contact_size)(&largest, 1, 0);
+    grow = WG_NAME(wg_contact_power)(-size);
+    for (j = 0; j < 3; ++j) {
+        for (i = 0; i < k; ++i) {
+            stance->r[j][i] *= grow;
+        }
+        stance->centre[j] = inverse * sum[j] * grow; /* in the unit of r */
     }
     stance->length_size = far + size;
-    for (j = 0; j < 3; ++j) {
-        stance->centre[j] = WG_LIBM(ldexp)(stance->centre[j], -size); /* in the unit of r */
-    }
 }
 
 /* The load about the centre, scaled, as what the feet must give: b. The moment that rounding of the inputs may amount to. */
@@ -103,72 +108,76 @@ static inline WG_REAL WG_NAME(wg_contact_load)(const WG_REAL *wrench, struct WG_
     const int32_t none = -100000, force = WG_NAME(wg_contact_size)(wrench, 3, none);
     const int32_t moment = WG_NAME(wg_contact_size)(wrench + 3, 3, none) - stance->length_size;
     const int32_t size = moment > force ? moment : force;
-    WG_REAL F[3], M[3], arm[3], noise;
+    const WG_REAL by_force = WG_NAME(wg_contact_power)(-size), by_moment = WG_NAME(wg_contact_power)(-size - stance->length_size);
+    const WG_REAL F[3] = {by_force * wrench[0], by_force * wrench[1], by_force * wrench[2]};
+    const WG_REAL M[3] = {by_moment * wrench[3], by_moment * wrench[4], by_moment * wrench[5]};
+    WG_REAL arm[3], unit;
     int32_t rest;
     int i;
-    for (i = 0; i < 3; ++i) {
-        F[i] = WG_LIBM(ldexp)(wrench[i], -size);
-        M[i] = WG_LIBM(ldexp)(wrench[3 + i], -size - stance->length_size);
-    }
     WG_NAME(wg_cross)(stance->centre, F, arm);
-    noise = WG_NAME(wg_norm)(M) + (WG_NAME(wg_norm)(stance->centre) + WG_C(1.0)) * WG_NAME(wg_norm)(F);
     for (i = 0; i < 3; ++i) {
         stance->b[i] = -F[i];
         stance->b[3 + i] = arm[i] - M[i];
     }
     rest = WG_NAME(wg_contact_size)(stance->b, 6, 0);
+    unit = WG_NAME(wg_contact_power)(-rest);
     for (i = 0; i < 6; ++i) {
-        stance->b[i] = WG_LIBM(ldexp)(stance->b[i], -rest);
+        stance->b[i] *= unit;
     }
     stance->force_size = size + rest;
-    return WG_C(4096.0) * WG_EPSILON * WG_LIBM(ldexp)(noise, -rest);
+    stance->force_unit = WG_NAME(wg_contact_power)(size + rest);
+    return WG_C(4096.0) * WG_EPSILON * unit *
+           (WG_NAME(wg_norm)(M) + (WG_NAME(wg_norm)(stance->centre) + WG_C(1.0)) * WG_NAME(wg_norm)(F));
 }
 
 /* Inertia of the feet about their centre: sum of ease (r'r 1 - r r'). */
 static inline void WG_NAME(wg_contact_inertia)(struct WG_NAME(wg_contact_stance) * stance) {
-    int i, j, m;
-    for (j = 0; j < 9; ++j) {
-        stance->inertia[j / 3][j % 3] = WG_C(0.0);
-    }
+    WG_REAL *J = stance->inertia;
+    int i;
+    J[0] = J[1] = J[2] = J[3] = J[4] = J[5] = WG_C(0.0);
     for (i = 0; i < stance->feet; ++i) {
-        const WG_REAL *r = stance->r[i];
-        for (j = 0; j < 3; ++j) {
-            for (m = 0; m < 3; ++m) {
-                stance->inertia[j][m] += stance->ease[i] * (j == m ? r[(j + 1) % 3] * r[(j + 1) % 3] + r[(j + 2) % 3] * r[(j + 2) % 3] : -r[j] * r[m]);
-            }
-        }
+        const WG_REAL r[3] = {stance->r[0][i], stance->r[1][i], stance->r[2][i]}, m = stance->ease[i];
+        const WG_REAL x = m * r[0], y = m * r[1], z = m * r[2];
+        J[0] += y * r[1] + z * r[2];
+        J[1] -= x * r[1];
+        J[2] -= x * r[2];
+        J[3] += x * r[0] + z * r[2];
+        J[4] -= y * r[2];
+        J[5] += x * r[0] + y * r[1];
     }
 }
 
-/* A vector in the principal axes. */
-static inline void WG_NAME(wg_contact_turn)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL *vector) {
-    const WG_REAL x = vector[0], y = vector[1], z = vector[2];
-    int i;
-    for (i = 0; i < 3; ++i) {
-        vector[i] = stance->axes[0][i] * x + stance->axes[1][i] * y + stance->axes[2][i] * z;
+/* Vectors in the principal axes, component by component `stride` apart. */
+static inline void WG_NAME(wg_contact_turn)(const struct WG_NAME(wg_contact_stance) * stance, int32_t count, int stride, WG_REAL *vectors) {
+    int i, j;
+    for (i = 0; i < count; ++i) {
+        const WG_REAL x = vectors[i], y = vectors[stride + i], z = vectors[2 * stride + i];
+        for (j = 0; j < 3; ++j) {
+            vectors[stride * j + i] = stance->axes[0][j] * x + stance->axes[1][j] * y + stance->axes[2][j] * z;
+        }
     }
 }
 
 /* Everything turned into the principal axes; moments that no force of any foot has are lost. 0 where the load has one above `noise`,
  * and the axis about which it is the largest is `*axis`. */
 static inline int WG_NAME(wg_contact_principal)(WG_REAL noise, struct WG_NAME(wg_contact_stance) * stance, int *axis) {
-    const WG_REAL blur = WG_C(64.0) * WG_EPSILON * (WG_C(1.0) + WG_NAME(wg_norm)(stance->centre));
-    int i, j;
+    const WG_REAL blur = WG_C(64.0) * WG_EPSILON * (WG_C(1.0) + WG_NAME(wg_norm)(stance->centre)), *I = stance->inertia;
+    WG_REAL J[3][3] = {{I[0], I[1], I[2]}, {I[1], I[3], I[4]}, {I[2], I[4], I[5]}};
+    int j;
     stance->turned = 1;
-    WG_NAME(wg_eigen)(3, stance->inertia, stance->axes);
-    for (i = 0; i < stance->feet; ++i) {
-        WG_NAME(wg_contact_turn)(stance, stance->r[i]);
-        WG_NAME(wg_contact_turn)(stance, stance->cone[i].n);
-        WG_NAME(wg_contact_turn)(stance, stance->cone[i].t[0]);
-        WG_NAME(wg_contact_turn)(stance, stance->cone[i].t[1]);
-    }
-    WG_NAME(wg_contact_turn)(stance, stance->b);
-    WG_NAME(wg_contact_turn)(stance, stance->b + 3);
+    WG_NAME(wg_eigen)(3, J, stance->axes);
+    WG_NAME(wg_contact_turn)(stance, stance->feet, WALKGEN_MAX_FEET, stance->r[0]);
+    WG_NAME(wg_contact_turn)(stance, stance->feet, WALKGEN_MAX_FEET, stance->cones.n[0]);
+    WG_NAME(wg_contact_turn)(stance, stance->feet, WALKGEN_MAX_FEET, stance->cones.along[0]);
+    WG_NAME(wg_contact_turn)(stance, stance->feet, WALKGEN_MAX_FEET, stance->cones.aside[0]);
+    WG_NAME(wg_contact_turn)(stance, 1, 1, stance->b);
+    WG_NAME(wg_contact_turn)(stance, 1, 1, stance->b + 3);
     WG_NAME(wg_contact_inertia)(stance);
     *axis = -1;
     for (j = 0; j < 3; ++j) {
-        stance->lost[j] = stance->inertia[j][j] <= blur * blur * stance->mass;
-        if (stance->lost[j] && WG_ABS(stance->b[3 + j]) > noise && (*axis < 0 || WG_ABS(stance->b[3 + j]) > WG_ABS(stance->b[3 + *axis]))) {
+        const WG_REAL moment = WG_ABS(stance->b[3 + j]);
+        stance->lost[j] = I[j == 0 ? 0 : 2 * j + 1] <= blur * blur * stance->mass;
+        if (stance->lost[j] && moment > noise && (*axis < 0 || moment > WG_ABS(stance->b[3 + *axis]))) {
             *axis = j;
         }
     }
@@ -199,4 +208,5 @@ static inline void WG_NAME(wg_contact_certificate)(const struct WG_NAME(wg_conta
 
 #undef WG_LIBM
 #undef WG_UNIT
+#undef WG_POWERS
 #endif
