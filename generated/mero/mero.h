@@ -2,7 +2,7 @@
  * mero: Three platforms in series, two 3R connecting chains, six 3R legs (dimensions chosen; MERO's own are
  *   unpublished)
  * Functions in double; arrays are row-major, SI units, radians.
- * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 153 functions, 11736 operations. This
+ * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 273 functions, 28349 operations. This
  *   code is yours to use under any terms.
  */
 #ifndef WALKGEN_MERO_H
@@ -312,12 +312,47 @@ size_t mero_front_left_inverse_batch(size_t rows, const double *WG_RESTRICT p, d
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 420 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_front_left_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
 size_t mero_front_left_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
     const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
+ *   chosen.
+ * p [3] m, q_seed [3] rad -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 636 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_front_left_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_front_left_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
+ * p [3] m -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 852 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_front_left_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
+size_t mero_front_left_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status);
+
+/* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
+ * p [3] m -> distance [4] m
+ * 180 operations (support routines not counted; at most 696 bytes of locals).
+ * Source: as inverse
+ */
+void mero_front_left_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+void mero_front_left_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [3] rad -> within
+ * Returns within: 1 or 0. 12 operations (at most 8 bytes of locals).
+ */
+int32_t mero_front_left_within_limits(const double *WG_RESTRICT q);
+void mero_front_left_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within);
 
 /* Joint rates that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
  * q [3] rad, v [3] m/s -> qd [3] rad/s, status
@@ -338,6 +373,118 @@ int32_t mero_front_left_inverse_acceleration(const double *WG_RESTRICT q, const 
     const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
 size_t mero_front_left_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint efforts of a motion, M qdd + C qd + gravity + friction - J' f; the platform is held, gravity is the spec's in
+ *   the platform's axes, f is the ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, f [3] N -> tau [3] N m
+ * 72 operations (at most 456 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_front_left_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+void mero_front_left_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+
+/* Joint accelerations of efforts tau; the platform is held, gravity is the spec's in the platform's axes, f is the
+ *   ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, tau [3] N m, f [3] N -> qdd [3] rad/s^2
+ * 90 operations (at most 576 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters, then L' D L (Featherstone
+ *   2005)
+ */
+void mero_front_left_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+void mero_front_left_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+
+/* Mass matrix, rotors included.
+ * q [3] rad -> M [3, 3] kg m^2
+ * 29 operations (at most 168 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
+ */
+void mero_front_left_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M);
+void mero_front_left_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M);
+
+/* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
+ *   platform's axes.
+ * q [3] rad, qd [3] rad/s -> h [3] N m
+ * 41 operations (at most 280 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_front_left_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
+void mero_front_left_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h);
+
+/* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad -> g [3] N m
+ * 6 operations (at most 48 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_front_left_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g);
+void mero_front_left_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g);
+
+/* Coriolis matrix of Christoffel symbols: dM/dt - 2 C is skew; friction is left out.
+ * q [3] rad, qd [3] rad/s -> C [3, 3] N m s
+ * 59 operations (at most 376 bytes of locals).
+ * Source: composite bodies with moments of their velocities (after Echeandia and Wensing 2021)
+ */
+void mero_front_left_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+void mero_front_left_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+
+/* Kinetic energy, rotors included; the platform is held.
+ * q [3] rad, qd [3] rad/s -> T J
+ * 42 operations (at most 272 bytes of locals).
+ * Source: sum of p . v / 2
+ */
+void mero_front_left_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+void mero_front_left_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+
+/* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
+ * q [3] rad -> U J
+ * 7 operations (at most 48 bytes of locals).
+ * Source: U = - m g . c
+ */
+void mero_front_left_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U);
+void mero_front_left_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U);
+
+/* Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; the
+ *   platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> tau_d_q [3, 3] N m per rad, tau_d_qd [3, 3] N m per rad/s
+ * 126 operations (at most 864 bytes of locals).
+ * Source: forward differentiation of recursive Newton-Euler
+ */
+void mero_front_left_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd);
+void mero_front_left_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd);
+
+/* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
+ *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
+ * 165 operations (at most 1056 bytes of locals).
+ * Source: recursive Newton-Euler of unit parameters
+ */
+void mero_front_left_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+void mero_front_left_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+
+/* The fewest inertial parameters p that joint efforts depend on, as the spec has them, and the efforts' regressor Y: Y
+ *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
+ *   links.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
+ * 99 operations (at most 648 bytes of locals).
+ * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
+ */
+void mero_front_left_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
+void mero_front_left_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
 
 /* Foot position.
  * q [3] rad -> p [3] m
@@ -457,12 +604,47 @@ size_t mero_front_right_inverse_batch(size_t rows, const double *WG_RESTRICT p, 
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 420 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_front_right_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
 size_t mero_front_right_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
     const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
+ *   chosen.
+ * p [3] m, q_seed [3] rad -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 636 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_front_right_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_front_right_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
+ * p [3] m -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 852 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_front_right_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
+size_t mero_front_right_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status);
+
+/* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
+ * p [3] m -> distance [4] m
+ * 180 operations (support routines not counted; at most 696 bytes of locals).
+ * Source: as inverse
+ */
+void mero_front_right_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+void mero_front_right_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [3] rad -> within
+ * Returns within: 1 or 0. 12 operations (at most 8 bytes of locals).
+ */
+int32_t mero_front_right_within_limits(const double *WG_RESTRICT q);
+void mero_front_right_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within);
 
 /* Joint rates that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
  * q [3] rad, v [3] m/s -> qd [3] rad/s, status
@@ -483,6 +665,120 @@ int32_t mero_front_right_inverse_acceleration(const double *WG_RESTRICT q, const
     const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
 size_t mero_front_right_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint efforts of a motion, M qdd + C qd + gravity + friction - J' f; the platform is held, gravity is the spec's in
+ *   the platform's axes, f is the ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, f [3] N -> tau [3] N m
+ * 76 operations (at most 456 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_front_right_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+void mero_front_right_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau);
+
+/* Joint accelerations of efforts tau; the platform is held, gravity is the spec's in the platform's axes, f is the
+ *   ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, tau [3] N m, f [3] N -> qdd [3] rad/s^2
+ * 90 operations (at most 552 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters, then L' D L (Featherstone
+ *   2005)
+ */
+void mero_front_right_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+void mero_front_right_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
+    double *WG_RESTRICT qdd);
+
+/* Mass matrix, rotors included.
+ * q [3] rad -> M [3, 3] kg m^2
+ * 29 operations (at most 168 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
+ */
+void mero_front_right_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M);
+void mero_front_right_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M);
+
+/* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
+ *   platform's axes.
+ * q [3] rad, qd [3] rad/s -> h [3] N m
+ * 41 operations (at most 280 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_front_right_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
+void mero_front_right_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h);
+
+/* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad -> g [3] N m
+ * 6 operations (at most 48 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_front_right_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g);
+void mero_front_right_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g);
+
+/* Coriolis matrix of Christoffel symbols: dM/dt - 2 C is skew; friction is left out.
+ * q [3] rad, qd [3] rad/s -> C [3, 3] N m s
+ * 59 operations (at most 376 bytes of locals).
+ * Source: composite bodies with moments of their velocities (after Echeandia and Wensing 2021)
+ */
+void mero_front_right_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+void mero_front_right_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+
+/* Kinetic energy, rotors included; the platform is held.
+ * q [3] rad, qd [3] rad/s -> T J
+ * 42 operations (at most 272 bytes of locals).
+ * Source: sum of p . v / 2
+ */
+void mero_front_right_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+void mero_front_right_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+
+/* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
+ * q [3] rad -> U J
+ * 7 operations (at most 48 bytes of locals).
+ * Source: U = - m g . c
+ */
+void mero_front_right_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U);
+void mero_front_right_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U);
+
+/* Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; the
+ *   platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> tau_d_q [3, 3] N m per rad, tau_d_qd [3, 3] N m per rad/s
+ * 126 operations (at most 864 bytes of locals).
+ * Source: forward differentiation of recursive Newton-Euler
+ */
+void mero_front_right_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd);
+void mero_front_right_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd);
+
+/* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
+ *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
+ * 165 operations (at most 1056 bytes of locals).
+ * Source: recursive Newton-Euler of unit parameters
+ */
+void mero_front_right_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+void mero_front_right_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+
+/* The fewest inertial parameters p that joint efforts depend on, as the spec has them, and the efforts' regressor Y: Y
+ *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
+ *   links.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
+ * 99 operations (at most 648 bytes of locals).
+ * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
+ */
+void mero_front_right_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
+void mero_front_right_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
 
 /* Foot position.
  * q [3] rad -> p [3] m
@@ -602,12 +898,47 @@ size_t mero_middle_left_inverse_batch(size_t rows, const double *WG_RESTRICT p, 
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 420 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_middle_left_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
 size_t mero_middle_left_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
     const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
+ *   chosen.
+ * p [3] m, q_seed [3] rad -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 636 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_middle_left_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_middle_left_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
+ * p [3] m -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 852 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_middle_left_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
+size_t mero_middle_left_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status);
+
+/* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
+ * p [3] m -> distance [4] m
+ * 180 operations (support routines not counted; at most 696 bytes of locals).
+ * Source: as inverse
+ */
+void mero_middle_left_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+void mero_middle_left_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [3] rad -> within
+ * Returns within: 1 or 0. 12 operations (at most 8 bytes of locals).
+ */
+int32_t mero_middle_left_within_limits(const double *WG_RESTRICT q);
+void mero_middle_left_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within);
 
 /* Joint rates that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
  * q [3] rad, v [3] m/s -> qd [3] rad/s, status
@@ -628,6 +959,120 @@ int32_t mero_middle_left_inverse_acceleration(const double *WG_RESTRICT q, const
     const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
 size_t mero_middle_left_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint efforts of a motion, M qdd + C qd + gravity + friction - J' f; the platform is held, gravity is the spec's in
+ *   the platform's axes, f is the ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, f [3] N -> tau [3] N m
+ * 72 operations (at most 456 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_middle_left_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+void mero_middle_left_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau);
+
+/* Joint accelerations of efforts tau; the platform is held, gravity is the spec's in the platform's axes, f is the
+ *   ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, tau [3] N m, f [3] N -> qdd [3] rad/s^2
+ * 90 operations (at most 576 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters, then L' D L (Featherstone
+ *   2005)
+ */
+void mero_middle_left_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+void mero_middle_left_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
+    double *WG_RESTRICT qdd);
+
+/* Mass matrix, rotors included.
+ * q [3] rad -> M [3, 3] kg m^2
+ * 29 operations (at most 168 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
+ */
+void mero_middle_left_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M);
+void mero_middle_left_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M);
+
+/* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
+ *   platform's axes.
+ * q [3] rad, qd [3] rad/s -> h [3] N m
+ * 41 operations (at most 280 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_middle_left_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
+void mero_middle_left_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h);
+
+/* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad -> g [3] N m
+ * 6 operations (at most 48 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_middle_left_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g);
+void mero_middle_left_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g);
+
+/* Coriolis matrix of Christoffel symbols: dM/dt - 2 C is skew; friction is left out.
+ * q [3] rad, qd [3] rad/s -> C [3, 3] N m s
+ * 59 operations (at most 376 bytes of locals).
+ * Source: composite bodies with moments of their velocities (after Echeandia and Wensing 2021)
+ */
+void mero_middle_left_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+void mero_middle_left_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+
+/* Kinetic energy, rotors included; the platform is held.
+ * q [3] rad, qd [3] rad/s -> T J
+ * 42 operations (at most 272 bytes of locals).
+ * Source: sum of p . v / 2
+ */
+void mero_middle_left_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+void mero_middle_left_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+
+/* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
+ * q [3] rad -> U J
+ * 7 operations (at most 48 bytes of locals).
+ * Source: U = - m g . c
+ */
+void mero_middle_left_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U);
+void mero_middle_left_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U);
+
+/* Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; the
+ *   platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> tau_d_q [3, 3] N m per rad, tau_d_qd [3, 3] N m per rad/s
+ * 126 operations (at most 864 bytes of locals).
+ * Source: forward differentiation of recursive Newton-Euler
+ */
+void mero_middle_left_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd);
+void mero_middle_left_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd);
+
+/* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
+ *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
+ * 165 operations (at most 1056 bytes of locals).
+ * Source: recursive Newton-Euler of unit parameters
+ */
+void mero_middle_left_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+void mero_middle_left_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+
+/* The fewest inertial parameters p that joint efforts depend on, as the spec has them, and the efforts' regressor Y: Y
+ *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
+ *   links.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
+ * 99 operations (at most 648 bytes of locals).
+ * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
+ */
+void mero_middle_left_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
+void mero_middle_left_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
 
 /* Foot position.
  * q [3] rad -> p [3] m
@@ -748,12 +1193,48 @@ size_t mero_middle_right_inverse_batch(size_t rows, const double *WG_RESTRICT p,
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 420 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_middle_right_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
 size_t mero_middle_right_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
     const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
+ *   chosen.
+ * p [3] m, q_seed [3] rad -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 636 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_middle_right_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_middle_right_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
+ * p [3] m -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 852 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_middle_right_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
+size_t mero_middle_right_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status);
+
+/* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
+ * p [3] m -> distance [4] m
+ * 180 operations (support routines not counted; at most 696 bytes of locals).
+ * Source: as inverse
+ */
+void mero_middle_right_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+void mero_middle_right_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p,
+    double *WG_RESTRICT distance);
+
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [3] rad -> within
+ * Returns within: 1 or 0. 12 operations (at most 8 bytes of locals).
+ */
+int32_t mero_middle_right_within_limits(const double *WG_RESTRICT q);
+void mero_middle_right_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within);
 
 /* Joint rates that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
  * q [3] rad, v [3] m/s -> qd [3] rad/s, status
@@ -774,6 +1255,120 @@ int32_t mero_middle_right_inverse_acceleration(const double *WG_RESTRICT q, cons
     const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
 size_t mero_middle_right_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint efforts of a motion, M qdd + C qd + gravity + friction - J' f; the platform is held, gravity is the spec's in
+ *   the platform's axes, f is the ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, f [3] N -> tau [3] N m
+ * 76 operations (at most 456 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_middle_right_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+void mero_middle_right_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau);
+
+/* Joint accelerations of efforts tau; the platform is held, gravity is the spec's in the platform's axes, f is the
+ *   ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, tau [3] N m, f [3] N -> qdd [3] rad/s^2
+ * 90 operations (at most 552 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters, then L' D L (Featherstone
+ *   2005)
+ */
+void mero_middle_right_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+void mero_middle_right_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
+    double *WG_RESTRICT qdd);
+
+/* Mass matrix, rotors included.
+ * q [3] rad -> M [3, 3] kg m^2
+ * 29 operations (at most 168 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
+ */
+void mero_middle_right_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M);
+void mero_middle_right_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M);
+
+/* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
+ *   platform's axes.
+ * q [3] rad, qd [3] rad/s -> h [3] N m
+ * 41 operations (at most 280 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_middle_right_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
+void mero_middle_right_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h);
+
+/* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad -> g [3] N m
+ * 6 operations (at most 48 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_middle_right_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g);
+void mero_middle_right_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g);
+
+/* Coriolis matrix of Christoffel symbols: dM/dt - 2 C is skew; friction is left out.
+ * q [3] rad, qd [3] rad/s -> C [3, 3] N m s
+ * 59 operations (at most 376 bytes of locals).
+ * Source: composite bodies with moments of their velocities (after Echeandia and Wensing 2021)
+ */
+void mero_middle_right_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+void mero_middle_right_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT C);
+
+/* Kinetic energy, rotors included; the platform is held.
+ * q [3] rad, qd [3] rad/s -> T J
+ * 42 operations (at most 272 bytes of locals).
+ * Source: sum of p . v / 2
+ */
+void mero_middle_right_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+void mero_middle_right_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+
+/* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
+ * q [3] rad -> U J
+ * 7 operations (at most 48 bytes of locals).
+ * Source: U = - m g . c
+ */
+void mero_middle_right_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U);
+void mero_middle_right_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U);
+
+/* Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; the
+ *   platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> tau_d_q [3, 3] N m per rad, tau_d_qd [3, 3] N m per rad/s
+ * 126 operations (at most 864 bytes of locals).
+ * Source: forward differentiation of recursive Newton-Euler
+ */
+void mero_middle_right_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd);
+void mero_middle_right_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd);
+
+/* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
+ *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
+ * 165 operations (at most 1056 bytes of locals).
+ * Source: recursive Newton-Euler of unit parameters
+ */
+void mero_middle_right_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+void mero_middle_right_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+
+/* The fewest inertial parameters p that joint efforts depend on, as the spec has them, and the efforts' regressor Y: Y
+ *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
+ *   links.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
+ * 99 operations (at most 648 bytes of locals).
+ * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
+ */
+void mero_middle_right_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
+void mero_middle_right_base_parameters_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
 
 /* Foot position.
  * q [3] rad -> p [3] m
@@ -892,12 +1487,47 @@ size_t mero_rear_left_inverse_batch(size_t rows, const double *WG_RESTRICT p, do
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 420 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_rear_left_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
 size_t mero_rear_left_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
     const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
+ *   chosen.
+ * p [3] m, q_seed [3] rad -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 636 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_rear_left_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_rear_left_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
+ * p [3] m -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 852 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_rear_left_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
+size_t mero_rear_left_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status);
+
+/* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
+ * p [3] m -> distance [4] m
+ * 180 operations (support routines not counted; at most 696 bytes of locals).
+ * Source: as inverse
+ */
+void mero_rear_left_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+void mero_rear_left_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [3] rad -> within
+ * Returns within: 1 or 0. 12 operations (at most 8 bytes of locals).
+ */
+int32_t mero_rear_left_within_limits(const double *WG_RESTRICT q);
+void mero_rear_left_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within);
 
 /* Joint rates that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
  * q [3] rad, v [3] m/s -> qd [3] rad/s, status
@@ -918,6 +1548,117 @@ int32_t mero_rear_left_inverse_acceleration(const double *WG_RESTRICT q, const d
     const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
 size_t mero_rear_left_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint efforts of a motion, M qdd + C qd + gravity + friction - J' f; the platform is held, gravity is the spec's in
+ *   the platform's axes, f is the ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, f [3] N -> tau [3] N m
+ * 72 operations (at most 456 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_rear_left_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+void mero_rear_left_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+
+/* Joint accelerations of efforts tau; the platform is held, gravity is the spec's in the platform's axes, f is the
+ *   ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, tau [3] N m, f [3] N -> qdd [3] rad/s^2
+ * 90 operations (at most 576 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters, then L' D L (Featherstone
+ *   2005)
+ */
+void mero_rear_left_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+void mero_rear_left_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+
+/* Mass matrix, rotors included.
+ * q [3] rad -> M [3, 3] kg m^2
+ * 29 operations (at most 168 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
+ */
+void mero_rear_left_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M);
+void mero_rear_left_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M);
+
+/* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
+ *   platform's axes.
+ * q [3] rad, qd [3] rad/s -> h [3] N m
+ * 41 operations (at most 280 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_rear_left_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
+void mero_rear_left_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h);
+
+/* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad -> g [3] N m
+ * 6 operations (at most 48 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_rear_left_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g);
+void mero_rear_left_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g);
+
+/* Coriolis matrix of Christoffel symbols: dM/dt - 2 C is skew; friction is left out.
+ * q [3] rad, qd [3] rad/s -> C [3, 3] N m s
+ * 59 operations (at most 376 bytes of locals).
+ * Source: composite bodies with moments of their velocities (after Echeandia and Wensing 2021)
+ */
+void mero_rear_left_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+void mero_rear_left_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+
+/* Kinetic energy, rotors included; the platform is held.
+ * q [3] rad, qd [3] rad/s -> T J
+ * 42 operations (at most 272 bytes of locals).
+ * Source: sum of p . v / 2
+ */
+void mero_rear_left_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T);
+void mero_rear_left_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+
+/* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
+ * q [3] rad -> U J
+ * 7 operations (at most 48 bytes of locals).
+ * Source: U = - m g . c
+ */
+void mero_rear_left_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U);
+void mero_rear_left_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U);
+
+/* Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; the
+ *   platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> tau_d_q [3, 3] N m per rad, tau_d_qd [3, 3] N m per rad/s
+ * 126 operations (at most 864 bytes of locals).
+ * Source: forward differentiation of recursive Newton-Euler
+ */
+void mero_rear_left_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd);
+void mero_rear_left_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd);
+
+/* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
+ *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
+ * 165 operations (at most 1056 bytes of locals).
+ * Source: recursive Newton-Euler of unit parameters
+ */
+void mero_rear_left_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+void mero_rear_left_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+
+/* The fewest inertial parameters p that joint efforts depend on, as the spec has them, and the efforts' regressor Y: Y
+ *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
+ *   links.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
+ * 99 operations (at most 648 bytes of locals).
+ * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
+ */
+void mero_rear_left_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
+void mero_rear_left_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
 
 /* Foot position.
  * q [3] rad -> p [3] m
@@ -1036,12 +1777,47 @@ size_t mero_rear_right_inverse_batch(size_t rows, const double *WG_RESTRICT p, d
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 420 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_rear_right_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
 size_t mero_rear_right_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
     const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
+ *   chosen.
+ * p [3] m, q_seed [3] rad -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 636 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_rear_right_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_rear_right_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
+ * p [3] m -> q [3] rad, status
+ * Returns the status. 104 operations (support routines not counted; at most 852 bytes of locals).
+ * Source: as inverse
+ */
+int32_t mero_rear_right_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
+size_t mero_rear_right_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status);
+
+/* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
+ * p [3] m -> distance [4] m
+ * 180 operations (support routines not counted; at most 696 bytes of locals).
+ * Source: as inverse
+ */
+void mero_rear_right_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+void mero_rear_right_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance);
+
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [3] rad -> within
+ * Returns within: 1 or 0. 12 operations (at most 8 bytes of locals).
+ */
+int32_t mero_rear_right_within_limits(const double *WG_RESTRICT q);
+void mero_rear_right_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within);
 
 /* Joint rates that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
  * q [3] rad, v [3] m/s -> qd [3] rad/s, status
@@ -1062,6 +1838,118 @@ int32_t mero_rear_right_inverse_acceleration(const double *WG_RESTRICT q, const 
     const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
 size_t mero_rear_right_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint efforts of a motion, M qdd + C qd + gravity + friction - J' f; the platform is held, gravity is the spec's in
+ *   the platform's axes, f is the ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, f [3] N -> tau [3] N m
+ * 76 operations (at most 456 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_rear_right_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+void mero_rear_right_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau);
+
+/* Joint accelerations of efforts tau; the platform is held, gravity is the spec's in the platform's axes, f is the
+ *   ground's force on the foot, in the platform's axes.
+ * q [3] rad, qd [3] rad/s, tau [3] N m, f [3] N -> qdd [3] rad/s^2
+ * 90 operations (at most 552 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters, then L' D L (Featherstone
+ *   2005)
+ */
+void mero_rear_right_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+void mero_rear_right_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd);
+
+/* Mass matrix, rotors included.
+ * q [3] rad -> M [3, 3] kg m^2
+ * 29 operations (at most 168 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
+ */
+void mero_rear_right_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M);
+void mero_rear_right_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M);
+
+/* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
+ *   platform's axes.
+ * q [3] rad, qd [3] rad/s -> h [3] N m
+ * 41 operations (at most 280 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_rear_right_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
+void mero_rear_right_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h);
+
+/* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad -> g [3] N m
+ * 6 operations (at most 48 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_rear_right_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g);
+void mero_rear_right_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g);
+
+/* Coriolis matrix of Christoffel symbols: dM/dt - 2 C is skew; friction is left out.
+ * q [3] rad, qd [3] rad/s -> C [3, 3] N m s
+ * 59 operations (at most 376 bytes of locals).
+ * Source: composite bodies with moments of their velocities (after Echeandia and Wensing 2021)
+ */
+void mero_rear_right_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+void mero_rear_right_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C);
+
+/* Kinetic energy, rotors included; the platform is held.
+ * q [3] rad, qd [3] rad/s -> T J
+ * 42 operations (at most 272 bytes of locals).
+ * Source: sum of p . v / 2
+ */
+void mero_rear_right_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+void mero_rear_right_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T);
+
+/* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
+ * q [3] rad -> U J
+ * 7 operations (at most 48 bytes of locals).
+ * Source: U = - m g . c
+ */
+void mero_rear_right_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U);
+void mero_rear_right_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U);
+
+/* Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; the
+ *   platform is held, gravity is the spec's in the platform's axes.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> tau_d_q [3, 3] N m per rad, tau_d_qd [3, 3] N m per rad/s
+ * 126 operations (at most 864 bytes of locals).
+ * Source: forward differentiation of recursive Newton-Euler
+ */
+void mero_rear_right_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd);
+void mero_rear_right_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd);
+
+/* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
+ *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
+ * 165 operations (at most 1056 bytes of locals).
+ * Source: recursive Newton-Euler of unit parameters
+ */
+void mero_rear_right_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+void mero_rear_right_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y);
+
+/* The fewest inertial parameters p that joint efforts depend on, as the spec has them, and the efforts' regressor Y: Y
+ *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
+ *   links.
+ * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
+ * 99 operations (at most 648 bytes of locals).
+ * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
+ */
+void mero_rear_right_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
+void mero_rear_right_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p);
 
 /* Child platform in its parent's frame.
  * q [3] rad -> T [4, 4] 1 and m
@@ -1219,6 +2107,57 @@ void mero_root_to_middle_left_foot_torque_batch(size_t rows, const double *WG_RE
 void mero_root_to_middle_left_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T);
 void mero_root_to_middle_left_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T);
 
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [6] rad -> within
+ * Returns within: 1 or 0. 24 operations (at most 20 bytes of locals).
+ */
+int32_t mero_root_to_middle_left_within_limits(const double *WG_RESTRICT q);
+void mero_root_to_middle_left_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT within);
+
+/* Joint rates of least norm that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
+ * q [6] rad, v [3] m/s -> qd [6] rad/s, status
+ * Returns the status. 83 operations (support routines not counted; at most 568 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_middle_left_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    double *WG_RESTRICT qd);
+size_t mero_root_to_middle_left_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT qd, int32_t *WG_RESTRICT status);
+
+/* Joint accelerations of least norm that give the foot acceleration a; SINGULAR while damped.
+ * q [6] rad, qd [6] rad/s, a [3] m/s^2 -> qdd [6] rad/s^2, status
+ * Returns the status. 178 operations (support routines not counted; at most 1208 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_middle_left_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
+size_t mero_root_to_middle_left_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot to p, within the limits if possible; the best found where nothing does.
+ * p [3] m, q_seed [6] rad -> q [6] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 408 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_middle_left_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_middle_left_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot frame to T, within the limits where that is possible; the best found
+ *   where it is not.
+ * T [4, 4] 1 and m, q_seed [6] rad -> q [6] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 480 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_middle_left_inverse_pose(const double *WG_RESTRICT T, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_middle_left_inverse_pose_batch(size_t rows, const double *WG_RESTRICT T,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
 /* Foot position.
  * q [6] rad -> p [3] m
  * 33 operations (at most 208 bytes of locals).
@@ -1326,6 +2265,57 @@ void mero_root_to_middle_right_foot_torque_batch(size_t rows, const double *WG_R
  */
 void mero_root_to_middle_right_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T);
 void mero_root_to_middle_right_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T);
+
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [6] rad -> within
+ * Returns within: 1 or 0. 24 operations (at most 20 bytes of locals).
+ */
+int32_t mero_root_to_middle_right_within_limits(const double *WG_RESTRICT q);
+void mero_root_to_middle_right_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT within);
+
+/* Joint rates of least norm that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
+ * q [6] rad, v [3] m/s -> qd [6] rad/s, status
+ * Returns the status. 81 operations (support routines not counted; at most 584 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_middle_right_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    double *WG_RESTRICT qd);
+size_t mero_root_to_middle_right_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT qd, int32_t *WG_RESTRICT status);
+
+/* Joint accelerations of least norm that give the foot acceleration a; SINGULAR while damped.
+ * q [6] rad, qd [6] rad/s, a [3] m/s^2 -> qdd [6] rad/s^2, status
+ * Returns the status. 166 operations (support routines not counted; at most 1184 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_middle_right_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
+size_t mero_root_to_middle_right_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot to p, within the limits if possible; the best found where nothing does.
+ * p [3] m, q_seed [6] rad -> q [6] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 408 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_middle_right_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_middle_right_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot frame to T, within the limits where that is possible; the best found
+ *   where it is not.
+ * T [4, 4] 1 and m, q_seed [6] rad -> q [6] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 480 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_middle_right_inverse_pose(const double *WG_RESTRICT T, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_middle_right_inverse_pose_batch(size_t rows, const double *WG_RESTRICT T,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
 
 /* Foot position.
  * q [9] rad -> p [3] m
@@ -1435,6 +2425,57 @@ void mero_root_to_rear_left_foot_torque_batch(size_t rows, const double *WG_REST
 void mero_root_to_rear_left_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T);
 void mero_root_to_rear_left_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T);
 
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [9] rad -> within
+ * Returns within: 1 or 0. 36 operations (at most 32 bytes of locals).
+ */
+int32_t mero_root_to_rear_left_within_limits(const double *WG_RESTRICT q);
+void mero_root_to_rear_left_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT within);
+
+/* Joint rates of least norm that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
+ * q [9] rad, v [3] m/s -> qd [9] rad/s, status
+ * Returns the status. 160 operations (support routines not counted; at most 952 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_rear_left_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    double *WG_RESTRICT qd);
+size_t mero_root_to_rear_left_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT qd, int32_t *WG_RESTRICT status);
+
+/* Joint accelerations of least norm that give the foot acceleration a; SINGULAR while damped.
+ * q [9] rad, qd [9] rad/s, a [3] m/s^2 -> qdd [9] rad/s^2, status
+ * Returns the status. 308 operations (support routines not counted; at most 1968 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_rear_left_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
+size_t mero_root_to_rear_left_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot to p, within the limits if possible; the best found where nothing does.
+ * p [3] m, q_seed [9] rad -> q [9] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 600 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_rear_left_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_rear_left_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot frame to T, within the limits where that is possible; the best found
+ *   where it is not.
+ * T [4, 4] 1 and m, q_seed [9] rad -> q [9] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 672 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_rear_left_inverse_pose(const double *WG_RESTRICT T, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_rear_left_inverse_pose_batch(size_t rows, const double *WG_RESTRICT T,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
 /* Foot position.
  * q [9] rad -> p [3] m
  * 53 operations (at most 320 bytes of locals).
@@ -1543,6 +2584,57 @@ void mero_root_to_rear_right_foot_torque_batch(size_t rows, const double *WG_RES
 void mero_root_to_rear_right_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T);
 void mero_root_to_rear_right_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T);
 
+/* Whether every joint is within its limits; 0 for NaN.
+ * q [9] rad -> within
+ * Returns within: 1 or 0. 36 operations (at most 32 bytes of locals).
+ */
+int32_t mero_root_to_rear_right_within_limits(const double *WG_RESTRICT q);
+void mero_root_to_rear_right_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT within);
+
+/* Joint rates of least norm that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
+ * q [9] rad, v [3] m/s -> qd [9] rad/s, status
+ * Returns the status. 157 operations (support routines not counted; at most 968 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_rear_right_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    double *WG_RESTRICT qd);
+size_t mero_root_to_rear_right_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT qd, int32_t *WG_RESTRICT status);
+
+/* Joint accelerations of least norm that give the foot acceleration a; SINGULAR while damped.
+ * q [9] rad, qd [9] rad/s, a [3] m/s^2 -> qdd [9] rad/s^2, status
+ * Returns the status. 295 operations (support routines not counted; at most 1952 bytes of locals).
+ * Source: qd = J' (J J')^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and
+ *   Hanafusa 1986)
+ */
+int32_t mero_root_to_rear_right_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qdd);
+size_t mero_root_to_rear_right_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot to p, within the limits if possible; the best found where nothing does.
+ * p [3] m, q_seed [9] rad -> q [9] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 600 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_rear_right_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_rear_right_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
+/* Joint values near q_seed that bring the foot frame to T, within the limits where that is possible; the best found
+ *   where it is not.
+ * T [4, 4] 1 and m, q_seed [9] rad -> q [9] rad, status
+ * Returns the status. 0 operations (support routines not counted; at most 672 bytes of locals).
+ * Source: Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts
+ */
+int32_t mero_root_to_rear_right_inverse_pose(const double *WG_RESTRICT T, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q);
+size_t mero_root_to_rear_right_inverse_pose_batch(size_t rows, const double *WG_RESTRICT T,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status);
+
 /* Pose of every platform in the first platform's frame.
  * q [24] rad -> T [3, 4, 4] 1 and m
  * 94 operations (at most 448 bytes of locals).
@@ -1566,6 +2658,121 @@ void mero_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double 
  */
 void mero_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J);
 void mero_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J);
+
+/* Joint values that put every foot on its target (first platform's frame, fixed) with the least weighted sum of:
+ *   squared distances from the middle of the limits, 1 - cos of each platform's tilt from its normal, squared error of
+ *   its height over its feet. A zero normal stands for that of the targets' least-squares plane, NaN in start for the
+ *   middle of the limits.
+ * targets [6, 3] m, normal [3, 3], start [24] rad, weights [4] 1, 1, 1/m^2, m -> q [24] rad, status, cost
+ * Returns the status. 0 operations (support routines not counted; at most 2196 bytes of locals).
+ * Source: theory 3.3: Phi(c) with legs in closed form, N = [1; -J_leg^-1 J_chain]
+ */
+int32_t mero_adapt(const double *WG_RESTRICT targets, const double *WG_RESTRICT normal,
+    const double *WG_RESTRICT start, const double *WG_RESTRICT weights, double *WG_RESTRICT q,
+    double *WG_RESTRICT cost);
+size_t mero_adapt_batch(size_t rows, const double *WG_RESTRICT targets, const double *WG_RESTRICT normal,
+    const double *WG_RESTRICT start, const double *WG_RESTRICT weights, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status, double *WG_RESTRICT cost);
+
+/* Joint rates with these foot velocities (first platform's frame, fixed), nearest to qd0 in half ranges of the joints;
+ *   SINGULAR while a leg is damped.
+ * q [24] rad, xd [6, 3] m/s, qd0 [24] rad/s -> qd [24] rad/s, status
+ * Returns the status. 0 operations (support routines not counted; at most 2196 bytes of locals).
+ * Source: theory 3.3: Phi(c) with legs in closed form, N = [1; -J_leg^-1 J_chain]
+ */
+int32_t mero_adapt_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT xd,
+    const double *WG_RESTRICT qd0, double *WG_RESTRICT qd);
+size_t mero_adapt_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT xd,
+    const double *WG_RESTRICT qd0, double *WG_RESTRICT qd, int32_t *WG_RESTRICT status);
+
+/* Centre of mass in the world.
+ * base_pose [4, 4] 1 and m, q [24] rad -> c [3] m
+ * 155 operations (at most 1088 bytes of locals).
+ * Source: sum of m p / sum of m
+ */
+void mero_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c);
+void mero_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT c);
+
+/* Velocity of the centre of mass by v; world axes; v is the base's linear and angular velocity in its axes, then the
+ *   joint rates.
+ * base_pose [4, 4] 1 and m, q [24] rad -> J [3, 30] m per unit of v
+ * 492 operations (at most 3056 bytes of locals).
+ * Source: momentum per mass of what each joint moves
+ */
+void mero_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT J);
+void mero_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT J);
+
+/* Momentum by v: linear momentum, then angular about the centre of mass; world axes; v is the base's linear and
+ *   angular velocity in its axes, then the joint rates.
+ * base_pose [4, 4] 1 and m, q [24] rad -> A [6, 30] kg m/s and kg m^2/s per unit of v
+ * 1385 operations (at most 8800 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters; Orin and Goswami 2008
+ */
+void mero_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT A);
+void mero_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT A);
+
+/* Momentum of the robot: linear momentum, then angular about the centre of mass; world axes; v is the base's linear
+ *   and angular velocity in its axes, then the joint rates.
+ * base_pose [4, 4] 1 and m, q [24] rad, v [30] m/s, rad/s, then rad/s -> h [6] kg m/s and kg m^2/s
+ * 767 operations (at most 5624 bytes of locals).
+ * Source: sum over the links, from the feet inwards
+ */
+void mero_momentum(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    double *WG_RESTRICT h);
+void mero_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT h);
+
+/* Time derivative of the momentum: linear momentum, then angular about the centre of mass; world axes; v is the base's
+ *   linear and angular velocity in its axes, then the joint rates; a holds the time derivatives of v's components.
+ * base_pose [4, 4] 1 and m, q [24] rad, v [30] m/s, rad/s, then rad/s, a [30] m/s^2, rad/s^2, then rad/s^2 -> hd [6] N
+ *   and N m
+ * 1300 operations (at most 8896 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_momentum_rate(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd);
+void mero_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd);
+
+/* Load of gravity and inertia on the robot: force, then moment about the world's origin, world axes. The ground has to
+ *   give the opposite, and contact_forces takes it as wrench; a holds the time derivatives of v's components.
+ * base_pose [4, 4] 1 and m, q [24] rad, v [30] m/s, rad/s, then rad/s, a [30] m/s^2, rad/s^2, then rad/s^2 -> w [6] N
+ *   and N m
+ * 1242 operations (at most 8448 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_demanded_wrench(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w);
+void mero_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w);
+
+/* Mass matrix of v: the base's linear and angular components in its axes, then the joints; rotors included.
+ * base_pose [4, 4] 1 and m, q [24] rad -> M [30, 30] kg, kg m and kg m^2
+ * 1463 operations (at most 10632 bytes of locals).
+ * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
+ */
+void mero_floating_mass_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT M);
+void mero_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT M);
+
+/* Efforts of a motion, dual to v: the base's force and moment in its axes, then the joints, friction included.
+ *   foot_forces are the ground's on the feet, world axes; a holds the time derivatives of v's components.
+ * base_pose [4, 4] 1 and m, q [24] rad, v [30] m/s, rad/s, then rad/s, a [30] m/s^2, rad/s^2, then rad/s^2,
+ *   foot_forces [6, 3] N -> tau [30] N, N m, then N m
+ * 1433 operations (at most 9864 bytes of locals).
+ * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
+ */
+void mero_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT foot_forces,
+    double *WG_RESTRICT tau);
+void mero_floating_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
+    const double *WG_RESTRICT foot_forces, double *WG_RESTRICT tau);
 
 #ifdef __cplusplus
 }

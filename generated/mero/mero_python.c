@@ -2,7 +2,7 @@
  * mero: Three platforms in series, two 3R connecting chains, six 3R legs (dimensions chosen; MERO's own are
  *   unpublished)
  * The loops through which NumPy calls the functions: part of the Python library only.
- * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 153 functions, 11736 operations. This
+ * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 273 functions, 28349 operations. This
  *   code is yours to use under any terms.
  */
 #include "mero.h"
@@ -309,6 +309,90 @@ void mero_front_left_inverse_branch_loop(char **arguments, const intptr_t *dimen
     walkgen_loop(mero_front_left_inverse_branch_rows, mero_front_left_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_front_left_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_front_left_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_front_left_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_front_left_inverse_near_rows, mero_front_left_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_inverse_admissible_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_front_left_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[2] + at * step[2]) = mero_front_left_inverse_admissible(
+            (const double *)(a[0] + at * step[0]),
+            (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_left_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_front_left_inverse_admissible_rows, mero_front_left_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_inverse_distance_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {4}},
+};
+
+static void mero_front_left_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_left_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_front_left_inverse_distance_rows, mero_front_left_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_within_limits_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {4, 1, 24, 0, {1}},
+};
+
+static void mero_front_left_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_front_left_within_limits((const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_front_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_front_left_within_limits_rows, mero_front_left_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_front_left_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 0, 24, 1, {3}},
@@ -357,6 +441,265 @@ void mero_front_left_inverse_acceleration_loop(char **arguments, const intptr_t 
     double buffer[13];
     (void)data;
     walkgen_loop(mero_front_left_inverse_acceleration_rows, mero_front_left_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_inverse_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_front_left_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_inverse_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_left_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_front_left_inverse_dynamics_rows, mero_front_left_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_forward_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_front_left_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_forward_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_left_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_front_left_forward_dynamics_rows, mero_front_left_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_mass_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 2, {3, 3}},
+};
+
+static void mero_front_left_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_left_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[12];
+    (void)data;
+    walkgen_loop(mero_front_left_mass_matrix_rows, mero_front_left_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_bias_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+};
+
+static void mero_front_left_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_bias(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_left_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[9];
+    (void)data;
+    walkgen_loop(mero_front_left_bias_rows, mero_front_left_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_gravity_torque_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+};
+
+static void mero_front_left_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_left_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[6];
+    (void)data;
+    walkgen_loop(mero_front_left_gravity_torque_rows, mero_front_left_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_coriolis_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 2, {3, 3}},
+};
+
+static void mero_front_left_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_coriolis_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_left_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_front_left_coriolis_matrix_rows, mero_front_left_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_kinetic_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 0, {1}},
+};
+
+static void mero_front_left_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_kinetic_energy(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_left_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_front_left_kinetic_energy_rows, mero_front_left_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_potential_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 0, {1}},
+};
+
+static void mero_front_left_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_left_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_front_left_potential_energy_rows, mero_front_left_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_inverse_dynamics_derivatives_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 3}},
+    {8, 1, 144, 2, {3, 3}},
+};
+
+static void mero_front_left_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_inverse_dynamics_derivatives(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_left_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[27];
+    (void)data;
+    walkgen_loop(mero_front_left_inverse_dynamics_derivatives_rows, mero_front_left_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_regressor_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 30}},
+};
+
+static void mero_front_left_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_regressor(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_front_left_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[99];
+    (void)data;
+    walkgen_loop(mero_front_left_regressor_rows, mero_front_left_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_left_base_parameters_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 15}},
+    {8, 1, 432, 1, {15}},
+};
+
+static void mero_front_left_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_left_base_parameters(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_left_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_left_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[69];
+    (void)data;
+    walkgen_loop(mero_front_left_base_parameters_rows, mero_front_left_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
 }
 
 static const walkgen_port mero_front_right_foot_position_ports[] = {
@@ -658,6 +1001,90 @@ void mero_front_right_inverse_branch_loop(char **arguments, const intptr_t *dime
     walkgen_loop(mero_front_right_inverse_branch_rows, mero_front_right_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_front_right_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_front_right_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_front_right_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_front_right_inverse_near_rows, mero_front_right_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_inverse_admissible_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_front_right_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[2] + at * step[2]) = mero_front_right_inverse_admissible(
+            (const double *)(a[0] + at * step[0]),
+            (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_right_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_front_right_inverse_admissible_rows, mero_front_right_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_inverse_distance_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {4}},
+};
+
+static void mero_front_right_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_right_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_front_right_inverse_distance_rows, mero_front_right_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_within_limits_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {4, 1, 24, 0, {1}},
+};
+
+static void mero_front_right_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_front_right_within_limits((const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_front_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_front_right_within_limits_rows, mero_front_right_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_front_right_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 0, 24, 1, {3}},
@@ -706,6 +1133,265 @@ void mero_front_right_inverse_acceleration_loop(char **arguments, const intptr_t
     double buffer[13];
     (void)data;
     walkgen_loop(mero_front_right_inverse_acceleration_rows, mero_front_right_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_inverse_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_front_right_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_inverse_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_right_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_front_right_inverse_dynamics_rows, mero_front_right_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_forward_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_front_right_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_forward_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_right_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_front_right_forward_dynamics_rows, mero_front_right_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_mass_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 2, {3, 3}},
+};
+
+static void mero_front_right_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_right_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[12];
+    (void)data;
+    walkgen_loop(mero_front_right_mass_matrix_rows, mero_front_right_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_bias_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+};
+
+static void mero_front_right_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_bias(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_right_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[9];
+    (void)data;
+    walkgen_loop(mero_front_right_bias_rows, mero_front_right_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_gravity_torque_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+};
+
+static void mero_front_right_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_right_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[6];
+    (void)data;
+    walkgen_loop(mero_front_right_gravity_torque_rows, mero_front_right_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_coriolis_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 2, {3, 3}},
+};
+
+static void mero_front_right_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_coriolis_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_right_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_front_right_coriolis_matrix_rows, mero_front_right_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_kinetic_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 0, {1}},
+};
+
+static void mero_front_right_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_kinetic_energy(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_front_right_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_front_right_kinetic_energy_rows, mero_front_right_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_potential_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 0, {1}},
+};
+
+static void mero_front_right_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_front_right_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_front_right_potential_energy_rows, mero_front_right_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_inverse_dynamics_derivatives_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 3}},
+    {8, 1, 144, 2, {3, 3}},
+};
+
+static void mero_front_right_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_inverse_dynamics_derivatives(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_right_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[27];
+    (void)data;
+    walkgen_loop(mero_front_right_inverse_dynamics_derivatives_rows, mero_front_right_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_regressor_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 30}},
+};
+
+static void mero_front_right_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_regressor(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_front_right_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[99];
+    (void)data;
+    walkgen_loop(mero_front_right_regressor_rows, mero_front_right_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_front_right_base_parameters_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 15}},
+    {8, 1, 432, 1, {15}},
+};
+
+static void mero_front_right_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_front_right_base_parameters(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_front_right_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_front_right_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[69];
+    (void)data;
+    walkgen_loop(mero_front_right_base_parameters_rows, mero_front_right_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
 }
 
 static const walkgen_port mero_middle_left_foot_position_ports[] = {
@@ -1007,6 +1693,90 @@ void mero_middle_left_inverse_branch_loop(char **arguments, const intptr_t *dime
     walkgen_loop(mero_middle_left_inverse_branch_rows, mero_middle_left_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_middle_left_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_middle_left_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_middle_left_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_middle_left_inverse_near_rows, mero_middle_left_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_inverse_admissible_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_middle_left_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[2] + at * step[2]) = mero_middle_left_inverse_admissible(
+            (const double *)(a[0] + at * step[0]),
+            (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_left_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_middle_left_inverse_admissible_rows, mero_middle_left_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_inverse_distance_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {4}},
+};
+
+static void mero_middle_left_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_left_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_middle_left_inverse_distance_rows, mero_middle_left_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_within_limits_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {4, 1, 24, 0, {1}},
+};
+
+static void mero_middle_left_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_middle_left_within_limits((const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_middle_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_middle_left_within_limits_rows, mero_middle_left_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_middle_left_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 0, 24, 1, {3}},
@@ -1055,6 +1825,265 @@ void mero_middle_left_inverse_acceleration_loop(char **arguments, const intptr_t
     double buffer[13];
     (void)data;
     walkgen_loop(mero_middle_left_inverse_acceleration_rows, mero_middle_left_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_inverse_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_middle_left_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_inverse_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_left_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_middle_left_inverse_dynamics_rows, mero_middle_left_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_forward_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_middle_left_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_forward_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_left_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_middle_left_forward_dynamics_rows, mero_middle_left_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_mass_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 2, {3, 3}},
+};
+
+static void mero_middle_left_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_left_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[12];
+    (void)data;
+    walkgen_loop(mero_middle_left_mass_matrix_rows, mero_middle_left_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_bias_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+};
+
+static void mero_middle_left_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_bias(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_left_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[9];
+    (void)data;
+    walkgen_loop(mero_middle_left_bias_rows, mero_middle_left_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_gravity_torque_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+};
+
+static void mero_middle_left_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_left_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[6];
+    (void)data;
+    walkgen_loop(mero_middle_left_gravity_torque_rows, mero_middle_left_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_coriolis_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 2, {3, 3}},
+};
+
+static void mero_middle_left_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_coriolis_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_left_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_middle_left_coriolis_matrix_rows, mero_middle_left_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_kinetic_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 0, {1}},
+};
+
+static void mero_middle_left_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_kinetic_energy(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_left_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_middle_left_kinetic_energy_rows, mero_middle_left_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_potential_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 0, {1}},
+};
+
+static void mero_middle_left_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_left_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_middle_left_potential_energy_rows, mero_middle_left_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_inverse_dynamics_derivatives_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 3}},
+    {8, 1, 144, 2, {3, 3}},
+};
+
+static void mero_middle_left_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_inverse_dynamics_derivatives(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_left_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[27];
+    (void)data;
+    walkgen_loop(mero_middle_left_inverse_dynamics_derivatives_rows, mero_middle_left_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_regressor_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 30}},
+};
+
+static void mero_middle_left_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_regressor(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_middle_left_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[99];
+    (void)data;
+    walkgen_loop(mero_middle_left_regressor_rows, mero_middle_left_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_left_base_parameters_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 15}},
+    {8, 1, 432, 1, {15}},
+};
+
+static void mero_middle_left_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_left_base_parameters(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_left_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_left_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[69];
+    (void)data;
+    walkgen_loop(mero_middle_left_base_parameters_rows, mero_middle_left_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
 }
 
 static const walkgen_port mero_middle_right_foot_position_ports[] = {
@@ -1356,6 +2385,90 @@ void mero_middle_right_inverse_branch_loop(char **arguments, const intptr_t *dim
     walkgen_loop(mero_middle_right_inverse_branch_rows, mero_middle_right_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_middle_right_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_middle_right_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_middle_right_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_middle_right_inverse_near_rows, mero_middle_right_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_inverse_admissible_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_middle_right_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[2] + at * step[2]) = mero_middle_right_inverse_admissible(
+            (const double *)(a[0] + at * step[0]),
+            (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_right_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_middle_right_inverse_admissible_rows, mero_middle_right_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_inverse_distance_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {4}},
+};
+
+static void mero_middle_right_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_right_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_middle_right_inverse_distance_rows, mero_middle_right_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_within_limits_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {4, 1, 24, 0, {1}},
+};
+
+static void mero_middle_right_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_middle_right_within_limits((const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_middle_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_middle_right_within_limits_rows, mero_middle_right_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_middle_right_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 0, 24, 1, {3}},
@@ -1404,6 +2517,265 @@ void mero_middle_right_inverse_acceleration_loop(char **arguments, const intptr_
     double buffer[13];
     (void)data;
     walkgen_loop(mero_middle_right_inverse_acceleration_rows, mero_middle_right_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_inverse_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_middle_right_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_inverse_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_right_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_middle_right_inverse_dynamics_rows, mero_middle_right_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_forward_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_middle_right_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_forward_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_right_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_middle_right_forward_dynamics_rows, mero_middle_right_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_mass_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 2, {3, 3}},
+};
+
+static void mero_middle_right_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_right_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[12];
+    (void)data;
+    walkgen_loop(mero_middle_right_mass_matrix_rows, mero_middle_right_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_bias_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+};
+
+static void mero_middle_right_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_bias(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_right_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[9];
+    (void)data;
+    walkgen_loop(mero_middle_right_bias_rows, mero_middle_right_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_gravity_torque_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+};
+
+static void mero_middle_right_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_right_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[6];
+    (void)data;
+    walkgen_loop(mero_middle_right_gravity_torque_rows, mero_middle_right_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_coriolis_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 2, {3, 3}},
+};
+
+static void mero_middle_right_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_coriolis_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_right_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_middle_right_coriolis_matrix_rows, mero_middle_right_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_kinetic_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 0, {1}},
+};
+
+static void mero_middle_right_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_kinetic_energy(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_middle_right_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_middle_right_kinetic_energy_rows, mero_middle_right_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_potential_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 0, {1}},
+};
+
+static void mero_middle_right_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_middle_right_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_middle_right_potential_energy_rows, mero_middle_right_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_inverse_dynamics_derivatives_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 3}},
+    {8, 1, 144, 2, {3, 3}},
+};
+
+static void mero_middle_right_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_inverse_dynamics_derivatives(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_right_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[27];
+    (void)data;
+    walkgen_loop(mero_middle_right_inverse_dynamics_derivatives_rows, mero_middle_right_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_regressor_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 30}},
+};
+
+static void mero_middle_right_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_regressor(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_middle_right_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[99];
+    (void)data;
+    walkgen_loop(mero_middle_right_regressor_rows, mero_middle_right_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_middle_right_base_parameters_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 15}},
+    {8, 1, 432, 1, {15}},
+};
+
+static void mero_middle_right_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_middle_right_base_parameters(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_middle_right_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_middle_right_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[69];
+    (void)data;
+    walkgen_loop(mero_middle_right_base_parameters_rows, mero_middle_right_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
 }
 
 static const walkgen_port mero_rear_left_foot_position_ports[] = {
@@ -1703,6 +3075,90 @@ void mero_rear_left_inverse_branch_loop(char **arguments, const intptr_t *dimens
     walkgen_loop(mero_rear_left_inverse_branch_rows, mero_rear_left_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_rear_left_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_rear_left_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_rear_left_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_rear_left_inverse_near_rows, mero_rear_left_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_inverse_admissible_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_rear_left_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[2] + at * step[2]) = mero_rear_left_inverse_admissible(
+            (const double *)(a[0] + at * step[0]),
+            (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_left_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_rear_left_inverse_admissible_rows, mero_rear_left_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_inverse_distance_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {4}},
+};
+
+static void mero_rear_left_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_left_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_rear_left_inverse_distance_rows, mero_rear_left_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_within_limits_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {4, 1, 24, 0, {1}},
+};
+
+static void mero_rear_left_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_rear_left_within_limits((const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_rear_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_rear_left_within_limits_rows, mero_rear_left_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_rear_left_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 0, 24, 1, {3}},
@@ -1751,6 +3207,265 @@ void mero_rear_left_inverse_acceleration_loop(char **arguments, const intptr_t *
     double buffer[13];
     (void)data;
     walkgen_loop(mero_rear_left_inverse_acceleration_rows, mero_rear_left_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_inverse_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_rear_left_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_inverse_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_left_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_rear_left_inverse_dynamics_rows, mero_rear_left_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_forward_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_rear_left_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_forward_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_left_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_rear_left_forward_dynamics_rows, mero_rear_left_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_mass_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 2, {3, 3}},
+};
+
+static void mero_rear_left_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_left_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[12];
+    (void)data;
+    walkgen_loop(mero_rear_left_mass_matrix_rows, mero_rear_left_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_bias_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+};
+
+static void mero_rear_left_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_bias(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_left_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[9];
+    (void)data;
+    walkgen_loop(mero_rear_left_bias_rows, mero_rear_left_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_gravity_torque_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+};
+
+static void mero_rear_left_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_left_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[6];
+    (void)data;
+    walkgen_loop(mero_rear_left_gravity_torque_rows, mero_rear_left_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_coriolis_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 2, {3, 3}},
+};
+
+static void mero_rear_left_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_coriolis_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_left_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_rear_left_coriolis_matrix_rows, mero_rear_left_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_kinetic_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 0, {1}},
+};
+
+static void mero_rear_left_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_kinetic_energy(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_left_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_rear_left_kinetic_energy_rows, mero_rear_left_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_potential_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 0, {1}},
+};
+
+static void mero_rear_left_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_left_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_rear_left_potential_energy_rows, mero_rear_left_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_inverse_dynamics_derivatives_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 3}},
+    {8, 1, 144, 2, {3, 3}},
+};
+
+static void mero_rear_left_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_inverse_dynamics_derivatives(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_left_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[27];
+    (void)data;
+    walkgen_loop(mero_rear_left_inverse_dynamics_derivatives_rows, mero_rear_left_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_regressor_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 30}},
+};
+
+static void mero_rear_left_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_regressor(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_rear_left_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[99];
+    (void)data;
+    walkgen_loop(mero_rear_left_regressor_rows, mero_rear_left_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_left_base_parameters_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 15}},
+    {8, 1, 432, 1, {15}},
+};
+
+static void mero_rear_left_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_left_base_parameters(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_left_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_left_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[69];
+    (void)data;
+    walkgen_loop(mero_rear_left_base_parameters_rows, mero_rear_left_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
 }
 
 static const walkgen_port mero_rear_right_foot_position_ports[] = {
@@ -2050,6 +3765,90 @@ void mero_rear_right_inverse_branch_loop(char **arguments, const intptr_t *dimen
     walkgen_loop(mero_rear_right_inverse_branch_rows, mero_rear_right_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_rear_right_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_rear_right_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_rear_right_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_rear_right_inverse_near_rows, mero_rear_right_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_inverse_admissible_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_rear_right_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[2] + at * step[2]) = mero_rear_right_inverse_admissible(
+            (const double *)(a[0] + at * step[0]),
+            (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_right_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_rear_right_inverse_admissible_rows, mero_rear_right_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_inverse_distance_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {4}},
+};
+
+static void mero_rear_right_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_right_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_rear_right_inverse_distance_rows, mero_rear_right_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_within_limits_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {4, 1, 24, 0, {1}},
+};
+
+static void mero_rear_right_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_rear_right_within_limits((const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_rear_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_rear_right_within_limits_rows, mero_rear_right_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_rear_right_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 0, 24, 1, {3}},
@@ -2098,6 +3897,265 @@ void mero_rear_right_inverse_acceleration_loop(char **arguments, const intptr_t 
     double buffer[13];
     (void)data;
     walkgen_loop(mero_rear_right_inverse_acceleration_rows, mero_rear_right_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_inverse_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_rear_right_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_inverse_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_right_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_rear_right_inverse_dynamics_rows, mero_rear_right_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_forward_dynamics_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {3}},
+};
+
+static void mero_rear_right_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_forward_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_right_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_rear_right_forward_dynamics_rows, mero_rear_right_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_mass_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 2, {3, 3}},
+};
+
+static void mero_rear_right_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_right_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[12];
+    (void)data;
+    walkgen_loop(mero_rear_right_mass_matrix_rows, mero_rear_right_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_bias_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 1, {3}},
+};
+
+static void mero_rear_right_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_bias(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_right_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[9];
+    (void)data;
+    walkgen_loop(mero_rear_right_bias_rows, mero_rear_right_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_gravity_torque_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 1, {3}},
+};
+
+static void mero_rear_right_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_right_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[6];
+    (void)data;
+    walkgen_loop(mero_rear_right_gravity_torque_rows, mero_rear_right_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_coriolis_matrix_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 2, {3, 3}},
+};
+
+static void mero_rear_right_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_coriolis_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_right_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[15];
+    (void)data;
+    walkgen_loop(mero_rear_right_coriolis_matrix_rows, mero_rear_right_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_kinetic_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 1, 48, 0, {1}},
+};
+
+static void mero_rear_right_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_kinetic_energy(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_rear_right_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_rear_right_kinetic_energy_rows, mero_rear_right_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_potential_energy_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 1, 24, 0, {1}},
+};
+
+static void mero_rear_right_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    }
+}
+
+void mero_rear_right_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[4];
+    (void)data;
+    walkgen_loop(mero_rear_right_potential_energy_rows, mero_rear_right_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_inverse_dynamics_derivatives_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 3}},
+    {8, 1, 144, 2, {3, 3}},
+};
+
+static void mero_rear_right_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_inverse_dynamics_derivatives(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_right_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[27];
+    (void)data;
+    walkgen_loop(mero_rear_right_inverse_dynamics_derivatives_rows, mero_rear_right_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_regressor_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 30}},
+};
+
+static void mero_rear_right_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_regressor(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_rear_right_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[99];
+    (void)data;
+    walkgen_loop(mero_rear_right_regressor_rows, mero_rear_right_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_rear_right_base_parameters_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {3}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 2, {3, 15}},
+    {8, 1, 432, 1, {15}},
+};
+
+static void mero_rear_right_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_rear_right_base_parameters(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_rear_right_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_rear_right_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[69];
+    (void)data;
+    walkgen_loop(mero_rear_right_base_parameters_rows, mero_rear_right_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
 }
 
 static const walkgen_port mero_middle_pose_ports[] = {
@@ -2472,6 +4530,124 @@ void mero_root_to_middle_left_joint_frames_loop(char **arguments, const intptr_t
     walkgen_loop(mero_root_to_middle_left_joint_frames_rows, mero_root_to_middle_left_joint_frames_ports, 2, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_root_to_middle_left_within_limits_ports[] = {
+    {8, 0, 0, 1, {6}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_root_to_middle_left_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_root_to_middle_left_within_limits(
+            (const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_root_to_middle_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_left_within_limits_rows, mero_root_to_middle_left_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_left_inverse_velocity_ports[] = {
+    {8, 0, 0, 1, {6}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 1, {6}},
+    {4, 1, 120, 0, {1}},
+};
+
+static void mero_root_to_middle_left_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_middle_left_inverse_velocity(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_middle_left_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_left_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[16];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_left_inverse_velocity_rows, mero_root_to_middle_left_inverse_velocity_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_left_inverse_acceleration_ports[] = {
+    {8, 0, 0, 1, {6}},
+    {8, 0, 48, 1, {6}},
+    {8, 0, 96, 1, {3}},
+    {8, 1, 120, 1, {6}},
+    {4, 1, 168, 0, {1}},
+};
+
+static void mero_root_to_middle_left_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[4] + at * step[4]) = mero_root_to_middle_left_inverse_acceleration(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_root_to_middle_left_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_left_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[22];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_left_inverse_acceleration_rows, mero_root_to_middle_left_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_left_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {6}},
+    {8, 1, 72, 1, {6}},
+    {4, 1, 120, 0, {1}},
+};
+
+static void mero_root_to_middle_left_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_middle_left_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_middle_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[16];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_left_inverse_near_rows, mero_root_to_middle_left_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_left_inverse_pose_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {6}},
+    {8, 1, 176, 1, {6}},
+    {4, 1, 224, 0, {1}},
+};
+
+static void mero_root_to_middle_left_inverse_pose_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_middle_left_inverse_pose(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_middle_left_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_left_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[29];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_left_inverse_pose_rows, mero_root_to_middle_left_inverse_pose_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_root_to_middle_right_foot_position_ports[] = {
     {8, 0, 0, 1, {6}},
     {8, 1, 48, 1, {3}},
@@ -2734,6 +4910,124 @@ void mero_root_to_middle_right_joint_frames_loop(char **arguments, const intptr_
     walkgen_loop(mero_root_to_middle_right_joint_frames_rows, mero_root_to_middle_right_joint_frames_ports, 2, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_root_to_middle_right_within_limits_ports[] = {
+    {8, 0, 0, 1, {6}},
+    {4, 1, 48, 0, {1}},
+};
+
+static void mero_root_to_middle_right_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_root_to_middle_right_within_limits(
+            (const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_root_to_middle_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[7];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_right_within_limits_rows, mero_root_to_middle_right_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_right_inverse_velocity_ports[] = {
+    {8, 0, 0, 1, {6}},
+    {8, 0, 48, 1, {3}},
+    {8, 1, 72, 1, {6}},
+    {4, 1, 120, 0, {1}},
+};
+
+static void mero_root_to_middle_right_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_middle_right_inverse_velocity(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_middle_right_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_right_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[16];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_right_inverse_velocity_rows, mero_root_to_middle_right_inverse_velocity_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_right_inverse_acceleration_ports[] = {
+    {8, 0, 0, 1, {6}},
+    {8, 0, 48, 1, {6}},
+    {8, 0, 96, 1, {3}},
+    {8, 1, 120, 1, {6}},
+    {4, 1, 168, 0, {1}},
+};
+
+static void mero_root_to_middle_right_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[4] + at * step[4]) = mero_root_to_middle_right_inverse_acceleration(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_root_to_middle_right_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_right_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[22];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_right_inverse_acceleration_rows, mero_root_to_middle_right_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_right_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {6}},
+    {8, 1, 72, 1, {6}},
+    {4, 1, 120, 0, {1}},
+};
+
+static void mero_root_to_middle_right_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_middle_right_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_middle_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[16];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_right_inverse_near_rows, mero_root_to_middle_right_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_middle_right_inverse_pose_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {6}},
+    {8, 1, 176, 1, {6}},
+    {4, 1, 224, 0, {1}},
+};
+
+static void mero_root_to_middle_right_inverse_pose_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_middle_right_inverse_pose(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_middle_right_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_middle_right_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[29];
+    (void)data;
+    walkgen_loop(mero_root_to_middle_right_inverse_pose_rows, mero_root_to_middle_right_inverse_pose_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_root_to_rear_left_foot_position_ports[] = {
     {8, 0, 0, 1, {9}},
     {8, 1, 72, 1, {3}},
@@ -2984,6 +5278,124 @@ void mero_root_to_rear_left_joint_frames_loop(char **arguments, const intptr_t *
     double buffer[169];
     (void)data;
     walkgen_loop(mero_root_to_rear_left_joint_frames_rows, mero_root_to_rear_left_joint_frames_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_left_within_limits_ports[] = {
+    {8, 0, 0, 1, {9}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_root_to_rear_left_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_root_to_rear_left_within_limits(
+            (const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_root_to_rear_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_left_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_left_within_limits_rows, mero_root_to_rear_left_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_left_inverse_velocity_ports[] = {
+    {8, 0, 0, 1, {9}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {9}},
+    {4, 1, 168, 0, {1}},
+};
+
+static void mero_root_to_rear_left_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_rear_left_inverse_velocity(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_rear_left_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_left_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[22];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_left_inverse_velocity_rows, mero_root_to_rear_left_inverse_velocity_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_left_inverse_acceleration_ports[] = {
+    {8, 0, 0, 1, {9}},
+    {8, 0, 72, 1, {9}},
+    {8, 0, 144, 1, {3}},
+    {8, 1, 168, 1, {9}},
+    {4, 1, 240, 0, {1}},
+};
+
+static void mero_root_to_rear_left_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[4] + at * step[4]) = mero_root_to_rear_left_inverse_acceleration(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_root_to_rear_left_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_left_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[31];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_left_inverse_acceleration_rows, mero_root_to_rear_left_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_left_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {9}},
+    {8, 1, 96, 1, {9}},
+    {4, 1, 168, 0, {1}},
+};
+
+static void mero_root_to_rear_left_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_rear_left_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_rear_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_left_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[22];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_left_inverse_near_rows, mero_root_to_rear_left_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_left_inverse_pose_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {9}},
+    {8, 1, 200, 1, {9}},
+    {4, 1, 272, 0, {1}},
+};
+
+static void mero_root_to_rear_left_inverse_pose_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_rear_left_inverse_pose(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_rear_left_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_left_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[35];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_left_inverse_pose_rows, mero_root_to_rear_left_inverse_pose_ports, 4, (char *)buffer, arguments, dimensions, steps);
 }
 
 static const walkgen_port mero_root_to_rear_right_foot_position_ports[] = {
@@ -3238,6 +5650,124 @@ void mero_root_to_rear_right_joint_frames_loop(char **arguments, const intptr_t 
     walkgen_loop(mero_root_to_rear_right_joint_frames_rows, mero_root_to_rear_right_joint_frames_ports, 2, (char *)buffer, arguments, dimensions, steps);
 }
 
+static const walkgen_port mero_root_to_rear_right_within_limits_ports[] = {
+    {8, 0, 0, 1, {9}},
+    {4, 1, 72, 0, {1}},
+};
+
+static void mero_root_to_rear_right_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[1] + at * step[1]) = mero_root_to_rear_right_within_limits(
+            (const double *)(a[0] + at * step[0]));
+    }
+}
+
+void mero_root_to_rear_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_right_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[10];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_right_within_limits_rows, mero_root_to_rear_right_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_right_inverse_velocity_ports[] = {
+    {8, 0, 0, 1, {9}},
+    {8, 0, 72, 1, {3}},
+    {8, 1, 96, 1, {9}},
+    {4, 1, 168, 0, {1}},
+};
+
+static void mero_root_to_rear_right_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_rear_right_inverse_velocity(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_rear_right_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_right_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[22];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_right_inverse_velocity_rows, mero_root_to_rear_right_inverse_velocity_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_right_inverse_acceleration_ports[] = {
+    {8, 0, 0, 1, {9}},
+    {8, 0, 72, 1, {9}},
+    {8, 0, 144, 1, {3}},
+    {8, 1, 168, 1, {9}},
+    {4, 1, 240, 0, {1}},
+};
+
+static void mero_root_to_rear_right_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[4] + at * step[4]) = mero_root_to_rear_right_inverse_acceleration(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_root_to_rear_right_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_right_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[31];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_right_inverse_acceleration_rows, mero_root_to_rear_right_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_right_inverse_near_ports[] = {
+    {8, 0, 0, 1, {3}},
+    {8, 0, 24, 1, {9}},
+    {8, 1, 96, 1, {9}},
+    {4, 1, 168, 0, {1}},
+};
+
+static void mero_root_to_rear_right_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_rear_right_inverse_near(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_rear_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_right_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[22];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_right_inverse_near_rows, mero_root_to_rear_right_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_root_to_rear_right_inverse_pose_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {9}},
+    {8, 1, 200, 1, {9}},
+    {4, 1, 272, 0, {1}},
+};
+
+static void mero_root_to_rear_right_inverse_pose_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[3] + at * step[3]) = mero_root_to_rear_right_inverse_pose(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_root_to_rear_right_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_root_to_rear_right_inverse_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[35];
+    (void)data;
+    walkgen_loop(mero_root_to_rear_right_inverse_pose_rows, mero_root_to_rear_right_inverse_pose_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
 static const walkgen_port mero_platform_poses_ports[] = {
     {8, 0, 0, 1, {24}},
     {8, 1, 192, 3, {3, 4, 4}},
@@ -3293,6 +5823,262 @@ void mero_foot_jacobians_loop(char **arguments, const intptr_t *dimensions, cons
     double buffer[456];
     (void)data;
     walkgen_loop(mero_foot_jacobians_rows, mero_foot_jacobians_ports, 2, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_adapt_ports[] = {
+    {8, 0, 0, 2, {6, 3}},
+    {8, 0, 144, 2, {3, 3}},
+    {8, 0, 216, 1, {24}},
+    {8, 0, 408, 1, {4}},
+    {8, 1, 440, 1, {24}},
+    {4, 1, 632, 0, {1}},
+    {8, 1, 640, 0, {1}},
+};
+
+static void mero_adapt_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[5] + at * step[5]) = mero_adapt(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]),
+            (double *)(a[6] + at * step[6]));
+    }
+}
+
+void mero_adapt_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_adapt_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[81];
+    (void)data;
+    walkgen_loop(mero_adapt_rows, mero_adapt_ports, 7, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_adapt_velocity_ports[] = {
+    {8, 0, 0, 1, {24}},
+    {8, 0, 192, 2, {6, 3}},
+    {8, 0, 336, 1, {24}},
+    {8, 1, 528, 1, {24}},
+    {4, 1, 720, 0, {1}},
+};
+
+static void mero_adapt_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        *(int32_t *)(a[4] + at * step[4]) = mero_adapt_velocity(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_adapt_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_adapt_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[91];
+    (void)data;
+    walkgen_loop(mero_adapt_velocity_rows, mero_adapt_velocity_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_com_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 1, 320, 1, {3}},
+};
+
+static void mero_com_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_com(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[43];
+    (void)data;
+    walkgen_loop(mero_com_rows, mero_com_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_com_jacobian_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 1, 320, 2, {3, 30}},
+};
+
+static void mero_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_com_jacobian(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[130];
+    (void)data;
+    walkgen_loop(mero_com_jacobian_rows, mero_com_jacobian_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_centroidal_momentum_matrix_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 1, 320, 2, {6, 30}},
+};
+
+static void mero_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_centroidal_momentum_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[220];
+    (void)data;
+    walkgen_loop(mero_centroidal_momentum_matrix_rows, mero_centroidal_momentum_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_momentum_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 0, 320, 1, {30}},
+    {8, 1, 560, 1, {6}},
+};
+
+static void mero_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_momentum(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (double *)(a[3] + at * step[3]));
+    }
+}
+
+void mero_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[76];
+    (void)data;
+    walkgen_loop(mero_momentum_rows, mero_momentum_ports, 4, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_momentum_rate_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 0, 320, 1, {30}},
+    {8, 0, 560, 1, {30}},
+    {8, 1, 800, 1, {6}},
+};
+
+static void mero_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_momentum_rate(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[106];
+    (void)data;
+    walkgen_loop(mero_momentum_rate_rows, mero_momentum_rate_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_demanded_wrench_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 0, 320, 1, {30}},
+    {8, 0, 560, 1, {30}},
+    {8, 1, 800, 1, {6}},
+};
+
+static void mero_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_demanded_wrench(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (double *)(a[4] + at * step[4]));
+    }
+}
+
+void mero_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[106];
+    (void)data;
+    walkgen_loop(mero_demanded_wrench_rows, mero_demanded_wrench_ports, 5, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_floating_mass_matrix_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 1, 320, 2, {30, 30}},
+};
+
+static void mero_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_floating_mass_matrix(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (double *)(a[2] + at * step[2]));
+    }
+}
+
+void mero_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[940];
+    (void)data;
+    walkgen_loop(mero_floating_mass_matrix_rows, mero_floating_mass_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
+}
+
+static const walkgen_port mero_floating_inverse_dynamics_ports[] = {
+    {8, 0, 0, 2, {4, 4}},
+    {8, 0, 128, 1, {24}},
+    {8, 0, 320, 1, {30}},
+    {8, 0, 560, 1, {30}},
+    {8, 0, 800, 2, {6, 3}},
+    {8, 1, 944, 1, {30}},
+};
+
+static void mero_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+    intptr_t at;
+    for (at = 0; at < rows; at++) {
+        mero_floating_inverse_dynamics(
+            (const double *)(a[0] + at * step[0]),
+            (const double *)(a[1] + at * step[1]),
+            (const double *)(a[2] + at * step[2]),
+            (const double *)(a[3] + at * step[3]),
+            (const double *)(a[4] + at * step[4]),
+            (double *)(a[5] + at * step[5]));
+    }
+}
+
+void mero_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
+void mero_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
+    double buffer[148];
+    (void)data;
+    walkgen_loop(mero_floating_inverse_dynamics_rows, mero_floating_inverse_dynamics_ports, 6, (char *)buffer, arguments, dimensions, steps);
 }
 
 #ifdef __cplusplus

@@ -2,7 +2,7 @@
  * mero: Three platforms in series, two 3R connecting chains, six 3R legs (dimensions chosen; MERO's own are
  *   unpublished)
  * Self-test; expected values come from a 50-digit matrix walk over the mechanism, not from the generated code.
- * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 153 functions, 11736 operations. This
+ * Spec digest c44f359912ad1e258e4f66eff7ccdd6718c1fd7acc4b26d7a9729bd157c21dce; 273 functions, 28349 operations. This
  *   code is yours to use under any terms.
  */
 #include <math.h>
@@ -3292,6 +3292,67 @@ static int check_mero_root_to_middle_left_joint_frames(void) {
     return report("mero_root_to_middle_left_joint_frames", worst, 1e-12);
 }
 
+static int check_mero_root_to_middle_left_inverse_velocity(void) {
+    static const double q[3][6] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375},
+    };
+    static const double v[3][3] = {
+        {-0.7874139840494083, 0.0685166723740334, -0.022245555799275965},
+        {-0.7920383528198447, 0.8154767621777578, -1.0625112868677167},
+        {-0.7196889596177647, -0.19140286896082662, -0.557661146320957},
+    };
+    static const double qd_expected[3][6] = {
+        {0.28020282332682667, 0.1454590127171067, -0.18153358803647285, 0.8549519142112508,
+         -0.16621615498547743, -0.2988177945106571},
+        {-0.5972266761899572, -0.16081308048269075, 0.2534210414564642, 0.8098906011307515,
+         -1.0778294937770017, 0.018959005455675058},
+        {0.5483822373079716, -0.06689294400905241, 0.08110952844529848, -0.5196944364216428,
+         -0.7034832221235413, 0.07440204800933431},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qd[6];
+        worst = larger(worst, mero_root_to_middle_left_inverse_velocity(q[sample], v[sample], qd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qd, qd_expected[sample], 6);
+    }
+    return report("mero_root_to_middle_left_inverse_velocity", worst, 1e-9);
+}
+
+static int check_mero_root_to_middle_left_inverse_acceleration(void) {
+    static const double q[3][6] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375},
+    };
+    static const double qd[3][6] = {
+        {0.3125, 0.5, 0.6875, 0.875, 1.0625, -1.25},
+        {-0.6875, -0.0625, 0.5625, 1.1875, -0.6875, -0.0625},
+        {0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125},
+    };
+    static const double a[3][3] = {
+        {-1.0870987229928997, -1.2492093466773815, 1.7822765651001617},
+        {3.4196675951315507, -1.1719369856131157, 1.24751354035954},
+        {0.6312521496586471, -0.29660043409205766, -1.1398629996012206},
+    };
+    static const double qdd_expected[3][6] = {
+        {0.5769214600669084, 0.3378635064346998, -0.4395093761614757, 0.029828858048462636,
+         0.44187931340690606, 0.31541091289340706},
+        {0.6549270118831454, 0.9129060598876886, -0.7381567375683626, -0.27255297573672593,
+         0.8492152601580368, 0.38098489095583526},
+        {-1.1000607080267146, -0.5250193972022384, 0.16588723979468345, -0.018333687719582836,
+         0.4322625283412311, -0.3821668454717012},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qdd[6];
+        worst = larger(worst, mero_root_to_middle_left_inverse_acceleration(q[sample], qd[sample], a[sample], qdd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qdd, qdd_expected[sample], 6);
+    }
+    return report("mero_root_to_middle_left_inverse_acceleration", worst, 1e-9);
+}
+
 static int check_mero_root_to_middle_right_foot_position(void) {
     static const double q[3][6] = {
         {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625},
@@ -3754,6 +3815,67 @@ static int check_mero_root_to_middle_right_joint_frames(void) {
         worst = worse(worst, T, T_expected[sample], 112);
     }
     return report("mero_root_to_middle_right_joint_frames", worst, 1e-12);
+}
+
+static int check_mero_root_to_middle_right_inverse_velocity(void) {
+    static const double q[3][6] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375},
+    };
+    static const double v[3][3] = {
+        {1.0165067064965458, 0.27252155704833253, 0.8104092303856892},
+        {-0.598718524629275, 0.2917921725022761, 0.46460738200421875},
+        {1.0815148393655865, -1.155167437580948, 0.31521697122856085},
+    };
+    static const double qd_expected[3][6] = {
+        {0.05553272361084266, 0.9114676644319452, 0.4828785587818266, 0.5043530806407808,
+         0.29306092887451063, 0.11058981286053932},
+        {-0.521632937747464, 0.032402716673210256, 0.2095087287144327, 1.2249988985659757,
+         0.027611352498933327, -0.3357112143478837},
+        {0.9099823737920131, -0.34371724575352014, 0.5289214405244258, -0.8344560956410296,
+         0.461082913745997, 0.08251528097905524},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qd[6];
+        worst = larger(worst, mero_root_to_middle_right_inverse_velocity(q[sample], v[sample], qd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qd, qd_expected[sample], 6);
+    }
+    return report("mero_root_to_middle_right_inverse_velocity", worst, 1e-9);
+}
+
+static int check_mero_root_to_middle_right_inverse_acceleration(void) {
+    static const double q[3][6] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375},
+    };
+    static const double qd[3][6] = {
+        {0.3125, 0.5, 0.6875, 0.875, 1.0625, -1.25},
+        {-0.6875, -0.0625, 0.5625, 1.1875, -0.6875, -0.0625},
+        {0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125},
+    };
+    static const double a[3][3] = {
+        {0.6794725503095935, -1.2364801051718213, -1.871892796790382},
+        {0.5102247381118857, 1.1406245506574648, -0.2619056909111383},
+        {1.5675262777323886, 2.1161861337502934, 2.203543632129998},
+    };
+    static const double qdd_expected[3][6] = {
+        {1.2317048214629285, 0.9368145965550153, -0.6840080761381837, -0.796626471696569,
+         -0.8700539627232525, -0.8625997699934692},
+        {0.7157861909329735, 0.16498712753088277, -0.18080358528950494, -0.8168733902879672,
+         -0.13808524625181465, 0.25191860183136977},
+        {-0.007975041928767993, 0.47385050065262013, 0.2666687060760411, -0.20976067649983965,
+         0.11732439309846643, 0.1620423581874132},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qdd[6];
+        worst = larger(worst, mero_root_to_middle_right_inverse_acceleration(q[sample], qd[sample], a[sample], qdd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qdd, qdd_expected[sample], 6);
+    }
+    return report("mero_root_to_middle_right_inverse_acceleration", worst, 1e-9);
 }
 
 static int check_mero_root_to_rear_left_foot_position(void) {
@@ -4371,6 +4493,73 @@ static int check_mero_root_to_rear_left_joint_frames(void) {
         worst = worse(worst, T, T_expected[sample], 160);
     }
     return report("mero_root_to_rear_left_joint_frames", worst, 1e-12);
+}
+
+static int check_mero_root_to_rear_left_inverse_velocity(void) {
+    static const double q[3][9] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625, 0.75, 0.9375, 1.125},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75, -0.125, 0.5, 1.125},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125},
+    };
+    static const double v[3][3] = {
+        {-0.39942429599420526, 0.05396921507564124, 1.268276978561349},
+        {-0.8760253822897852, -0.2469204907210498, -0.05511831968196789},
+        {-1.0668123171652921, 0.4081301182920487, -0.5577773549418489},
+    };
+    static const double qd_expected[3][9] = {
+        {-0.03623036017099576, 0.7121980639012376, -0.33022267690813517, 0.29499436313638944,
+         -0.11821559504070556, -0.19360343074603975, 0.01364189176604908, -0.29125942864726884,
+         -0.2452207663170534},
+        {-0.23023046754003063, 0.06771740146021384, 0.17332705402815643, 0.17326803267175275,
+         -0.4974400220759446, 0.38768552242060084, 0.2314263994600542, -0.2814647839949574,
+         -0.14130993366633662},
+        {-0.10813624990558987, -0.6522870854971048, 0.10695190782050117, -0.16211966046755805,
+         -0.08507210665818356, 0.3443114368344868, 0.07711039774781886, -0.32105721978692686,
+         -0.11065648307651746},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qd[9];
+        worst = larger(worst, mero_root_to_rear_left_inverse_velocity(q[sample], v[sample], qd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qd, qd_expected[sample], 9);
+    }
+    return report("mero_root_to_rear_left_inverse_velocity", worst, 1e-9);
+}
+
+static int check_mero_root_to_rear_left_inverse_acceleration(void) {
+    static const double q[3][9] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625, 0.75, 0.9375, 1.125},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75, -0.125, 0.5, 1.125},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125},
+    };
+    static const double qd[3][9] = {
+        {0.3125, 0.5, 0.6875, 0.875, 1.0625, -1.25, -1.0625, -0.875, -0.6875},
+        {-0.6875, -0.0625, 0.5625, 1.1875, -0.6875, -0.0625, 0.5625, 1.1875, -0.6875},
+        {0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125, -0.3125, 0.75, -0.6875},
+    };
+    static const double a[3][3] = {
+        {2.5288895892454453, -1.7383815305643153, 1.1433796391763582},
+        {1.773563372300019, 1.705699116017459, 0.03845085054383768},
+        {-0.9519804285522172, -1.2227199458415887, -2.3047256806104572},
+    };
+    static const double qdd_expected[3][9] = {
+        {0.8375720978660176, 1.0056934861654732, -0.6220455131549495, 0.4592020685052464,
+         0.012003754397430297, -0.45708839476372515, 0.014104630044480473, 0.21543052000100593,
+         0.15387583435458324},
+        {0.2921500374851861, 0.28169282808673435, -0.23269398883510728, -0.19912615617581747,
+         0.4359983922699348, -0.44313025053711064, -0.14213747628374135, 0.3017845961508918,
+         0.09170254507869528},
+        {-0.42269204373056996, 0.17380462027592333, 0.04887383310738819, -0.4537540676907309,
+         0.01354504275835899, 0.286416280874175, 0.15866576774816935, -0.3010571179000914,
+         -0.25435438706356955},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qdd[9];
+        worst = larger(worst, mero_root_to_rear_left_inverse_acceleration(q[sample], qd[sample], a[sample], qdd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qdd, qdd_expected[sample], 9);
+    }
+    return report("mero_root_to_rear_left_inverse_acceleration", worst, 1e-9);
 }
 
 static int check_mero_root_to_rear_right_foot_position(void) {
@@ -4991,6 +5180,73 @@ static int check_mero_root_to_rear_right_joint_frames(void) {
     return report("mero_root_to_rear_right_joint_frames", worst, 1e-12);
 }
 
+static int check_mero_root_to_rear_right_inverse_velocity(void) {
+    static const double q[3][9] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625, 0.75, 0.9375, 1.125},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75, -0.125, 0.5, 1.125},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125},
+    };
+    static const double v[3][3] = {
+        {1.1616314621902046, -1.2597890750181628, 1.8572341817973101},
+        {-1.075895757443376, 0.4111485355806599, 0.9349618795461976},
+        {0.33948900758295486, -0.06470951478130856, 1.621240824753109},
+    };
+    static const double qd_expected[3][9] = {
+        {0.2836040870788147, 0.5502521606411723, -0.3001523075442331, 0.028463374737809834,
+         1.0603337637171226, -0.4752606076622178, 0.01644718590558924, -1.033682094723137,
+         -0.4665687054313232},
+        {-0.4861391840584494, -0.03444999996984392, 0.1904774223813127, 0.3622613915852855,
+         0.33397477295507016, 0.40289360751973796, 0.15390850356423133, 0.4539371647922552,
+         0.3300897292082575},
+        {0.6834945038505574, -0.06916257133244513, 0.16289164359175112, -1.1406337112428706,
+         0.2840565819579775, 0.6123491484334658, -0.5018154361668588, -0.15291016853224862,
+         -0.72718547467458},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qd[9];
+        worst = larger(worst, mero_root_to_rear_right_inverse_velocity(q[sample], v[sample], qd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qd, qd_expected[sample], 9);
+    }
+    return report("mero_root_to_rear_right_inverse_velocity", worst, 1e-9);
+}
+
+static int check_mero_root_to_rear_right_inverse_acceleration(void) {
+    static const double q[3][9] = {
+        {-0.375, -0.1875, 0.5625, 0.1875, 0.375, 0.5625, 0.75, 0.9375, 1.125},
+        {1.125, -0.75, -0.125, 0.5, 1.125, -0.75, -0.125, 0.5, 1.125},
+        {0.125, 1.1875, -0.25, 0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125},
+    };
+    static const double qd[3][9] = {
+        {0.3125, 0.5, 0.6875, 0.875, 1.0625, -1.25, -1.0625, -0.875, -0.6875},
+        {-0.6875, -0.0625, 0.5625, 1.1875, -0.6875, -0.0625, 0.5625, 1.1875, -0.6875},
+        {0.8125, -0.625, 0.4375, -1.0, 0.0625, 1.125, -0.3125, 0.75, -0.6875},
+    };
+    static const double a[3][3] = {
+        {2.4744565485809416, -3.309994560316914, -2.087973574314071},
+        {-0.3311158801643958, 0.8971468205669556, 0.1720228644403198},
+        {-2.903462562187506, 4.721990085864821, -1.4099756165408635},
+    };
+    static const double qdd_expected[3][9] = {
+        {0.9329998015861702, 1.0459026056517728, -0.8168807848863074, 0.42470057289561414,
+         -0.5381943709333215, -0.5667249997290359, -0.027736811381875132, 0.1175923712154608,
+         0.06163045824937423},
+        {0.7090464312198133, 0.3233325840966591, -0.10515465356286788, 0.04454902189393751,
+         -0.052022768540994684, -0.07888940475246443, -0.11772002363714151, -0.21212708193285837,
+         -0.263419869100667},
+        {-0.27837324100663063, 0.3559163249922477, 0.0707936278291957, 0.15776484418312073,
+         0.0507351981587656, -0.07653529190405853, 0.1479235686155598, 0.2215271733936711,
+         0.36711071379725085},
+    };
+    double worst = 0.0;
+    for (int sample = 0; sample < 3; ++sample) {
+        double qdd[9];
+        worst = larger(worst, mero_root_to_rear_right_inverse_acceleration(q[sample], qd[sample], a[sample], qdd) == WALKGEN_OK ? 0.0 : HUGE_VAL);
+        worst = worse(worst, qdd, qdd_expected[sample], 9);
+    }
+    return report("mero_root_to_rear_right_inverse_acceleration", worst, 1e-9);
+}
+
 static int check_mero_platform_poses(void) {
     static const double q[3][24] = {
         {-0.375, -0.1875, 0.5625, 1.125, -0.75, -0.125, 0.125, 1.1875, -0.25, -0.875, 0.625, -0.375, 0.625,
@@ -5328,6 +5584,8 @@ int main(void) {
     failed += check_mero_root_to_middle_left_foot_bias_acceleration();
     failed += check_mero_root_to_middle_left_foot_torque();
     failed += check_mero_root_to_middle_left_joint_frames();
+    failed += check_mero_root_to_middle_left_inverse_velocity();
+    failed += check_mero_root_to_middle_left_inverse_acceleration();
     failed += check_mero_root_to_middle_right_foot_position();
     failed += check_mero_root_to_middle_right_foot_rotation();
     failed += check_mero_root_to_middle_right_foot_pose();
@@ -5340,6 +5598,8 @@ int main(void) {
     failed += check_mero_root_to_middle_right_foot_bias_acceleration();
     failed += check_mero_root_to_middle_right_foot_torque();
     failed += check_mero_root_to_middle_right_joint_frames();
+    failed += check_mero_root_to_middle_right_inverse_velocity();
+    failed += check_mero_root_to_middle_right_inverse_acceleration();
     failed += check_mero_root_to_rear_left_foot_position();
     failed += check_mero_root_to_rear_left_foot_rotation();
     failed += check_mero_root_to_rear_left_foot_pose();
@@ -5352,6 +5612,8 @@ int main(void) {
     failed += check_mero_root_to_rear_left_foot_bias_acceleration();
     failed += check_mero_root_to_rear_left_foot_torque();
     failed += check_mero_root_to_rear_left_joint_frames();
+    failed += check_mero_root_to_rear_left_inverse_velocity();
+    failed += check_mero_root_to_rear_left_inverse_acceleration();
     failed += check_mero_root_to_rear_right_foot_position();
     failed += check_mero_root_to_rear_right_foot_rotation();
     failed += check_mero_root_to_rear_right_foot_pose();
@@ -5364,9 +5626,11 @@ int main(void) {
     failed += check_mero_root_to_rear_right_foot_bias_acceleration();
     failed += check_mero_root_to_rear_right_foot_torque();
     failed += check_mero_root_to_rear_right_joint_frames();
+    failed += check_mero_root_to_rear_right_inverse_velocity();
+    failed += check_mero_root_to_rear_right_inverse_acceleration();
     failed += check_mero_platform_poses();
     failed += check_mero_foot_positions();
     failed += check_mero_foot_jacobians();
-    printf("%d passed, %d failed\n", 153 - failed, failed);
+    printf("%d passed, %d failed\n", 161 - failed, failed);
     return failed > 0;
 }

@@ -92,7 +92,7 @@ def test_float_needs_no_double_helper(tmp_path):
     library = compile_c(tmp_path, text, "single.o", "-std=c99", "-O1", "-c", *STRICT)
     needed = subprocess.run(["nm", "-u", str(library)], capture_output=True, text=True, check=True).stdout.split()
     functions = {name for name in needed if name != "U" and not name.startswith("_")}
-    assert {"rintf", "floorf"} <= functions
+    assert {"atan2f", "sqrtf"} <= functions  # rint and floor are single instructions to many compilers
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
