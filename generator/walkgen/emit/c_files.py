@@ -36,7 +36,7 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
     """Names of the csupport headers that the robot's sources include."""
-    named = (*_ALWAYS, *(precision.header for precision in _precisions(code)), *_routine_headers(code))
+    named = (*_ALWAYS, *(precision.header for precision in _precisions(code)), *_workspaces(code), *_routine_headers(code))
     return tuple(dict.fromkeys(_with_included(named)))
 
 
@@ -55,6 +55,11 @@ def _routine_headers(code: RobotCode) -> list[str]:
     return [header for body in code.functions if isinstance(body, Composite) for header in body.headers]
 
 
+def _workspaces(code: RobotCode) -> tuple[str, ...]:
+    """The headers of what callers keep between calls."""
+    return tuple(dict.fromkeys(f"{body.signature.workspace}.h" for body in code.functions if body.signature.workspace))
+
+
 def _support(name: str) -> Artifact:
     return Artifact(PurePosixPath(name), (_SUPPORT / name).read_text(encoding="utf-8"))
 
@@ -70,7 +75,7 @@ def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFuncti
         f"{stem}.h",
         banner=banner(code, f"Functions in {precision.real}; arrays are row-major, SI units, radians."),
         guard=f"WALKGEN_{words(stem)}_H",
-        include="walkgen_status.h" if precision is DOUBLE else f"{code.mechanism.name}.h",
+        includes=("walkgen_status.h", *_workspaces(code)) if precision is DOUBLE else (f"{code.mechanism.name}.h",),
         macros=macros(code) if precision is DOUBLE else (),
         functions=functions,
     )

@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from math import prod
 
 from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_text import comment
@@ -73,10 +74,11 @@ def batch_function(signature: Signature, precision: Precision) -> CFunction:
     returned = signature.returned
     inputs = [_batch_parameter(port, "const ", precision) for port in signature.inputs]
     outputs = [_batch_parameter(port, "", precision) for port in signature.outputs]
-    head = _declared(f"{'size_t' if signature.status else 'void'} {single}_batch", ["size_t rows", *inputs, *outputs])
-    arguments = [_row(port, by_value=not port.shape) for port in signature.inputs]
+    chosen, work = _count_parameters(signature), _workspace(signature, precision)
+    head = _declared(f"{'size_t' if signature.status else 'void'} {single}_batch", ["size_t rows", *chosen, *inputs, *work, *outputs])
+    arguments = [*signature.counts, *(_row(port, by_value=not port.shape) for port in signature.inputs), *(["work"] if work else [])]
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
-    step = f"{single}({', '.join(arguments)})"
+    step = _declared(single, arguments).replace("\n", f"\n{_INDENT * 2}")
     return CFunction(f"{single}_batch", head, tuple(_batch_lines(signature, step)))
 
 
@@ -100,7 +102,9 @@ def _row(port: Port, *, by_value: bool) -> str:
         return "param"
     if by_value:
         return f"{port.name}[row]"
-    return f"{port.name} + row" if port.size == 1 else f"{port.name} + row * {port.size}"
+    counts = [f"(size_t){size}" for size in port.shape if isinstance(size, str)]
+    size = prod(size for size in port.shape if isinstance(size, int))
+    return " * ".join([f"{port.name} + row", *([] if size == 1 else [str(size)]), *counts])
 
 
 def _batch_parameter(port: Port, constant: str, precision: Precision) -> str:
@@ -113,6 +117,16 @@ def _type(port: Port, precision: Precision) -> str:
 
 def _size(port: Port, precision: Precision) -> int:
     return port.size * (precision.size if port.kind == "real" else 4)
+
+
+def _count_parameters(signature: Signature) -> list[str]:
+    return [f"int32_t {count}" for count in signature.counts]
+
+
+def _workspace(signature: Signature, precision: Precision) -> list[str]:
+    """The caller's struct, as a parameter; shared by all rows of a batch."""
+    name = "_".join(part for part in (signature.workspace, precision.tag) if part)
+    return [f"struct {name} *WG_RESTRICT work"] if signature.workspace else []
 
 
 def _parameters(inputs: tuple[Port, ...], outputs: tuple[Port, ...], precision: Precision) -> list[str]:
@@ -139,8 +153,9 @@ def _public(body: Program | Composite, precision: Precision, lines: tuple[str, .
     signature = body.signature
     name = function_name(signature, precision)
     returned = signature.returned
-    outputs = tuple(port for port in signature.outputs if port is not returned)
-    head = _declared(f"{'int32_t' if returned or signature.status else 'void'} {name}", _parameters(signature.inputs, outputs, precision))
+    inputs = [*_count_parameters(signature), *_parameters(signature.inputs, (), precision), *_workspace(signature, precision)]
+    outputs = _parameters((), tuple(port for port in signature.outputs if port is not returned), precision)
+    head = _declared(f"{'int32_t' if returned or signature.status else 'void'} {name}", [*inputs, *outputs])
     return CFunction(name, head, lines, _doc(body, stack), stack)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from walkgen.errors import Problem, ToolchainError
-from walkgen.signature import Port, Signature
+from walkgen.signature import COUNTS, Port, Signature
 
 FORMAT = 1
 _CURE = "build the robot again with this walkgen: walkgen build specs/<robot>.toml"
@@ -101,4 +101,4 @@ def _function(entry: dict[str, Any], robot: str) -> FunctionEntry:
 
 def _port(port: dict[str, Any]) -> Port:
     default = tuple(math.nan if value is None else float(value) for value in port.get("default", ()))
-    return Port(port["name"], tuple(map(int, port["shape"])), port["unit"], port["kind"], default)
+    return Port(port["name"], tuple(size if size in COUNTS else int(size) for size in port["shape"]), port["unit"], port["kind"], default)

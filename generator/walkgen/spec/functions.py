@@ -59,7 +59,18 @@ FLOATING_FUNCTIONS: Final = (
 )
 """Of the robot; those of the centre of mass where it has any mass."""
 
+CONTACT_FUNCTIONS: Final = ("contact_forces",)
+"""Of robots with feet to share a load, for any number of feet in contact."""
+
 LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS + DYNAMICS_FUNCTIONS
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
-ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity", *FLOATING_FUNCTIONS)
+ROBOT_FUNCTIONS: Final = (
+    "platform_poses",
+    "foot_positions",
+    "foot_jacobians",
+    "adapt",
+    "adapt_velocity",
+    *FLOATING_FUNCTIONS,
+    *CONTACT_FUNCTIONS,
+)
 FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS

@@ -6,6 +6,7 @@ from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.symbolic.adapt import adapt_functions
+from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
@@ -63,6 +64,7 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
             yield getattr(robot, name)()
     yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
     yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
+    yield from (build() for name, build in contact_functions(mechanism).items() if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
