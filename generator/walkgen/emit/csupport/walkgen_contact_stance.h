@@ -56,7 +56,7 @@ static inline int WG_NAME(wg_contact_finite)(const WG_REAL *values, int32_t coun
 /* Whether a stance is one: sizes, unit normals, friction, weights and bounds in their ranges. */
 static inline int WG_NAME(wg_contact_fine)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
                                            const WG_REAL *weight, const WG_REAL *n_max, int32_t facets) {
-    int i, fine = k >= 1 && k <= WALKGEN_MAX_FEET && (facets == 0 || (facets >= 3 && facets <= 1000000));
+    int i, fine = k >= 1 && k <= WALKGEN_MAX_FEET && (facets == 0 || (facets >= 3 && facets <= 1024));
     if (!fine) {
         return 0;
     }
