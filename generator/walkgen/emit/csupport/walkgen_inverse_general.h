@@ -133,7 +133,7 @@ static inline void WG_NAME(wg_fill_slots)(const struct WG_NAME(wg_chain) * chain
         order[k] = i;
     }
     least = poses->gap[order[0]];
-    limit = WG_MAX(least, tolerance);
+    limit = least <= tolerance ? tolerance : least + WG_C(0.01) * tolerance; /* rounding does not choose between mirror images */
     for (j = 0; j < poses->count && count < slots; ++j) {
         int32_t state = WALKGEN_UNREACHABLE;
         const WG_REAL *pose = poses->q[order[j]];

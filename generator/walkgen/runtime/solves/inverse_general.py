@@ -85,7 +85,7 @@ def _solved(kinds: str, numbers: Reals, targets: Reals) -> tuple[Reals, Integers
         exact = bool(np.min(gap) <= limit)
         order = np.argsort(gap, kind="stable")  # best first: of poses that are one, the sharpest is kept
         found, gap = found[order], gap[order]
-        q[row], status[row] = _slots(one, aim, found[gap <= (limit if exact else gap[0])], exact, limit)
+        q[row], status[row] = _slots(one, aim, found[gap <= (limit if exact else gap[0] + 0.01 * limit)], exact, limit)
     sliding = np.array([kind == "P" for kind in kinds])
     return np.where(sliding, np.ldexp(q, size[:, None, None]), q), status
 
