@@ -9,9 +9,11 @@ from walkgen.runtime.solves.contact import Contact
 
 LOOPS = """
 void least_squares_rows@(int rows, int k, int facets, int warm, const REAL *points, const REAL *normals, const REAL *mu, const REAL *wrench,
-                         const REAL *weight, const REAL *n_max, REAL *f, int32_t *status, int32_t *state, REAL *certificate, REAL *violation);
+                         const REAL *weight, const REAL *n_max, REAL *f, int32_t *status, int32_t *state, REAL *certificate,
+                         REAL *violation);
 void least_squares_rows@(int rows, int k, int facets, int warm, const REAL *points, const REAL *normals, const REAL *mu, const REAL *wrench,
-                         const REAL *weight, const REAL *n_max, REAL *f, int32_t *status, int32_t *state, REAL *certificate, REAL *violation) {
+                         const REAL *weight, const REAL *n_max, REAL *f, int32_t *status, int32_t *state, REAL *certificate,
+                         REAL *violation) {
     const walkgen_contact_work@ cold = {0, {0}};
     walkgen_contact_work@ work = cold;
     for (int i = 0; i < rows; ++i) {
@@ -65,5 +67,3 @@ class Forces:
             inputs = [np.array(value, dtype, order="C") for value in vars(stances).values()]
         call(self._library, "least_squares_rows", dtype, rows, k, facets, int(warm), *inputs, f, status, state, certificate, violation)
         return Contact(f, status, state, certificate, violation, np.zeros((rows, 0)))
-
-

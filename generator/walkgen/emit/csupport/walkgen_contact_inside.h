@@ -57,14 +57,15 @@ static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points,
     fine = WG_NAME(wg_contact_turning)(s, m, a);
     length = s[0] + s[1] + s[2];
     load = WG_NAME(wg_dot)(wrench, wrench);
-    fine &= length > WG_C(1.0) / WG_SAFE && length < WG_SAFE && load > WG_C(1.0) / WG_SAFE && load < WG_SAFE;
+    fine &= length > WG_C(1.0) / WG_SAFE && length < WG_SAFE && load > WG_C(1.0) / (WG_SAFE * WG_SAFE) &&
+            load < WG_SAFE * WG_SAFE;
     for (i = 0; i < k; ++i) {
         const WG_REAL *n = normals + 3 * i, x = points[3 * i] - c[0], y = points[3 * i + 1] - c[1], z = points[3 * i + 2] - c[2];
         const WG_REAL fx = a[1] * z - a[2] * y - each * wrench[0], fy = a[2] * x - a[0] * z - each * wrench[1];
         const WG_REAL fz = a[0] * y - a[1] * x - each * wrench[2], N = fx * n[0] + fy * n[1] + fz * n[2];
         const WG_REAL tx = fx - N * n[0], ty = fy - N * n[1], tz = fz - N * n[2], most = share * mu[i] * N;
         const WG_REAL unit = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - WG_C(1.0);
-        fine &= (N > WG_C(0.0)) & (N <= n_max[i]) & (mu[i] >= WG_C(0.0)) & (tx * tx + ty * ty + tz * tz <= most * most);
+        fine &= (N > WG_C(0.0)) & (N <= n_max[i]) & (mu[i] > WG_C(0.0)) & (tx * tx + ty * ty + tz * tz <= most * most);
         fine &= (WG_ABS(unit) <= WG_C(2.0) * WG_UNIT) & (mu[i] < WG_C(1.0) / WG_UNIT) & (weight[i] >= weight[0]) & (weight[i] <= weight[0]);
         f[3 * i] = fx;
         f[3 * i + 1] = fy;

@@ -68,8 +68,10 @@ def solve(program: Program) -> Point:
             step = _step(program, point)
             length = 0.99 * _longest(point, step)
             after = point.moved(step, np.where(open_rows & np.isfinite(length), length, 0.0))
-            open_rows &= np.isfinite(length) & (_gap(after) < _gap(point)) & (length > 1e-6)
-        point = Point(**{name: np.where(open_rows.reshape(-1, *[1] * (new.ndim - 1)), new, vars(point)[name]) for name, new in vars(after).items()})
+            open_rows &= np.isfinite(length) & (_gap(after) < 2.0 * _gap(point)) & (length > 1e-7)
+        point = Point(
+            **{name: np.where(open_rows.reshape(-1, *[1] * (new.ndim - 1)), new, vars(point)[name]) for name, new in vars(after).items()}
+        )
         open_rows &= _gap(point) > _ENOUGH * np.maximum(point.tau, point.kappa) ** 2
         if not open_rows.any():
             break
@@ -194,8 +196,8 @@ def _quotient(a: Array, b: Array) -> Array:
 
 
 def _longest(point: Point, step: Point) -> Array:
-    """How far slacks and multipliers stay inside, at most 1 / 0.99."""
-    found = np.full(len(point.tau), 1.0 / 0.99)
+    """How far slacks and multipliers stay inside, at most 1."""
+    found = np.ones(len(point.tau))
     pairs = [(point.s, step.s), (point.z, step.z), (point.tau[:, None], step.tau[:, None]), (point.kappa[:, None], step.kappa[:, None])]
     for here, change in pairs:
         found = np.minimum(found, np.where(change < 0.0, -here / np.where(change < 0.0, change, 1.0), np.inf).min(-1, initial=np.inf))
@@ -208,7 +210,9 @@ def _cone_length(here: Array, change: Array) -> Array:
     """The least positive root of the boundary's quadratic equation."""
     a, b, c = ((p * _J * q).sum(-1) for p, q in ((change, change), (here, change), (here, here)))
     root = np.sqrt(np.maximum(b * b - a * c, 0.0))
-    smaller = np.where(b <= 0.0, c / np.where(root - b > 0.0, root - b, 1.0), np.where(a < 0.0, (-b - root) / np.where(a < 0.0, a, 1.0), np.inf))
+    smaller = np.where(
+        b <= 0.0, c / np.where(root - b > 0.0, root - b, 1.0), np.where(a < 0.0, (-b - root) / np.where(a < 0.0, a, 1.0), np.inf)
+    )
     crosses = (b * b >= a * c) & ((b < 0.0) | (a < 0.0))
     return np.where(crosses, smaller, np.inf)
 

@@ -1,4 +1,4 @@
-"""Least forces with which feet carry a load within their friction cones: the reference of walkgen_contact.h and walkgen_contact_limited.h."""
+"""Least forces with which feet carry a load within their friction cones: the reference of walkgen_contact.h and its limited form."""
 
 import math
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ MAX_FEET = 16
 MAX_FACETS = 1024
 STICK, SLIDE, FREE = range(3)
 _OK, _BAD_INPUT, _NO_CONVERGENCE, _INFEASIBLE = (STATUSES.index(name) for name in ("OK", "BAD_INPUT", "NO_CONVERGENCE", "INFEASIBLE"))
+_ARRAYS = ("points", "normals", "mu", "wrench", "weight", "n_max", "torque_rows", "limits")
 _UNIT = 1e-9
 _FAIR = 1e-10
 _EDGE = 1e-9
@@ -73,7 +74,13 @@ def limited(
     """The same forces with sum_i torque_rows[r,i] . f_i <= torque_limits[r], e.g. a leg's rows of -J^T for the least torques.
 
     Args:
-        points, normals, mu, wrench, weight, n_max, facets: as `least_squares` takes them.
+        points: as `least_squares` takes them, like the others.
+        normals: [..., k, 3].
+        mu: [..., k].
+        wrench: [..., 6].
+        weight: [..., k].
+        n_max: [..., k].
+        facets: 0 or 3 to 1024.
         torque_rows: [..., rows, k, 3], m.
         torque_limits: [..., rows], N m.
 
@@ -90,7 +97,7 @@ def limited(
             part = Stance(**{name: value if name == "facets" else value[chosen] for name, value in vars(stance).items()})
             for name, value in vars(_solved(part)).items():
                 getattr(found, name)[chosen] = value
-    return Contact(**{name: value.reshape(*shape, *value.shape[1:]) for name, value in vars(found).items()})
+    return Contact(**{name: value.reshape((*shape, *value.shape[1:])) for name, value in vars(found).items()})
 
 
 def _read(*arguments: ArrayLike) -> tuple[Stance, tuple[int, ...]]:
@@ -103,7 +110,8 @@ def _read(*arguments: ArrayLike) -> tuple[Stance, tuple[int, ...]]:
     shape = np.broadcast_shapes(*(item.shape[: item.ndim - len(part)] for item, part in zip(values, inner, strict=True)))
     rows = math.prod(shape)
     flat = [np.array(np.broadcast_to(item, (*shape, *part)), float).reshape(rows, *part) for item, part in zip(values, inner, strict=True)]
-    return Stance(*flat, int(facets)), shape
+    mine = dict(zip(_ARRAYS, flat, strict=True))
+    return Stance(**mine, facets=int(facets)), shape
 
 
 def _fine(stance: Stance) -> Array:
@@ -176,7 +184,9 @@ def _refuse(stance: Stance, scales: Scales, program: Program, point: Point, foun
     top = stance.n_max / scales.force[:, None] / np.linalg.norm(scales.bases[..., 0], axis=-1)
     lost = np.where(np.isfinite(top) & (bounds > 0.0), np.maximum(-least, 0.0) * np.where(np.isfinite(top), top, 0.0), 0.0).sum(-1)
     exact = np.where(np.isfinite(top), 0.0, np.minimum(least, 0.0)).min(-1)
-    proven = (gain > 0.0) & (exact >= -_EDGE) & (lost < 1.0) & (point.tau < 1e-6 * np.maximum(point.kappa, 1.0)) & (found.status != _INFEASIBLE)
+    proven = (
+        (gain > 0.0) & (exact >= -_EDGE) & (lost < 1.0) & (point.tau < 1e-6 * np.maximum(point.kappa, 1.0)) & (found.status != _INFEASIBLE)
+    )
     size = np.sqrt((np.einsum("rei,re->ri", program.A, y) ** 2).sum(-1))
     found.status[proven] = _INFEASIBLE
     found.certificate[proven] = _certificate(scales, y)[proven]

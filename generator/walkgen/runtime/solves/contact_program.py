@@ -112,7 +112,7 @@ def _half_spaces(stance: Stance, bases: Array, force: Array, length: Array) -> t
         sides = np.einsum("kl,fi->kfli", np.eye(k), side).reshape(k * stance.facets, 3 * k)
         parts.append(np.broadcast_to(sides, (rows, *sides.shape)))
         ends.append(np.zeros((rows, len(sides))))
-    torque = np.einsum("rtkj,rkji->rtki", stance.torque_rows, bases).reshape(rows, -1, 3 * k) / length[:, None, None]
+    torque = np.einsum("rtkj,rkji->rtki", stance.torque_rows, bases).reshape(rows, stance.limits.shape[1], 3 * k) / length[:, None, None]
     limit = stance.limits / (force * length)[:, None]
     sizes = np.maximum(np.abs(torque).max(-1), np.abs(np.where(np.isfinite(limit), limit, 0.0)))
     idle = (sizes == 0.0) | np.isposinf(limit)
@@ -133,7 +133,10 @@ class _Active:
 
 
 def sharpened(program: Program, point: Point, sides: int) -> Array:
-    """x of the feasible programs, by Newton's method on the conditions of the active set that the interior point tells; `sides` of a foot's polygon."""
+    """x of the feasible programs, by Newton's method on the conditions of the active set that the interior point tells.
+
+    `sides` of a foot's polygon, 0 for round cones.
+    """
     tau = point.tau[:, None]
     x, y, z = point.x / tau, point.y / tau, point.z / tau
     active = _active(program, point, sides)
@@ -143,7 +146,7 @@ def sharpened(program: Program, point: Point, sides: int) -> Array:
     for _ in range(5):
         matrix, rest = _conditions(program, active, (x, y, z, pull))
         with np.errstate(all="ignore"):
-            usable = np.isfinite(matrix).all((-1, -2)) & np.isfinite(rest).all(-1)
+            usable = np.asarray(np.isfinite(matrix).all((-1, -2)) & np.isfinite(rest).all(-1))
         matrix, rest = np.where(usable[:, None, None], matrix + lean, np.eye(rest.shape[1])), np.where(usable[:, None], rest, 0.0)
         step = np.linalg.solve(matrix, rest[..., None])[..., 0]
         cuts = np.cumsum([x.shape[1], y.shape[1], z.shape[1]])
@@ -153,11 +156,12 @@ def sharpened(program: Program, point: Point, sides: int) -> Array:
 
 def _active(program: Program, point: Point, sides: int) -> _Active:
     rows, k = point.x.shape[0], point.x.shape[1] // 3
-    normal = point.x.reshape(rows, k, 3)[..., 0]
-    apex, surface = normal <= _NOTHING * np.abs(normal).max(-1, keepdims=True), np.zeros((rows, point.w.shape[1]), bool)
+    normal = np.asarray(point.x.reshape(rows, k, 3)[..., 0])
+    apex = np.asarray(normal <= _NOTHING * np.abs(normal).max(-1, keepdims=True))
+    surface = np.zeros((rows, point.w.shape[1]), bool)
     if program.round:
         room, push = (part[..., 0] - np.hypot(part[..., 1], part[..., 2]) for part in (point.u, point.w))
-        apex = point.u[..., 0] < push
+        apex = np.asarray(point.u[..., 0] < push)
         surface = (point.w[..., 0] >= room) & ~apex
     idle = np.zeros(point.s.shape, bool)
     idle[:, k : k + k * sides] = np.repeat(apex, sides, axis=1)
