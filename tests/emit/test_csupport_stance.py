@@ -26,7 +26,7 @@ def about(points, rows):
 
 @pytest.mark.parametrize("k", range(1, 17))
 def test_grasp_is_its_reference(stances, k):
-    points = np.random.default_rng(k).uniform(-1, 1, (k, 3)) + [3.0, -2.0, 1.0]
+    points = np.array([3.0, -2.0, 1.0]) + np.random.default_rng(k).uniform(-1, 1, (k, 3))
     found, expected = stances.grasp(points), grasp(points)
     f = np.random.default_rng(9).normal(size=(k, 3))
     np.testing.assert_allclose(found[0] @ f.ravel(), [*f.sum(axis=0), *np.cross(points, f).sum(axis=0)], rtol=0, atol=1e-13 * k)
@@ -108,7 +108,7 @@ def test_a_foot_that_pulls(stances):
         (O10_POINTS, 1.001 * UP, O10_LOAD, BAD_INPUT),
         (O10_POINTS, UP, np.where(np.arange(6) == 4, np.nan, O10_LOAD), BAD_INPUT),
         (np.where(O10_POINTS == 0.3, np.inf, O10_POINTS), UP, O10_LOAD, BAD_INPUT),
-        (O10_POINTS, unit(UP + [[1.0, 0.0, 0.0]]), 0.0 * O10_LOAD, OK),
+        (O10_POINTS, unit(np.array([1.0, 0.0, 0.0]) + UP), 0.0 * O10_LOAD, OK),
     ],
 )
 def test_statuses(stances, points, normals, wrench, expected):

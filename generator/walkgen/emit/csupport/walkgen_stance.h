@@ -25,10 +25,11 @@
 #endif
 
 /* Feet about their centre in units of `length` (root mean square distance, 1 where there is none), `blur` of which may be rounding of the
- * points; the load about the centre in units of `force` (its length with moments over `length`). */
+ * points; the load about the centre in units of `force` (its length with moments over `length`), `noise`
+ * of which may be rounding. */
 struct WG_NAME(wg_stance) {
     int32_t feet;
-    WG_REAL centre[3], length, r[WALKGEN_MAX_FEET][3], blur, force, load[6];
+    WG_REAL centre[3], length, r[WALKGEN_MAX_FEET][3], blur, force, load[6], noise;
 };
 
 /* Whether numbers are finite. */
@@ -118,6 +119,8 @@ static inline int WG_NAME(wg_stance_load)(const WG_REAL wrench[6], struct WG_NAM
     for (j = 0; j < 6; ++j) {
         stance->load[j] /= squares;
     }
+    stance->noise = WG_NAME(wg_norm)(wrench + 3) + (WG_NAME(wg_norm)(stance->centre) + stance->length) * WG_NAME(wg_norm)(wrench);
+    stance->noise *= WG_C(4096.0) * WG_EPSILON / stance->length / stance->force;
     return stance->force <= WG_HUGE;
 }
 

@@ -40,7 +40,7 @@ class Stance:
     load: Reals
 
 
-def cross_matrix(p: ArrayLike) -> Reals:
+def cross_matrix(p: Reals) -> Reals:
     """[p]x [..., 3, 3] of vectors [..., 3]."""
     columns = [np.cross(p, axis) for axis in np.eye(3)]
     return np.stack(columns, axis=-1)
