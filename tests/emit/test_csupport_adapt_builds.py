@@ -96,7 +96,7 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
-@pytest.mark.parametrize("robot", ["chapter", "random"])
+@pytest.mark.parametrize("robot", ["chapter", pytest.param("random", marks=pytest.mark.nightly)])
 def test_sanitizers_find_nothing_on_any_input(tmp_path, robot):
     module = chapter_module()
     ground, start = random_ground(2, serial=False)
