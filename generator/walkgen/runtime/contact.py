@@ -62,12 +62,19 @@ class ContactForces:
         given["facets"] = _facets(cone)
         if torque_rows is None:
             return self._solve(NAME, given)
-        return self._solve(f"{NAME}_limited", given | {"torque_rows": torque_rows})
+        return self._solve(f"{NAME}_limited", given | {"torque_rows": torque_rows})[:5]
 
     def _stiffness(self, given: dict[str, Any]) -> Any:
-        """Where no forces do, least squares has the proof."""
-        compliance = _coupled(np.asarray(given.pop("compliance", np.nan)), np.shape(given["points"])[-2])
-        f, status, state, _, violation = self._solve(f"{NAME}_stiffness", given | {"compliance": compliance})
+        """Where no forces carry the load, least squares has the proof."""
+        compliance, feet = np.asarray(given.pop("compliance", np.nan)), np.shape(given["points"])[-2]
+        if compliance.shape[-2:] == (3 * feet, 3 * feet):
+            coupled = compliance.reshape(*compliance.shape[:-2], feet, 3, feet, 3)
+            f, status, state, _, violation = self._solve(f"{NAME}_coupled", given | {"compliance": coupled})
+        elif compliance.shape[-3:] == (feet, 3, 3):
+            f, status, state, _, violation = self._solve(f"{NAME}_stiffness", given | {"compliance": compliance})
+        else:
+            wanted = f"[{feet},3,3] or [{3 * feet},{3 * feet}]"
+            raise ValueError(f"{NAME}: compliance has shape {list(compliance.shape)}; stiffness needs {wanted} (m/N)")
         proof = self._solve(NAME, {name: given[name] for name in ("points", "normals", "mu", "wrench")})[3]
         infeasible = np.asarray(status == STATUSES.index("INFEASIBLE"))[..., None]
         return f, status, state, np.where(infeasible, proof, 0.0), violation
@@ -92,13 +99,3 @@ def _facets(cone: Literal["quadratic"] | int) -> int:
     if isinstance(cone, bool) or not isinstance(cone, int) or cone < _FEWEST_FACETS:
         raise ValueError(f'{NAME}: cone is {cone!r}; give "quadratic" or the number of facets, at least {_FEWEST_FACETS}')
     return cone
-
-
-def _coupled(compliance: Any, feet: int) -> Any:
-    """Compliance between all feet [k,3,k,3]: feet of their own [k,3,3] do not move each other."""
-    if compliance.shape[-2:] == (3 * feet, 3 * feet):
-        return compliance.reshape(*compliance.shape[:-2], feet, 3, feet, 3)
-    if compliance.shape[-3:] == (feet, 3, 3):
-        return np.einsum("...iab,ij->...iajb", compliance, np.eye(feet))
-    wanted = f"[{feet},3,3] or [{3 * feet},{3 * feet}]"
-    raise ValueError(f"{NAME}: compliance has shape {list(compliance.shape)}; stiffness needs {wanted} (m/N)")

@@ -59,7 +59,19 @@ FLOATING_FUNCTIONS: Final = (
 )
 """Of the robot; those of the centre of mass where it has any mass."""
 
-CONTACT_FUNCTIONS: Final = ("contact_forces",)
+CONTACT_FUNCTIONS: Final = (
+    "contact_forces",
+    "contact_forces_limited",
+    "contact_forces_stiffness",
+    "contact_forces_coupled",
+    "contact_forces_vertical",
+    "grasp_map",
+    "friction_needed",
+    "friction_share",
+    "load_margin",
+    "foot_admissible",
+    "slip",
+)
 """Of robots with feet to share a load, for any number of feet in contact."""
 
 LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS + DYNAMICS_FUNCTIONS

@@ -16,6 +16,7 @@ from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
+from walkgen.symbolic.stance import stance_functions
 
 LegBuilder = Callable[[Mechanism, Limb], Derivation]
 PathBuilder = Callable[[Mechanism, Route], Derivation]
@@ -64,7 +65,8 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
             yield getattr(robot, name)()
     yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
     yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
-    yield from (build() for name, build in contact_functions(mechanism).items() if wanted(name))
+    stood = contact_functions(mechanism) | stance_functions(mechanism)
+    yield from (build() for name, build in stood.items() if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
