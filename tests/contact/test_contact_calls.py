@@ -5,6 +5,8 @@ import pytest
 from quadruped import INFEASIBLE, balance, spec, stands
 
 from oracles.backends import BACKENDS
+from walkgen.pipeline import BuildOptions, build
+from walkgen.runtime import load
 
 DOWN = [0.0, 0.0, -100.0, 0.0, 0.0, 0.0]
 SQUARE = np.array([[0.3, 0.2, 0.0], [0.3, -0.2, 0.0], [-0.3, 0.2, 0.0], [-0.3, -0.2, 0.0]])
@@ -31,7 +33,9 @@ def test_one_value_serves_all_feet_and_rows(robot):
     points = np.stack([SQUARE, 2 * SQUARE])
     one = robot.contact_forces(points, [0, 0, 1], 0.5, DOWN)
     for row in range(2):
-        alone = robot.contact_forces(points[row], np.tile([0.0, 0.0, 1.0], (4, 1)), np.full(4, 0.5), DOWN, weight=np.ones(4), n_max=np.full(4, np.inf))
+        alone = robot.contact_forces(
+            points[row], np.tile([0.0, 0.0, 1.0], (4, 1)), np.full(4, 0.5), DOWN, weight=np.ones(4), n_max=np.full(4, np.inf)
+        )
         assert all(np.array_equal(part[row], whole) for part, whole in zip(one, alone, strict=True))
     np.testing.assert_allclose(one[0], np.broadcast_to([0, 0, 25.0], (2, 4, 3)), atol=1e-12)
     rows = robot.contact_forces(points[:, None], [0, 0, 1], np.array([0.2, 0.4, 0.9])[:, None], DOWN)
@@ -100,3 +104,25 @@ def test_runtime_parameters_come_last(built):
     f, status, *_ = robot.contact_forces(SQUARE, [0, 0, 1], 0.5, DOWN, param=[2.0])
     assert status == 0
     assert f[0, 2] == pytest.approx(25.0)
+
+
+def test_arrays_need_not_be_dense(robot):
+    points, normals, mu, wrench = stands(5, 4, seed=3, slope=0.1)
+    expected = robot.contact_forces(points, normals, mu, wrench)
+    turned = [np.asfortranarray(array) for array in (points, normals, mu, wrench)]
+    wide = np.zeros((5, 4, 6))
+    wide[..., ::2] = points
+    found = robot.contact_forces(wide[..., ::2], turned[1], turned[2], turned[3])
+    for part, whole in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(part, whole)
+
+
+def test_single_precision(tmp_path):
+    (tmp_path / "spec.toml").write_text(spec("contact_forces", legs=2))
+    robot = load(build(tmp_path / "spec.toml", tmp_path, BuildOptions(float32=True, targets=("c",))).folder)
+    stance = stands(20, 5, seed=4, slope=0.1)
+    f, status, *_ = robot.contact_forces(*(array.astype(np.float32) for array in stance))
+    expected, verdict, *_ = robot.contact_forces(*stance)
+    assert (f.dtype, expected.dtype) == (np.float32, np.float64)
+    assert np.array_equal(status, verdict)
+    np.testing.assert_allclose(f, expected, atol=1e-3)
