@@ -24,16 +24,16 @@
 typedef void (*WG_NAME(wg_ground))(const WG_REAL point[3], WG_REAL surface[5], void *data);
 
 /* Robot, ground and the present pose (rotation by rows, position) with its feet. */
-struct WG_NAME(wg_settle) {
+struct WG_NAME(wg_settling) {
     const WG_REAL *feet, *centre_of_mass, *weight, *wrench;
     WG_NAME(wg_ground) ground;
     void *data;
     WG_REAL R[3][3], p[3], points[9], normals[9], mu[3], gap[3];
-    struct WG_NAME(wg_slip) slip;
+    struct WG_NAME(wg_tripod) slip;
 };
 
 /* A point of the robot in the world. */
-static inline void WG_NAME(wg_settle_point)(const struct WG_NAME(wg_settle) * settle, const WG_REAL local[3], WG_REAL point[3]) {
+static inline void WG_NAME(wg_settle_point)(const struct WG_NAME(wg_settling) * settle, const WG_REAL local[3], WG_REAL point[3]) {
     int i;
     for (i = 0; i < 3; ++i) {
         point[i] = WG_NAME(wg_dot)(settle->R[i], local) + settle->p[i];
@@ -41,7 +41,7 @@ static inline void WG_NAME(wg_settle_point)(const struct WG_NAME(wg_settle) * se
 }
 
 /* Feet, ground and load at the present pose: what wg_slip_read says. */
-static inline int WG_NAME(wg_settle_read)(struct WG_NAME(wg_settle) * settle) {
+static inline int WG_NAME(wg_settle_read)(struct WG_NAME(wg_settling) * settle) {
     WG_REAL surface[5], at[3], moment[3], load[6];
     int foot, i;
     for (foot = 0; foot < 3; ++foot) {
@@ -64,7 +64,7 @@ static inline int WG_NAME(wg_settle_read)(struct WG_NAME(wg_settle) * settle) {
 }
 
 /* The pose moved by a twist about the feet's centre in the stance's units. */
-static inline void WG_NAME(wg_settle_move)(const WG_REAL twist[6], struct WG_NAME(wg_settle) * settle) {
+static inline void WG_NAME(wg_settle_move)(const WG_REAL twist[6], struct WG_NAME(wg_settling) * settle) {
     const struct WG_NAME(wg_stance) *stance = &settle->slip.stance;
     const WG_REAL angle = WG_NAME(wg_norm)(twist + 3), c = WG_COS(angle), s = WG_SIN(angle);
     WG_REAL axis[3], column[3], arm[3];
@@ -85,7 +85,7 @@ static inline void WG_NAME(wg_settle_move)(const WG_REAL twist[6], struct WG_NAM
 }
 
 /* Feet put on the surface by the least twist, Newton; read there. Whether they are: 1, else what wg_settle_read says, or 0. */
-static inline int WG_NAME(wg_settle_touch)(struct WG_NAME(wg_settle) * settle) {
+static inline int WG_NAME(wg_settle_touch)(struct WG_NAME(wg_settling) * settle) {
     WG_REAL rows[8][9], twist[6];
     int turn, i, j, found = 1;
     for (turn = 0; turn < 20; ++turn) {
@@ -116,8 +116,8 @@ static inline int WG_NAME(wg_settle_touch)(struct WG_NAME(wg_settle) * settle) {
 }
 
 /* The twist of the flow, as long as makes the fastest foot go `far`. */
-static inline void WG_NAME(wg_settle_twist)(const struct WG_NAME(wg_settle) * settle, WG_REAL far, WG_REAL twist[6]) {
-    const struct WG_NAME(wg_slip) *slip = &settle->slip;
+static inline void WG_NAME(wg_settle_twist)(const struct WG_NAME(wg_settling) * settle, WG_REAL far, WG_REAL twist[6]) {
+    const struct WG_NAME(wg_tripod) *slip = &settle->slip;
     int i;
     for (i = 0; i < 6; ++i) {
         twist[i] = far * (slip->tau[0] * slip->B[0][i] + slip->tau[1] * slip->B[1][i] + slip->tau[2] * slip->B[2][i]);
@@ -125,8 +125,8 @@ static inline void WG_NAME(wg_settle_twist)(const struct WG_NAME(wg_settle) * se
 }
 
 /* One step by the midpoint rule: 1 where the robot slides on, 0 where it would stick or slide back, less else. */
-static inline int WG_NAME(wg_settle_step)(WG_REAL far, struct WG_NAME(wg_settle) * settle) {
-    struct WG_NAME(wg_settle) middle = *settle;
+static inline int WG_NAME(wg_settle_step)(WG_REAL far, struct WG_NAME(wg_settling) * settle) {
+    struct WG_NAME(wg_settling) middle = *settle;
     WG_REAL twist[6], next[6];
     int found;
     WG_NAME(wg_settle_twist)(settle, WG_C(0.5) * far, twist);
@@ -149,7 +149,7 @@ static inline int WG_NAME(wg_settle_step)(WG_REAL far, struct WG_NAME(wg_settle)
 }
 
 /* The pose as a homogeneous matrix, 1 last. */
-static inline void WG_NAME(wg_settle_pose)(const struct WG_NAME(wg_settle) * settle, WG_REAL pose[16]) {
+static inline void WG_NAME(wg_settle_pose)(const struct WG_NAME(wg_settling) * settle, WG_REAL pose[16]) {
     int i, j;
     for (i = 0; i < 3; ++i) {
         for (j = 0; j < 3; ++j) {
@@ -170,7 +170,7 @@ static inline void WG_NAME(wg_settle_pose)(const struct WG_NAME(wg_settle) * set
 static inline void WG_NAME(wg_settle)(const WG_REAL *feet, const WG_REAL *centre_of_mass, const WG_REAL *weight, const WG_REAL *wrench,
                                       const WG_REAL *start, WG_NAME(wg_ground) ground, void *data, WG_REAL step, int32_t most_steps,
                                       WG_REAL *pose, WG_REAL *normal_forces, WG_REAL *path, int32_t *steps, int32_t *status) {
-    struct WG_NAME(wg_settle) settle, next;
+    struct WG_NAME(wg_settling) settle, next;
     WG_REAL far;
     int i, found;
     settle.feet = feet;

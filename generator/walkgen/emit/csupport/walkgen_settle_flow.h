@@ -22,7 +22,7 @@
 #endif
 
 /* The convex function's value at tau, with its slope and second derivatives in rows [3][4], as Newton's system. */
-static inline WG_REAL WG_NAME(wg_settle_cost)(const struct WG_NAME(wg_slip) * slip, const WG_REAL mu[3], const WG_REAL power[3],
+static inline WG_REAL WG_NAME(wg_settle_cost)(const struct WG_NAME(wg_tripod) * slip, const WG_REAL mu[3], const WG_REAL power[3],
                                               const WG_REAL tau[3], WG_REAL slow, WG_REAL rows[8][9]) {
     WG_REAL V[3], along[3], sum = -WG_NAME(wg_dot)(power, tau);
     int foot, i, j;
@@ -52,7 +52,7 @@ static inline WG_REAL WG_NAME(wg_settle_cost)(const struct WG_NAME(wg_slip) * sl
 }
 
 /* tau of the least cost, from the present one: Newton with halved steps. */
-static inline void WG_NAME(wg_settle_slide)(const WG_REAL mu[3], const WG_REAL power[3], WG_REAL slow, struct WG_NAME(wg_slip) * slip) {
+static inline void WG_NAME(wg_settle_slide)(const WG_REAL mu[3], const WG_REAL power[3], WG_REAL slow, struct WG_NAME(wg_tripod) * slip) {
     WG_REAL rows[8][9], unused[8][9], tried[3], value, next, falls, factor;
     int turn, half, i;
     for (turn = 0; turn < 50; ++turn) {
@@ -82,7 +82,7 @@ static inline void WG_NAME(wg_settle_slide)(const WG_REAL mu[3], const WG_REAL p
 }
 
 /* Normal forces that balance the load and the friction of the present twist; the greatest change of one. */
-static inline WG_REAL WG_NAME(wg_settle_press)(const WG_REAL mu[3], WG_REAL slow, struct WG_NAME(wg_slip) * slip) {
+static inline WG_REAL WG_NAME(wg_settle_press)(const WG_REAL mu[3], WG_REAL slow, struct WG_NAME(wg_tripod) * slip) {
     struct WG_NAME(wg_stance) pushed = slip->stance;
     WG_REAL V[3], wrench[6], left, N[3], change = WG_C(0.0);
     int i, foot;
@@ -108,7 +108,7 @@ static inline WG_REAL WG_NAME(wg_settle_press)(const WG_REAL mu[3], WG_REAL slow
 }
 
 /* The flow at a stance read into slip: 1 while it slides, 0 where it sticks, -1 where a foot lifts off. */
-static inline int WG_NAME(wg_settle_flow)(const WG_REAL mu[3], struct WG_NAME(wg_slip) * slip) {
+static inline int WG_NAME(wg_settle_flow)(const WG_REAL mu[3], struct WG_NAME(wg_tripod) * slip) {
     WG_REAL power[3], V[3], slow = WG_C(0.1), fastest = WG_C(0.0), left, last = WG_INFINITY;
     int i, turn;
     if (!WG_NAME(wg_normal_forces)(&slip->stance, slip->normals, slip->N, &left)) {
