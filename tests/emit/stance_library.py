@@ -5,7 +5,14 @@ import ctypes
 import numpy as np
 from general_library import build
 
-HEADERS = ("walkgen_stance.h", "walkgen_contact_vertical.h", "walkgen_friction_needed.h", "walkgen_friction_margins.h", "walkgen_slip.h")
+HEADERS = (
+    "walkgen_stance.h",
+    "walkgen_contact_vertical.h",
+    "walkgen_friction_needed.h",
+    "walkgen_friction_margins.h",
+    "walkgen_slip.h",
+    "walkgen_settle.h",
+)
 _CALLS = """
 void grasp@(int k, const REAL *points, REAL *G, REAL *singular_values, REAL *lost, REAL *condition, int32_t *rank, int32_t *status);
 void grasp@(int k, const REAL *points, REAL *G, REAL *singular_values, REAL *lost, REAL *condition, int32_t *rank, int32_t *status) {
@@ -32,6 +39,14 @@ void slip@(int k, const REAL *points, const REAL *normals, const REAL *wrench, R
 void slip@(int k, const REAL *points, const REAL *normals, const REAL *wrench, REAL *N, REAL *f, REAL *twist, REAL *mu, REAL *axis,
            REAL *pitch, int32_t *status) {
     wg_slip@(k, points, normals, wrench, N, f, twist, mu, axis, pitch, status);
+}
+void settle@(int most_steps, const REAL *feet, const REAL *com, const REAL *weight, const REAL *wrench, const REAL *start,
+             void (*ground)(const REAL *, REAL *, void *), const REAL *step, REAL *pose, REAL *N, REAL *path, int32_t *steps,
+             int32_t *status);
+void settle@(int most_steps, const REAL *feet, const REAL *com, const REAL *weight, const REAL *wrench, const REAL *start,
+             void (*ground)(const REAL *, REAL *, void *), const REAL *step, REAL *pose, REAL *N, REAL *path, int32_t *steps,
+             int32_t *status) {
+    wg_settle@(feet, com, weight, wrench, start, ground, NULL, *step, most_steps, pose, N, path, steps, status);
 }
 void admissible@(int k, const REAL *points, const REAL *normals, const REAL *mu, const REAL *wrench, int foot, int count,
                  const REAL *candidates, const REAL *candidate_normals, REAL *share, int32_t *status);
@@ -99,6 +114,26 @@ class Stances:
         given = (own(item, dtype) for item in (points, normals, wrench))
         self._call("slip", dtype, len(points), *given, N, f, twist, mu, axis, pitch, status)
         return mu[0], N, f, twist, axis, pitch[0], status[0]
+
+    def settle(self, robot, start, step, most_steps, dtype=np.float64):
+        """path, normal forces and status as the reference has them, and the pose."""
+        pose, N, path = reals(dtype, (4, 4), (3,), (most_steps + 1, 4, 4))
+        steps, status = integers((1,), (1,))
+        real = ctypes.c_float if dtype == np.float32 else ctypes.c_double
+        pointer = ctypes.POINTER(real)
+
+        def ground(point, surface, _data):
+            gap, normal, mu = robot.ground(np.array(point[:3], float))
+            for i, value in enumerate((gap, *normal, mu)):
+                surface[i] = value
+
+        callback = ctypes.CFUNCTYPE(None, pointer, pointer, ctypes.c_void_p)(ground)
+        given = [own(item, dtype) for item in (robot.feet, robot.centre_of_mass, robot.weight, robot.wrench, start)]
+        function = getattr(self._library, "settle" + ("_f32" if dtype == np.float32 else ""))
+        function.restype = None
+        pointers = [item.ctypes.data_as(ctypes.c_void_p) for item in (*given, own([step], dtype), pose, N, path, steps, status)]
+        function(ctypes.c_int(most_steps), *pointers[:5], callback, *pointers[5:])
+        return path[: steps[0] + 1], N, status[0], pose
 
     def _call(self, name, dtype, *arguments) -> None:
         function = getattr(self._library, name + ("_f32" if dtype == np.float32 else ""))

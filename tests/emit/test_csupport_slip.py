@@ -27,7 +27,7 @@ def stances(tmp_path_factory):
 
 
 def assert_slips(points, normals, wrench, mu, N, f, twist):
-    """Balance; feet move along the ground; friction mu N against their velocity, or less at a foot that stays; the load drives the twist."""
+    """Balance; feet move along the ground; friction mu N against their velocity, or less where a foot stays; the load drives the twist."""
     V = twist[:3] + np.cross(twist[3:], points)
     T = f - N[:, None] * normals
     size = np.linalg.norm(wrench)
@@ -109,7 +109,7 @@ def test_random_tripods(stances, seed, count):
 def test_a_foot_that_stays(stances):
     """A heavy foot about which the others slide: less friction there than there could be."""
     weight = np.array([20.0, 0.0, -500.0])
-    wrench = np.concatenate([weight, np.cross([0.25, 0.02, 0.0], weight) + [0.0, 0.0, 8.0]])
+    wrench = np.concatenate([weight, np.cross([0.25, 0.02, 0.0], weight) + np.array([0.0, 0.0, 8.0])])
     mu, N, f, twist, axis, _, status = stances.slip(O10_POINTS, UP, wrench)
     assert status == OK
     np.testing.assert_allclose(axis[:3], O10_POINTS[0], rtol=0, atol=1e-12)

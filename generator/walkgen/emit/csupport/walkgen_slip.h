@@ -12,7 +12,7 @@
 
 /* The tripod read: 1, or 0 where its normals and points do not leave three admissible twists, -1 where an input is bad. */
 static inline int WG_NAME(wg_slip_read)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *wrench,
-                                        struct WG_NAME(wg_slip) * slip) {
+                                        struct WG_NAME(wg_tripod) * slip) {
     WG_REAL set[6][6], triangle[6][6];
     int i, j, foot;
     if (k != 3 || !WG_NAME(wg_stance_place)(k, points, &slip->stance) || !WG_NAME(wg_stance_unit)(k, normals) ||
@@ -43,7 +43,7 @@ static inline int WG_NAME(wg_slip_read)(int32_t k, const WG_REAL *points, const 
 }
 
 /* Normal forces that balance the load and the friction of the present twist. */
-static inline void WG_NAME(wg_slip_press)(struct WG_NAME(wg_slip) * slip) {
+static inline void WG_NAME(wg_slip_press)(struct WG_NAME(wg_tripod) * slip) {
     struct WG_NAME(wg_stance) pushed = slip->stance;
     WG_REAL V[3], wrench[6], left, N[3];
     int i, foot;
@@ -64,7 +64,7 @@ static inline void WG_NAME(wg_slip_press)(struct WG_NAME(wg_slip) * slip) {
 }
 
 /* tau and mu for the present normal forces, smoothed less and less. */
-static inline void WG_NAME(wg_slip_start)(const WG_REAL power[3], struct WG_NAME(wg_slip) * slip) {
+static inline void WG_NAME(wg_slip_start)(const WG_REAL power[3], struct WG_NAME(wg_tripod) * slip) {
     const WG_REAL square = WG_NAME(wg_dot)(power, power), size = WG_SQRT(square);
     WG_REAL blunt = WG_C(1.0), V[3], sum = WG_C(0.0);
     int i;
@@ -82,8 +82,8 @@ static inline void WG_NAME(wg_slip_start)(const WG_REAL power[3], struct WG_NAME
 }
 
 /* Newton from a start with all feet sliding, then with one held; whether one of them ends in a slip. */
-static inline int WG_NAME(wg_slip_solved)(const WG_REAL power[3], struct WG_NAME(wg_slip) * slip) {
-    const struct WG_NAME(wg_slip) start = *slip;
+static inline int WG_NAME(wg_slip_solved)(const WG_REAL power[3], struct WG_NAME(wg_tripod) * slip) {
+    const struct WG_NAME(wg_tripod) start = *slip;
     int foot, i;
     for (foot = -1; foot < 3; ++foot) {
         *slip = start;
@@ -100,7 +100,7 @@ static inline int WG_NAME(wg_slip_solved)(const WG_REAL power[3], struct WG_NAME
 }
 
 /* The slip searched for: 1, or 0. */
-static inline int WG_NAME(wg_slip_search)(const WG_REAL power[3], struct WG_NAME(wg_slip) * slip) {
+static inline int WG_NAME(wg_slip_search)(const WG_REAL power[3], struct WG_NAME(wg_tripod) * slip) {
     int turn, again;
     for (turn = 0; turn < 8; ++turn) {
         for (again = 0; again <= 2 * turn; ++again) {
@@ -118,7 +118,7 @@ static inline int WG_NAME(wg_slip_search)(const WG_REAL power[3], struct WG_NAME
 
 /* The twist about the frame's origin, and its axis: a point c = w x v / |w|^2, the direction w / |w|, and the pitch w . v / |w|^2; whether there
  * is one. */
-static inline int WG_NAME(wg_slip_axis)(const struct WG_NAME(wg_slip) * slip, WG_REAL twist[6], WG_REAL axis[6], WG_REAL *pitch) {
+static inline int WG_NAME(wg_slip_axis)(const struct WG_NAME(wg_tripod) * slip, WG_REAL twist[6], WG_REAL axis[6], WG_REAL *pitch) {
     WG_REAL shift[3], square, size;
     int i, turning;
     for (i = 0; i < 6; ++i) {
@@ -154,7 +154,7 @@ static inline void WG_NAME(wg_slip)(int32_t k, const WG_REAL *WG_RESTRICT points
                                     const WG_REAL *WG_RESTRICT wrench, WG_REAL *WG_RESTRICT normal_forces, WG_REAL *WG_RESTRICT f,
                                     WG_REAL *WG_RESTRICT twist, WG_REAL *WG_RESTRICT mu, WG_REAL *WG_RESTRICT axis, WG_REAL *WG_RESTRICT pitch,
                                     int32_t *WG_RESTRICT status) {
-    struct WG_NAME(wg_slip) slip;
+    struct WG_NAME(wg_tripod) slip;
     WG_REAL power[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, V[3], left;
     int i, j, found = WG_NAME(wg_slip_read)(k, points, normals, wrench, &slip), pulls = 0;
     *status = found < 0 ? WALKGEN_BAD_INPUT : WALKGEN_SINGULAR;

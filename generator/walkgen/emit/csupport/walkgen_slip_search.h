@@ -22,7 +22,7 @@
 
 /* The tripod: wrenches of unit normal forces, admissible twists, by rows; velocities of foot i by B_j, and the unknowns. `held`: the foot that
  * stays, or -1; T its friction. */
-struct WG_NAME(wg_slip) {
+struct WG_NAME(wg_tripod) {
     struct WG_NAME(wg_stance) stance;
     const WG_REAL *normals;
     WG_REAL press[3][6], B[3][6], speed[3][3][3], N[3], tau[3], mu, T[3];
@@ -30,7 +30,7 @@ struct WG_NAME(wg_slip) {
 };
 
 /* Velocity of a foot. */
-static inline void WG_NAME(wg_slip_velocity)(const struct WG_NAME(wg_slip) * slip, int foot, const WG_REAL tau[3], WG_REAL V[3]) {
+static inline void WG_NAME(wg_slip_velocity)(const struct WG_NAME(wg_tripod) * slip, int foot, const WG_REAL tau[3], WG_REAL V[3]) {
     int i;
     for (i = 0; i < 3; ++i) {
         V[i] = tau[0] * slip->speed[foot][0][i] + tau[1] * slip->speed[foot][1][i] + tau[2] * slip->speed[foot][2][i];
@@ -67,7 +67,7 @@ static inline int WG_NAME(wg_slip_eliminate)(int n, WG_REAL rows[8][9]) {
 }
 
 /* tau with the least sum of N |V| for power 1, smoothed: sqrt(|V|^2 + blunt^2), Newton with halved steps from the present tau. */
-static inline void WG_NAME(wg_slip_ease)(struct WG_NAME(wg_slip) * slip, const WG_REAL power[3], WG_REAL blunt) {
+static inline void WG_NAME(wg_slip_ease)(struct WG_NAME(wg_tripod) * slip, const WG_REAL power[3], WG_REAL blunt) {
     WG_REAL rows[8][9], V[3], tried[3], value = WG_INFINITY, factor;
     int turn, i, j, foot, half;
     for (turn = 0; turn < 40; ++turn) {
@@ -130,7 +130,7 @@ static inline void WG_NAME(wg_slip_ease)(struct WG_NAME(wg_slip) * slip, const W
 
 /* What the forces leave unbalanced [6], with derivatives to N, tau and mu, or to N, the held foot's friction and mu, in rows [6][9]; the
  * longest part of it. */
-static inline WG_REAL WG_NAME(wg_slip_balance)(const struct WG_NAME(wg_slip) * slip, WG_REAL rows[8][9]) {
+static inline WG_REAL WG_NAME(wg_slip_balance)(const struct WG_NAME(wg_tripod) * slip, WG_REAL rows[8][9]) {
     WG_REAL V[3], force[3], wrench[6], worst = WG_C(0.0);
     int foot, i, j;
     for (i = 0; i < 6; ++i) {
@@ -179,7 +179,7 @@ static inline WG_REAL WG_NAME(wg_slip_balance)(const struct WG_NAME(wg_slip) * s
 }
 
 /* Newton on balance and the unknowns' norm: whether it ends in balance. */
-static inline int WG_NAME(wg_slip_newton)(struct WG_NAME(wg_slip) * slip) {
+static inline int WG_NAME(wg_slip_newton)(struct WG_NAME(wg_tripod) * slip) {
     WG_REAL rows[8][9], worst, least = WG_INFINITY;
     int turn, i, idle = 0;
     for (turn = 0; turn < 40; ++turn) {
@@ -221,7 +221,7 @@ static inline int WG_NAME(wg_slip_newton)(struct WG_NAME(wg_slip) * slip) {
 }
 
 /* Whether what was found is a slip: feet press, friction resists the twist, a held foot's friction is within its cone. */
-static inline int WG_NAME(wg_slip_holds)(const struct WG_NAME(wg_slip) * slip, const WG_REAL power[3]) {
+static inline int WG_NAME(wg_slip_holds)(const struct WG_NAME(wg_tripod) * slip, const WG_REAL power[3]) {
     int i, fine = slip->mu > WG_C(0.0) && slip->mu <= WG_HUGE && WG_NAME(wg_dot)(power, slip->tau) > WG_C(0.0);
     for (i = 0; i < 3; ++i) {
         fine &= slip->N[i] >= -WG_SMALL;
@@ -233,7 +233,7 @@ static inline int WG_NAME(wg_slip_holds)(const struct WG_NAME(wg_slip) * slip, c
 }
 
 /* tau of the twist that leaves a foot where it is, the way the load drives it; whether there is one. */
-static inline int WG_NAME(wg_slip_about)(int foot, const WG_REAL power[3], struct WG_NAME(wg_slip) * slip) {
+static inline int WG_NAME(wg_slip_about)(int foot, const WG_REAL power[3], struct WG_NAME(wg_tripod) * slip) {
     WG_REAL first[3], second[3], longest = WG_C(0.0), tau[3], across[3];
     int i, j, c;
     for (i = 0; i < 3; ++i) { /* speed' has rank 2: the longest product of two of its rows */

@@ -78,7 +78,7 @@ def _sliding(stance: Stance, normals: Reals, free: Reals, start: Reals) -> Itera
         V = (stance.grasp.T @ (free @ x[3:6])).reshape(3, 3)
         units = V / np.sqrt(np.sum(V**2, axis=1))[:, None]
         f = x[:3, None] * (normals - x[6] * units)
-        return np.append(stance.grasp @ f.ravel() + stance.load, x[3:6] @ x[3:6] - 1.0)
+        return np.asarray(np.append(stance.grasp @ f.ravel() + stance.load, x[3:6] @ x[3:6] - 1.0), complex)
 
     for i in range(_STARTS):
         height, angle = 1.0 - (2.0 * i + 1.0) / _STARTS, i * np.pi * (3.0 - np.sqrt(5.0))
@@ -100,7 +100,7 @@ def _turning(stance: Stance, normals: Reals, free: Reals, start: Reals) -> Itera
         first, second = np.linalg.svd(normals[held][None])[2][1:]
 
         def friction(x: Reals, units: Reals = units, held: int = held, across: tuple[Reals, Reals] = (first, second)) -> Reals:
-            T = -x[5] * x[:3, None] * units
+            T: Reals = -x[5] * x[:3, None] * units
             T[held] = x[3] * across[0] + x[4] * across[1]
             return T
 
