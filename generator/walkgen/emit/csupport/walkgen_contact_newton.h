@@ -218,7 +218,7 @@ static inline int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) 
         size = WG_SQRT(WG_NAME(wg_contact_product)(dual->y, dual->y));
         if (size <= WG_C(10.0) * WG_RATHER * largest) {
             answer = WG_CONTACT_FOUND;
-        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + WG_C(8.0) * WG_EPSILON / size) > WG_C(0.0)) {
+        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + (turn < 20 ? WG_C(0.0) : WG_C(8.0) * WG_EPSILON / size)) > WG_C(0.0)) {
             answer = WG_CONTACT_REFUTED;
         }
         WG_NAME(wg_contact_recentre)(stance, dual, 1, centre);
