@@ -97,7 +97,7 @@ def refutation(stances, found, facets=0):
 
 
 def exactly_refuted(stance, certificate):
-    """In 50 digits, for one stance with round cones and no bound: what a certificate gives of the load, of forces at least, and its size."""
+    """In 50 digits, for one stance with round cones and no bound: a certificate's product with the load, with forces at least; its size."""
     with mpmath.workdps(50):
         c = [mpmath.mpf(float(value)) for value in certificate]
         size, least = mpmath.mpf(float(loads(stance)[0])), mpmath.inf
