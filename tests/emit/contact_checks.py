@@ -97,7 +97,7 @@ def refutation(stances, found, facets=0):
 
 
 def exactly_refuted(stance, certificate):
-    """In 50 digits, for one stance with round cones and no bound: certificate . wrench; certificate . (f, p x f) at least, for N = load."""
+    """In 50 digits, for one stance with round cones and no bound: a certificate's product with the load, with forces at least; its size."""
     with mpmath.workdps(50):
         c = [mpmath.mpf(float(value)) for value in certificate]
         size, least = mpmath.mpf(float(loads(stance)[0])), mpmath.inf
@@ -107,7 +107,8 @@ def exactly_refuted(stance, certificate):
             N = sum(a * b for a, b in zip(z, normal, strict=True))
             T = mpmath.sqrt(sum((a - N * b) ** 2 for a, b in zip(z, normal, strict=True)))
             least = min(least, (N - mpmath.mpf(mu) * T) * size)
-        return float(sum(a * mpmath.mpf(b) for a, b in zip(c, stance.wrench[0], strict=True))), float(least)
+        entries = mpmath.sqrt(sum(value**2 for value in c)) * size
+        return float(sum(a * mpmath.mpf(b) for a, b in zip(c, stance.wrench[0], strict=True))), float(least), float(entries)
 
 
 def exactly_carried(stance, f):

@@ -32,16 +32,13 @@
 #define WG_CONTACT_OPEN 2
 #endif
 
-/* What y proves: y . b less the most that forces give, 0 where forces without bound give more than `allowed` of that. `strictly`: the more
- * than rounding could hide. */
-static inline WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL strictly,
-                                                WG_REAL allowed) {
-    const struct WG_NAME(wg_contact_cones) *cones = &stance->cones;
-    const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
-    WG_REAL gain = whole, z[3][WALKGEN_MAX_FEET], c, s;
+/* What multipliers prove whose products with the feet's forces are z and with the load `whole`: `whole` less the most that forces give, 0
+ * where forces without bound give more than `allowed` of it. `strictly`: the more than rounding could hide. */
+static inline WG_REAL WG_NAME(wg_contact_excess)(const struct WG_NAME(wg_contact_cones) * cones, int32_t feet, WG_REAL z[3][WALKGEN_MAX_FEET],
+                                                 WG_REAL whole, WG_REAL strictly, WG_REAL allowed) {
+    WG_REAL gain = whole, c, s;
     int i, j;
-    WG_NAME(wg_contact_pull)(stance, y, z);
-    for (i = 0; i < stance->feet; ++i) {
+    for (i = 0; i < feet; ++i) {
         WG_REAL N = WG_C(0.0), a = WG_C(0.0), b = WG_C(0.0), square = WG_C(0.0), part[3], most;
         for (j = 0; j < 3; ++j) {
             N += cones->n[j][i] * z[j][i];
@@ -65,6 +62,15 @@ static inline WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_
         }
     }
     return gain > allowed * whole ? gain : WG_C(0.0);
+}
+
+/* The same of y. */
+static inline WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL strictly,
+                                                WG_REAL allowed) {
+    const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
+    WG_REAL z[3][WALKGEN_MAX_FEET];
+    WG_NAME(wg_contact_pull)(stance, y, z);
+    return WG_NAME(wg_contact_excess)(&stance->cones, stance->feet, z, whole, strictly, allowed);
 }
 
 /* Whether dual's forces show that y may be a proof: all feet without bound are free, and rounding of y does not hide its gain. */
@@ -218,7 +224,7 @@ static inline int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) 
         size = WG_SQRT(WG_NAME(wg_contact_product)(dual->y, dual->y));
         if (size <= WG_C(10.0) * WG_RATHER * largest) {
             answer = WG_CONTACT_FOUND;
-        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + WG_C(8.0) * WG_EPSILON / size) > WG_C(0.0)) {
+        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + (turn < 20 ? WG_C(0.0) : WG_C(8.0) * WG_EPSILON / size)) > WG_C(0.0)) {
             answer = WG_CONTACT_REFUTED;
         }
         WG_NAME(wg_contact_recentre)(stance, dual, 1, centre);
