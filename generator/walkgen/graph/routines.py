@@ -44,6 +44,9 @@ _KNOWN = (
     Routine("wg_inverse_pose", "walkgen_reach.h", "reach", inputs=5, outputs=2),
     Routine("wg_adapt", "walkgen_adapt.h", "adapt", inputs=10, outputs=3),
     Routine("wg_adapt_velocity", "walkgen_adapt_velocity.h", "adapt_velocity", inputs=11, outputs=2),
+    Routine("wg_contact_stiffness", "walkgen_contact_stiffness.h", "contact_stiffness", inputs=7, outputs=5),
+    Routine("wg_contact_stiffness_blocks", "walkgen_contact_stiffness.h", "contact_stiffness", inputs=7, outputs=5),
+    Routine("wg_contact_terrain_springs", "walkgen_contact_stiffness.h", "contact_stiffness", inputs=5, outputs=1),
     Routine("wg_damped_inverse_3", "walkgen_damped.h", "damped", inputs=4, outputs=2),
     Routine("wg_damped_inverse", "walkgen_damped_general.h", "damped_general", inputs=5, outputs=2),
 )
