@@ -94,8 +94,9 @@ static inline int32_t WG_NAME(wg_bonded_coupled)(const struct WG_NAME(wg_contact
     }
     for (i = 0; i < stand->feet; ++i) { /* the feet's own spread, whatever their legs: the motion that moves none is missing */
         for (j = 0; j < 6; ++j) {
-            const WG_REAL unit[6] = {j == 0, j == 1, j == 2, j == 3, j == 4, j == 5};
+            WG_REAL unit[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};
             WG_REAL moved[3];
+            unit[j] = WG_C(1.0);
             WG_NAME(wg_elastic_moved)(stand->r[i], unit, moved);
             WG_NAME(wg_elastic_gather)(stand->r[i], moved, WG_C(1.0), K + j, 6);
         }
