@@ -33,7 +33,7 @@ class Beam:
 
     def lever(self, point: Vec, tape: Tape) -> Vec:
         """From the middle to a point, along the link's axes."""
-        away = tape.vector("from_middle", minus(point, self.middle))
+        away = tape.vector("away", minus(point, self.middle))
         x, y, z = (dot(axis, away) for axis in self.axes)
         return tape.vector("lever", (x, y, z))
 
@@ -46,7 +46,7 @@ class Beam:
             tape: where the intermediates go.
         """
         flexibility = self._local(self.lever(first, tape), self.lever(second, tape), tape)
-        half = [tape.vector("yield", _combined(row, self.axes)) for row in flexibility]
+        half = [tape.vector("part", _combined(row, self.axes)) for row in flexibility]
         return [[dot([axis[row] for axis in self.axes], [part[column] for part in half]) for column in range(3)] for row in range(3)]
 
     def _local(self, a: Vec, b: Vec, tape: Tape) -> Rows:
@@ -58,7 +58,7 @@ class Beam:
             terms = [turn * m[row] * n[column] for turn, (m, n) in zip(self.turns, moments, strict=True)]
             entry = sympy.Add(*terms, diagonal[row] if row == column else sympy.S.Zero)
             rows = [*rows, []] if column == 0 else rows
-            rows[row].append(tape.let("flexibility", entry))
+            rows[row].append(tape.let("soft", entry))
         return rows
 
     def under(self, point: Vec, force: Vec, moment: Vec, tape: Tape) -> Vec:

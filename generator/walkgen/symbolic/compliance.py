@@ -37,7 +37,7 @@ def foot_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
 def _summed(beams: Sequence[Beam | None], first: Vec, second: Vec, tape: Tape) -> Rows:
     """Over the links; for one point the matrix is symmetric."""
     parts = [beam.shared(first, second, tape) for beam in beams if beam is not None]
-    rows = [[tape.let("compliance", sympy.Add(*(part[row][column] for part in parts))) for column in range(3)] for row in range(3)]
+    rows = [[tape.let("c", sympy.Add(*(part[row][column] for part in parts))) for column in range(3)] for row in range(3)]
     if first == second:
         return [[rows[min(row, column)][max(row, column)] for column in range(3)] for row in range(3)]
     return rows
