@@ -20,7 +20,7 @@ _LEG = (
 _ROBOT = (
     "platform_poses foot_positions foot_jacobians adapt adapt_velocity com com_jacobian centroidal_momentum_matrix momentum momentum_rate "
     "demanded_wrench floating_mass_matrix floating_inverse_dynamics contact_forces friction_needed slip settle chain_reactions "
-    "stability_margins terrain"
+    "stance_compliance load_misfit stability_margins terrain"
 )
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
@@ -29,6 +29,14 @@ VOCABULARY = {
     "robot": frozenset(_ROBOT.split()),
 }
 """Names that walkgen knows for each kind of owner; not every mechanism has them all."""
+
+
+_SECTIONS = {
+    "foot_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of the leg",
+    "stance_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of all legs",
+    "load_misfit": "no chain is elastic: name one of [sections] as section in the links of chains, and of all legs",
+    "chain_reactions": "it has no connecting chains",
+}
 
 
 class MissingFunction(UnsupportedMechanism, AttributeError):
@@ -62,4 +70,6 @@ def _reason(name: str, joints: int) -> str:
         return f"{joints} joints reach a position in infinitely many ways; inverse_near and inverse_pose start from a seed"
     if name == "inverse_pose" and 0 < joints <= _BRANCHED_JOINTS:
         return f"{joints} joints cannot give the foot every pose; inverse reaches positions"
+    if name in _SECTIONS:
+        return f"{_SECTIONS[name]}, or [generate] functions leaves it out"
     return "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"
