@@ -62,4 +62,7 @@ FLOATING_FUNCTIONS: Final = (
 LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS + DYNAMICS_FUNCTIONS
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
 ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity", *FLOATING_FUNCTIONS)
-FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS
+TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "patch", "project")
+"""Of the ground, where the spec has any."""
+
+FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS + TERRAIN_FUNCTIONS

@@ -1,10 +1,11 @@
-"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own."""
+"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own and the ground's."""
 
 from collections.abc import Callable, Iterable, Iterator
 
 from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.spec.branches import BRANCHED_JOINTS
+from walkgen.spec.functions import TERRAIN_FUNCTIONS
 from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
@@ -15,6 +16,7 @@ from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
+from walkgen.symbolic.terrain import TerrainFunctions
 
 LegBuilder = Callable[[Mechanism, Limb], Derivation]
 PathBuilder = Callable[[Mechanism, Route], Derivation]
@@ -63,6 +65,9 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
             yield getattr(robot, name)()
     yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
     yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
+    if mechanism.terrain:
+        ground = TerrainFunctions(mechanism, mechanism.terrain)
+        yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name) and name != "project")
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
