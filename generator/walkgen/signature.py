@@ -1,6 +1,7 @@
 """Names, shapes and units of a generated function: the one vocabulary that generator and runtime share."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from decimal import Decimal
 from math import prod
 from typing import Literal
 
@@ -26,6 +27,15 @@ class Port:
     def size(self) -> int:
         """How many elements the port has."""
         return prod(self.shape)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Constant numbers under a full name; `columns` only lays them out."""
+
+    name: str
+    values: tuple[Decimal, ...] = field(hash=False, repr=False)  # long, and the name tells tables apart
+    columns: int = 8
 
 
 @dataclass(frozen=True)

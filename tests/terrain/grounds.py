@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-TERRAIN = ("height", "normal", "tangents", "curvature", "ground", "patch")
+TERRAIN = ("height", "normal", "tangents", "curvature", "ground", "patch", "project")
 
 _ROBOT = """
 walkgen = 1

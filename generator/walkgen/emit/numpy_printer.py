@@ -12,7 +12,7 @@ from walkgen.emit.python_text import OPERATORS, banner, listing, literal, shape_
 from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES, Routine
-from walkgen.signature import Port
+from walkgen.signature import Port, Table
 
 _FORMS: Mapping[Code, Form] = {
     **OPERATORS,
@@ -81,6 +81,7 @@ def numpy_artifact(code: RobotCode) -> Artifact:
         banner=banner(code),
         title=title(code, "NumPy"),
         imports=_imports(code),
+        tables=[_table(table) for table in code.tables],
         kernels=[_program(kernel, "_") for kernel in _kernels(code)],
         functions=public,
         names=[short_name(body.signature) for body in code.functions],
@@ -127,13 +128,13 @@ def _program(program: Program, prefix: str = "") -> PythonFunction:
 def _composite(composite: Composite, public: Collection[Program]) -> PythonFunction:
     signature = composite.signature
     arrays = listing(f"lead, {unpacked(port.name for port in signature.inputs)} = _arrays(", map(_given, signature.inputs), ")")
-    steps = tuple(_step(call, public) for call in composite.calls)
+    steps = tuple(line for call in composite.calls for line in _step(call, public))
     spread = ", ".join(f"_spread(lead, {shape_text(port.shape)}, {_dtype(port)}, {port.name})" for port in signature.outputs)
     lines = (*arrays, *steps, f"    return {spread}")
     return PythonFunction(short_name(signature), _parameters(composite), summary(composite), lines)
 
 
-def _step(call: Call, public: Collection[Program]) -> str:
+def _step(call: Call, public: Collection[Program]) -> tuple[str, ...]:
     """One call; a guard only saves C the work, a routine leaves alone the rows that do not need it."""
     if isinstance(call.callee, Program):
         prefix = "" if call.callee in public else "_"
@@ -143,13 +144,19 @@ def _step(call: Call, public: Collection[Program]) -> str:
         routine = ROUTINES[call.callee]
         name, taken, written = routine.name, routine.taken, routine.inputs
     arguments = [_argument(argument) for argument in call.arguments]
-    return f"    {', '.join(arguments[written:])} = {name}({', '.join(arguments[:taken])})"
+    step = f"    {', '.join(arguments[written:])} = {name}({', '.join(arguments[:taken])})"
+    return (f"    for _ in range({call.repeat}):", f"    {step}") if call.repeat > 1 else (step,)
 
 
 def _argument(argument: str | Decimal | int) -> str:
     if isinstance(argument, Decimal):
         return literal(argument).text
     return str(argument)
+
+
+def _table(table: Table) -> tuple[str, ...]:
+    rows = (literal(value).text for value in table.values)
+    return listing(f"{table.name} = np.array((", rows, "))", indent="")
 
 
 def _parameters(body: Body) -> str:

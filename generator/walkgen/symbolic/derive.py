@@ -67,7 +67,7 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
     yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
     if mechanism.terrain:
         ground = TerrainFunctions(mechanism, mechanism.terrain)
-        yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name) and name != "project")
+        yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:

@@ -82,8 +82,12 @@ class Surfaces:
 
     def tolerance(self) -> sympy.Expr:
         """What counts as nothing beside 1 in a search: 1e-9, or what rounding leaves of it in single precision."""
-        roundoff = self.tape.let("roundoff", 64 * Epsilon())
+        roundoff = self.roundoff()
         return self.tape.let("tolerance", Select(Less(_TOLERANCE, roundoff), roundoff, _TOLERANCE))
+
+    def roundoff(self) -> sympy.Expr:
+        """What rounding makes of 1."""
+        return self.tape.let("roundoff", 64 * Epsilon())
 
     def explicit(self, name: str, surface: Explicit, x: sympy.Expr | None = None, y: sympy.Expr | None = None) -> Jet:
         """z and its derivatives at (x, y), those of the point where not given."""

@@ -7,15 +7,19 @@ import sympy
 
 from walkgen.model.mechanism import Mechanism
 from walkgen.model.terrain import Patch, Terrain
-from walkgen.signature import Port
+from walkgen.signature import STATUSES, Port, Signature
 from walkgen.spec.scalar import Scalar
+from walkgen.symbolic.branches import BAD_INPUT, OK, SINGULAR, UNREACHABLE
 from walkgen.symbolic.frames import expression, parameter_symbols
-from walkgen.symbolic.function import Derivation, Less, Select
+from walkgen.symbolic.function import Both, Derivation, Finite, Indicator, Less, Same, Select, Solve, Step
+from walkgen.symbolic.locate import Search, joined, search
 from walkgen.symbolic.ports import signature
-from walkgen.symbolic.surfaces import POINT, Sheet, Surfaces, Symmetric
+from walkgen.symbolic.project import descent, foot, near_ports
+from walkgen.symbolic.surfaces import POINT, Sheet, Surfaces, Symmetric, located_port
 from walkgen.symbolic.tape import Tape, Vec, dot, scaled
 
 OWNER = "terrain"
+_NO_CONVERGENCE = sympy.Integer(STATUSES.index("NO_CONVERGENCE"))
 _SOURCE = "theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)"
 _DUFF = "Duff et al., Building an orthonormal basis, revisited, JCGT 2017"
 _FIRST = "the first patch whose domain holds the point counts"
@@ -36,6 +40,10 @@ class TerrainFunctions:
     @cached_property
     def _sheets(self) -> tuple[Sheet, ...]:
         return tuple(self._surfaces.sheet(patch) for patch in self._terrain.patches)
+
+    @cached_property
+    def _search(self) -> Search:
+        return joined([search(self._mechanism, OWNER, patch) for patch in self._terrain.patches])
 
     def function(self, name: str) -> Derivation:
         """The function of this name."""
@@ -125,9 +133,50 @@ class TerrainFunctions:
         outputs = [self._chosen([sympy.Integer(index) for index in range(len(self._sheets))], sympy.Integer(-1))]
         return self._function("patch", [Port("index", kind="integer")], outputs, doc, "")
 
+    def project(self) -> Derivation:
+        """foot [3] and a status."""
+        doc = (
+            "The point nearest to p on the surface of the patch that p's x and y are on, as far as descent from the surface over p finds "
+            "it: p minus it is normal to the surface. UNREACHABLE where it lies beyond the patch's domain (foot is then the point over p) "
+            "or p is off every patch (NaN); SINGULAR where the surface has no normal at the foot."
+        )
+        x, y, z = self._surfaces.point
+        feet = [foot(self._surfaces, patch) for patch in self._terrain.patches]
+        count = len(self._sheets)
+        over = (self._chosen([x] * count), self._chosen([y] * count), self._chosen([sheet.z for sheet in self._sheets]))
+        nearest = self._tape.vector("nearest", [self._chosen([one.point[axis] for one in feet]) for axis in range(3)])
+        inside, close, regular = (self._flag(part, [getattr(one, part) for one in feet]) for part in ("inside", "close", "regular"))
+        known = _all_finite((x, y, z))
+        points = [Select(known, Select(inside, there, here), sympy.nan) for there, here in zip(nearest, over, strict=True)]
+        found = Select(Both(close, _all_finite(nearest)), OK, _NO_CONVERGENCE)
+        status = Select(known, Select(inside, Select(regular, found, SINGULAR), UNREACHABLE), BAD_INPUT)
+        ports = [Port("foot", (3,), "m"), Port("status", kind="integer")]
+        steps = joined([descent(self._mechanism, OWNER, patch) for patch in self._terrain.patches])
+        near = [port for patch in self._terrain.patches for port in near_ports(patch)]
+        return self._solve(self._words("project", ports, doc, _SOURCE), [*points, status], steps, near)
+
+    def _flag(self, name: str, truths: Sequence[sympy.Basic]) -> sympy.Basic:
+        """Whether the first patch that holds the point has this; not where no patch does."""
+        return Same(self._tape.let(name, self._chosen([Indicator(truth) for truth in truths], sympy.S.Zero)), 1)
+
     def _function(self, name: str, ports: Sequence[Port], outputs: Sequence[sympy.Expr], doc: str, source: str = _SOURCE) -> Derivation:
-        words = signature(self._mechanism, OWNER, name, [POINT], ports, doc, source)
-        return self._tape.function(words, outputs)
+        return self._solve(self._words(name, ports, doc, source), outputs, self._search, ())
+
+    def _words(self, name: str, ports: Sequence[Port], doc: str, source: str) -> Signature:
+        return signature(self._mechanism, OWNER, name, [POINT], ports, doc, source)
+
+    def _solve(self, words: Signature, outputs: Sequence[sympy.Expr], found: Search, near: Sequence[Port]) -> Derivation:
+        """A Function of the point alone, or one of what was found for it before."""
+        if not found.steps:
+            return self._tape.function(words, outputs)
+        located = [port for patch in self._terrain.patches if (port := located_port(patch))]
+        inner = signature(self._mechanism, OWNER, f"{words.name}_at", [POINT, *located, *near], words.outputs, "", "")
+        arguments = (*(port.name for port in inner.inputs), *(port.name for port in words.outputs))
+        return Solve(words, found.locals, (*found.steps, Step(self._tape.function(inner, outputs), arguments)), tables=found.tables)
+
+
+def _all_finite(vector: Vec) -> sympy.Basic:
+    return Both(Both(Finite(vector[0]), Finite(vector[1])), Finite(vector[2]))
 
 
 def _applied(matrix: Symmetric, vector: Vec) -> Vec:
@@ -144,4 +193,5 @@ _BUILDERS: dict[str, Callable[[TerrainFunctions], Derivation]] = {
     "curvature": TerrainFunctions.curvature,
     "ground": TerrainFunctions.ground,
     "patch": TerrainFunctions.patch,
+    "project": TerrainFunctions.project,
 }
