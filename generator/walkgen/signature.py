@@ -1,7 +1,8 @@
 """Names, shapes and units of a generated function: the one vocabulary that generator and runtime share."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from math import prod
 from types import MappingProxyType
 from typing import Literal
@@ -45,6 +46,15 @@ class Port:
     def sized(self, counts: Mapping[str, int]) -> "Port":
         """The port with its counts replaced by sizes."""
         return replace(self, shape=tuple(counts[size] if isinstance(size, str) else size for size in self.shape))
+
+
+@dataclass(frozen=True)
+class Table:
+    """Constant numbers under a full name; `columns` only lays them out."""
+
+    name: str
+    values: tuple[Decimal, ...] = field(hash=False, repr=False)  # long, and the name tells tables apart
+    columns: int = 8
 
 
 @dataclass(frozen=True)

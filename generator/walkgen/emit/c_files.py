@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 from walkgen import __version__
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_constants import macros
-from walkgen.emit.c_function import CFunction, batch_function, composite_function, function_name, kernel, program_function
+from walkgen.emit.c_function import CFunction, batch_function, composite_function, function_name, kernel, program_function, table_lines
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
@@ -89,6 +89,7 @@ def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], fun
         banner=banner(code, f"Straight-line code in {precision.real}."),
         defines=() if code.fma else ("WALKGEN_NO_FMA",),
         includes=(f"{stem}.h", precision.header, *dict.fromkeys(_routine_headers(code))),
+        tables=[table_lines(table, CPrinter(precision, code.fma)) for table in code.tables],
         functions=[*kernels, *(function for pair in functions for function in pair)],
     )
 

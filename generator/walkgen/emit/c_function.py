@@ -1,5 +1,6 @@
 """Programs and Composites as C functions: declaration, body, batch variant and the comment above them."""
 
+import textwrap
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from walkgen.emit.manifest import operations
 from walkgen.emit.walker import Body, live, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES
-from walkgen.signature import Port, Signature
+from walkgen.signature import Port, Signature, Table
 
 _INDENT = "    "
 _COLUMNS = 116
@@ -65,7 +66,8 @@ def composite_function(composite: Composite, kernels: Mapping[Program, CFunction
     lines += [f"{_INDENT}return {returned.name};"] if returned else []
     deepest = max((kernels[call.callee].locals_size for call in composite.calls if isinstance(call.callee, Program)), default=0)
     own = sum(_size(port, printer.precision) for port in composite.locals)
-    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + deepest)
+    copied = max((sum(_size(port, printer.precision) for port in _copied(call, composite)) for call in composite.calls), default=0)
+    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + copied + deepest)
 
 
 def batch_function(signature: Signature, precision: Precision) -> CFunction:
@@ -239,12 +241,50 @@ def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFun
         name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
     arguments = [_argument(argument, composite, printer, by_address=place >= inputs) for place, argument in enumerate(call.arguments)]
     step = f"{name}({', '.join(arguments)});"
+    if call.repeat > 1 or _copied(call, composite):
+        yield from _repeated_lines(call, composite, name, printer)
+        return
     if call.guard is None:
         yield f"{_INDENT}{step}"
         return
     asked = [_argument(argument, composite, printer, by_address=True) for argument in call.guard[1]]
     guard = f"{_routine_name(call.guard[0], printer.precision)}({', '.join(asked)})"
     yield from (f"{_INDENT}if ({guard}) {{", f"{_INDENT * 2}{step}", f"{_INDENT}}}")
+
+
+def _repeated_lines(call: Call, composite: Composite, name: str, printer: CPrinter) -> Iterator[str]:
+    """A kernel run several times; arguments never overlap, so what it also writes it reads from a copy."""
+    assert isinstance(call.callee, Program)
+    inputs = len(call.callee.signature.inputs)
+    both = _copied(call, composite)
+    copies = {port.name: f"before_{port.name}" for port in both}
+    arguments = [
+        copies.get(str(argument), "") if place < inputs and argument in copies else _argument(argument, composite, printer, by_address=True)
+        for place, argument in enumerate(call.arguments)
+    ]
+    yield f"{_INDENT}for (int wg_turn = 0; wg_turn < {call.repeat}; ++wg_turn) {{"
+    for port in both:
+        yield f"{_INDENT * 2}{_type(port, printer.precision)} {copies[port.name]}[{port.size}];"
+        yield f"{_INDENT * 2}for (int wg_at = 0; wg_at < {port.size}; ++wg_at) {{"
+        yield f"{_INDENT * 3}{copies[port.name]}[wg_at] = {port.name}[wg_at];"
+        yield f"{_INDENT * 2}}}"
+    yield f"{_INDENT * 2}{name}({', '.join(arguments)});"
+    yield f"{_INDENT}}}"
+
+
+def _copied(call: Call, composite: Composite) -> tuple[Port, ...]:
+    """The locals that a kernel reads and writes."""
+    inputs = len(call.callee.signature.inputs) if isinstance(call.callee, Program) else len(call.arguments)
+    read, written = call.arguments[:inputs], call.arguments[inputs:]
+    return tuple(port for port in composite.locals if port.name in read and port.name in written)
+
+
+def table_lines(table: Table, printer: CPrinter) -> tuple[str, ...]:
+    """A table as a constant array of the file."""
+    items = [f"{printer.constant(value).text}," for value in table.values]
+    rows = (" ".join(items[start : start + table.columns]) for start in range(0, len(items), table.columns))
+    wrapped = (line for row in rows for line in textwrap.wrap(row, _COLUMNS, break_long_words=False))
+    return (f"static const {printer.precision.real} {table.name}[{len(items)}] = {{", *(f"{_INDENT}{line}" for line in wrapped), "};")
 
 
 def _routine_name(name: str, precision: Precision) -> str:

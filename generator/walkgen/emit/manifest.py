@@ -45,6 +45,7 @@ def manifest(code: RobotCode, sources: tuple[Artifact, ...]) -> Artifact:
         "legs": [_leg(leg, robot) for leg in robot.legs],
         "chains": [_chain(chain, robot) for chain in robot.chains],
         "routes": [_route(leg, robot) for leg in robot.legs if robot.ancestors(leg.platform)],
+        **({"terrain": [patch.name for patch in robot.terrain.patches]} if robot.terrain else {}),
         "functions": [_function(body) for body in code.functions],
     }
     return Artifact(PurePosixPath("manifest.json"), json.dumps(content, indent=1, allow_nan=False) + "\n")

@@ -12,7 +12,7 @@ from walkgen.emit.python_text import OPERATORS, banner, listing, literal, shape_
 from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES, Routine
-from walkgen.signature import Port, Signature
+from walkgen.signature import Port, Signature, Table
 
 _FORMS: Mapping[Code, Form] = {
     **OPERATORS,
@@ -83,6 +83,7 @@ def numpy_artifact(code: RobotCode) -> Artifact:
         banner=banner(code),
         title=title(code, "NumPy"),
         imports=_imports(code),
+        tables=[_table(table) for table in code.tables],
         kernels=[_program(kernel, "_") for kernel in _kernels(code)],
         functions=public,
         names=[short_name(body.signature) for body in code.functions],
@@ -131,7 +132,7 @@ def _composite(composite: Composite, public: Collection[Program]) -> PythonFunct
     arrays = listing(f"lead, {unpacked(port.name for port in signature.inputs)} = _arrays(", map(_given, signature.inputs), ")")
     counts = tuple(f"    {count} = {_counted(signature, count)}" for count in signature.counts)
     known = {*signature.counts, *(["work"] if signature.workspace else [])}
-    steps = tuple(_step(call, public, known) for call in composite.calls)
+    steps = tuple(line for call in composite.calls for line in _step(call, public, known))
     spread = ", ".join(f"_spread(lead, {shape_text(port.shape)}, {_dtype(port)}, {port.name})" for port in signature.outputs)
     lines = (*counts, *arrays, *steps, f"    return {spread}")
     return PythonFunction(short_name(signature), _parameters(composite), summary(composite), lines)
@@ -143,7 +144,7 @@ def _counted(signature: Signature, count: str) -> str:
     return f'_count("{port.name}", {port.name}, {len(port.shape)}, {port.shape.index(count)})'
 
 
-def _step(call: Call, public: Collection[Program], known: Collection[str]) -> str:
+def _step(call: Call, public: Collection[Program], known: Collection[str]) -> tuple[str, ...]:
     """One call; a guard only saves C the work, a routine leaves alone the rows that do not need it, and reads counts off its arrays."""
     if isinstance(call.callee, Program):
         prefix = "" if call.callee in public else "_"
@@ -156,13 +157,19 @@ def _step(call: Call, public: Collection[Program], known: Collection[str]) -> st
         [_argument(argument) for argument in arguments if argument not in known]
         for arguments in (call.arguments[:taken], call.arguments[written:])
     )
-    return f"    {', '.join(results)} = {name}({', '.join(given)})"
+    step = f"    {', '.join(results)} = {name}({', '.join(given)})"
+    return (f"    for _ in range({call.repeat}):", f"    {step}") if call.repeat > 1 else (step,)
 
 
 def _argument(argument: str | Decimal | int) -> str:
     if isinstance(argument, Decimal):
         return literal(argument).text
     return str(argument)
+
+
+def _table(table: Table) -> tuple[str, ...]:
+    rows = (literal(value).text for value in table.values)
+    return listing(f"{table.name} = np.array((", rows, "))", indent="")
 
 
 def _parameters(body: Body) -> str:

@@ -42,6 +42,8 @@ _KNOWN = (
     Routine("wg_closest_within", "walkgen_within.h", "within", inputs=4, inouts=2),
     Routine("wg_inverse_reach", "walkgen_reach.h", "reach", inputs=5, outputs=2),
     Routine("wg_inverse_pose", "walkgen_reach.h", "reach", inputs=5, outputs=2),
+    Routine("wg_heightmap", "walkgen_heightmap.h", "heightmap", inputs=6, outputs=1),
+    Routine("wg_heightmap_project", "walkgen_heightmap.h", "heightmap", inputs=6, outputs=2),
     Routine("wg_adapt", "walkgen_adapt.h", "adapt", inputs=10, outputs=3),
     Routine("wg_adapt_velocity", "walkgen_adapt_velocity.h", "adapt_velocity", inputs=11, outputs=2),
     Routine("wg_contact_least_squares", "walkgen_contact.h", "contact", inputs=8, inouts=1, outputs=5),

@@ -1,4 +1,4 @@
-"""Says why a robot, leg, chain or route has no function of a name, so that a user learns more than that it is not there."""
+"""Says why a robot, leg, chain, route or terrain has no function of a name, so that a user learns more than that it is not there."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -25,6 +25,7 @@ _ROBOT = (
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
     "chain": frozenset({"pose", "jacobian", "frames"}),
+    "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "patch", "project"}),
     "route": frozenset(f"{_FORWARD} {_SEEDED}".split()),
     "robot": frozenset(_ROBOT.split()),
 }
@@ -47,7 +48,7 @@ def absent(kind: str, owner: str, name: str, built: Iterable[str], *, joints: in
     """What to raise for a name that `owner` does not have.
 
     Args:
-        kind: leg, chain, route or robot.
+        kind: leg, chain, route, terrain or robot.
         owner: its name.
         name: what was asked for.
         built: the names it does have.
@@ -72,4 +73,6 @@ def _reason(name: str, joints: int) -> str:
         return f"{joints} joints cannot give the foot every pose; inverse reaches positions"
     if name in _SECTIONS:
         return f"{_SECTIONS[name]}, or [generate] functions leaves it out"
+    if name == "terrain":
+        return "its spec describes no ground: [[terrain]] does"
     return "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"

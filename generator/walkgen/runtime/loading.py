@@ -15,7 +15,7 @@ from walkgen.runtime import contact
 from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
-from walkgen.runtime.robot import Chain, Leg, Robot, Route
+from walkgen.runtime.robot import Chain, Leg, Robot, Route, Terrain
 from walkgen.runtime.ufuncs import make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
@@ -128,6 +128,7 @@ def _robot(folder: Path, manifest: Manifest, backend: _Backend) -> Robot:
         legs=MappingProxyType({leg["name"]: _leg(leg, limits, owned.get(leg["name"], _NONE)) for leg in manifest.legs}),
         chains=MappingProxyType({chain["name"]: _chain(chain, limits, owned.get(chain["name"], _NONE)) for chain in manifest.chains}),
         routes=MappingProxyType({route["name"]: _route(route, owned.get(route["owner"], _NONE)) for route in manifest.routes}),
+        terrain=Terrain("terrain", manifest.patches, owned.get("terrain", _NONE)) if manifest.patches else None,
         functions=MappingProxyType(functions),
         backend=backend.name,
         backend_reason=backend.reason,

@@ -24,7 +24,7 @@ class FunctionEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """manifest.json, typed; `legs`, `chains`, `routes` and `parameters` keep the file's keys."""
+    """manifest.json, typed; `legs`, `chains`, `routes` and `parameters` keep the file's keys, `patches` are those of the ground."""
 
     robot: str
     description: str
@@ -39,6 +39,7 @@ class Manifest:
     legs: tuple[dict[str, Any], ...]
     chains: tuple[dict[str, Any], ...]
     routes: tuple[dict[str, Any], ...]
+    patches: tuple[str, ...]
     functions: tuple[FunctionEntry, ...]
 
 
@@ -81,6 +82,7 @@ def _manifest(content: dict[str, Any]) -> Manifest:
         legs=_tables(content["legs"]),
         chains=_tables(content["chains"]),
         routes=_tables(content["routes"]),
+        patches=_texts(content.get("terrain", [])),
         functions=tuple(_function(entry, robot) for entry in content["functions"]),
     )
 

@@ -1,10 +1,11 @@
-"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own."""
+"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own and the ground's."""
 
 from collections.abc import Callable, Iterable, Iterator
 
 from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.spec.branches import BRANCHED_JOINTS
+from walkgen.spec.functions import TERRAIN_FUNCTIONS
 from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance
@@ -19,6 +20,7 @@ from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 from walkgen.symbolic.stance import stance_functions
+from walkgen.symbolic.terrain import TerrainFunctions
 
 LegBuilder = Callable[[Mechanism, Limb], Derivation]
 PathBuilder = Callable[[Mechanism, Route], Derivation]
@@ -73,6 +75,9 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
         contact_functions(mechanism) | stance_functions(mechanism) | StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
     )
     yield from (build() for name, build in stood.items() if wanted(name))
+    if mechanism.terrain:
+        ground = TerrainFunctions(mechanism, mechanism.terrain)
+        yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
