@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.optimize import linprog
-from stance_library import Stances
 
 from oracles.stances import O10_FRICTION, O10_LOAD, O10_POINTS, incline_load, moved, random_rotation, random_stance, unit
 from walkgen.runtime.solves.friction_needed import friction_needed
@@ -11,11 +10,6 @@ from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE,
 
 UP = np.tile([0.0, 0.0, 1.0], (3, 1))
 SQUARE = np.array([[0.3, 0.2, 0.0], [-0.3, 0.2, 0.0], [-0.3, -0.2, 0.0], [0.3, -0.2, 0.0]])
-
-
-@pytest.fixture(scope="module")
-def stances(tmp_path_factory):
-    return Stances(tmp_path_factory.mktemp("friction"))
 
 
 def checks(points, normals, wrench, mu, f, twist) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from stance_library import Stances
 
 from oracles.stances import (
     O10_AXIS,
@@ -19,11 +18,6 @@ from walkgen.runtime.solves.slip import slip
 from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, OK, SINGULAR, grasp_map
 
 UP = np.tile([0.0, 0.0, 1.0], (3, 1))
-
-
-@pytest.fixture(scope="module")
-def stances(tmp_path_factory):
-    return Stances(tmp_path_factory.mktemp("slip"))
 
 
 def assert_slips(points, normals, wrench, mu, N, f, twist):
