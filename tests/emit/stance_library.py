@@ -68,7 +68,7 @@ class Stances:
     """The routines with the arguments of their NumPy references, one stance a call; outputs begin as 7 and -1."""
 
     def __init__(self, folder) -> None:
-        self._library = build(folder, stance_source())
+        self._library = build(folder, stance_source(), "-O1")
 
     def grasp(self, points, dtype=np.float64):
         k = len(points)

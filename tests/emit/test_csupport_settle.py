@@ -2,16 +2,10 @@
 
 import numpy as np
 import pytest
-from stance_library import Stances
 
 from oracles.bowl import LIMITS, NORMAL_FORCES, WEIGHT, bowl, limit, stance, tilt, tilted
 from walkgen.runtime.solves.settle import Robot, settle
 from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, OK, SINGULAR
-
-
-@pytest.fixture(scope="module")
-def stances(tmp_path_factory):
-    return Stances(tmp_path_factory.mktemp("settle"))
 
 
 def incline(angle, mu, centre_of_mass=(0.0, 0.0, 0.2)) -> Robot:

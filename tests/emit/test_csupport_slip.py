@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from stance_library import Stances
 
 from oracles.stances import (
     O10_AXIS,
@@ -19,11 +18,6 @@ from walkgen.runtime.solves.slip import slip
 from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, OK, SINGULAR, grasp_map
 
 UP = np.tile([0.0, 0.0, 1.0], (3, 1))
-
-
-@pytest.fixture(scope="module")
-def stances(tmp_path_factory):
-    return Stances(tmp_path_factory.mktemp("slip"))
 
 
 def assert_slips(points, normals, wrench, mu, N, f, twist):
@@ -82,7 +76,7 @@ def test_friction_opposes_sliding_and_is_not_across_it(stances):
     assert_slips(points, wall, load, mu, N, f, twist)
 
 
-@pytest.mark.parametrize(("seed", "count"), [(1, 300), pytest.param(2, 20000, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize(("seed", "count"), [(1, 300), pytest.param(2, 4000, marks=pytest.mark.nightly)])
 def test_random_tripods(stances, seed, count):
     """On a plane the slip's friction is the least; on curved ground it is not less."""
     rng = np.random.default_rng(seed)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from stance_library import Stances
 
 from oracles.stances import O10_LOAD, O10_NORMAL_FORCES, O10_POINTS, moved, random_rotation, random_stance, unit
 from walkgen.runtime.solves.contact_vertical import contact_vertical
@@ -11,11 +10,6 @@ from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, OK, SINGULAR, g
 UP = np.tile([0.0, 0.0, 1.0], (3, 1))
 COLLINEAR = np.array([[0.1, 0.2, 0.3], [0.2, 0.4, 0.2], [0.4, 0.8, 0.0]])
 COINCIDENT = np.tile([0.7, -0.2, 0.1], (3, 1))
-
-
-@pytest.fixture(scope="module")
-def stances(tmp_path_factory):
-    return Stances(tmp_path_factory.mktemp("stances"))
 
 
 def about(points, rows):

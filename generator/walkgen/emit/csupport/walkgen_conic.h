@@ -176,6 +176,7 @@ static inline void WG_NAME(wg_conic_aim)(const struct WG_NAME(wg_conic) * conic,
         h[i] = WG_NAME(wg_conic_product)(size, step->Q[i], g) - step->primal[i];
     }
     step->ds = (step->last - WG_NAME(wg_conic_product)(n, step->u, h)) / WG_NAME(wg_conic_product)(n, step->u, step->u);
+    step->ds = WG_MIN(step->ds, WG_C(10.0) * (WG_C(1.0) + WG_ABS(conic->s))); /* where s has no bound, rounding of forces would hide the load */
     for (i = 0; i < n; ++i) {
         h[i] += step->ds * step->u[i];
         for (c = 0; c < size; ++c) {
@@ -284,9 +285,6 @@ static inline int WG_NAME(wg_conic_solve)(WG_REAL enough, struct WG_NAME(wg_coni
         WG_NAME(wg_conic_aim)(conic, WG_MAX(share * share * share, WG_C(1e-6)) * mean, &step);
         primal = WG_MIN(WG_C(1.0), WG_C(0.98) * WG_NAME(wg_conic_room)(conic->cones, conic->x, step.dx));
         dual = WG_MIN(WG_C(1.0), WG_C(0.98) * WG_NAME(wg_conic_room)(conic->cones, conic->z, step.dz));
-        if (step.ds > WG_C(0.0)) { /* where s has no bound, not so far that rounding of forces hides the load */
-            primal = WG_MIN(primal, WG_C(100.0) * (WG_C(1.0) + WG_ABS(conic->s)) / step.ds);
-        }
         if (!WG_NAME(wg_conic_move)(&step, primal, dual, conic)) {
             break;
         }

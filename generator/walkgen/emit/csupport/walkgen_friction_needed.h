@@ -49,7 +49,7 @@ static inline WG_REAL WG_NAME(wg_friction_slope)(const struct WG_NAME(wg_conic) 
 /* The root of s over a factor on mu [k] (1 where NULL), and the problem solved there; 0 where it is above WG_MOST, -1 where the search fails. */
 static inline int WG_NAME(wg_friction_root)(int rank, const WG_REAL *rough, struct WG_NAME(wg_friction) * friction, WG_REAL *root) {
     struct WG_NAME(wg_conic) *conic = &friction->conic;
-    WG_REAL low = WG_C(0.0), high = WG_INFINITY, mu = WG_C(0.5), next, slope;
+    WG_REAL low = WG_C(0.0), refuted = WG_C(0.0), high = WG_INFINITY, mu = WG_C(0.5), next, slope;
     int turn, closed;
     for (turn = 0; turn < 100; ++turn) {
         WG_NAME(wg_friction_pose)(0, rank, rough, mu, friction);
@@ -74,13 +74,17 @@ static inline int WG_NAME(wg_friction_root)(int rank, const WG_REAL *rough, stru
             next = WG_MAX(next, WG_C(1e-4) * mu);
         } else {
             low = mu;
+            refuted = closed ? mu : refuted;
             next = WG_MIN(next, WG_C(16.0) * mu);
         }
         if (high <= WG_LEAST || (high <= WG_HUGE && high - low <= WG_CLOSE * high)) {
             WG_NAME(wg_friction_pose)(0, rank, rough, high, friction);
             (void)WG_NAME(wg_conic_solve)(WG_C(1.0), conic);
             *root = high <= WG_LEAST ? WG_C(0.0) : high;
-            return conic->s >= -WG_FAIR && conic->unbalanced <= WG_C(10.0) * WG_FAIR ? 1 : -1;
+            return conic->s >= -WG_FAIR && conic->unbalanced <= WG_C(10.0) * WG_FAIR &&
+                           high - refuted <= WG_MAX(WG_FAIR * high, WG_LEAST)
+                       ? 1
+                       : -1;
         }
         if (!(next > low && next < high)) {
             next = high <= WG_HUGE ? (low > WG_C(0.0) ? WG_SQRT(low) * WG_SQRT(high) : WG_C(0.1) * high) : WG_C(16.0) * low;
@@ -98,7 +102,8 @@ static inline int WG_NAME(wg_friction_root)(int rank, const WG_REAL *rough, stru
  * ground is mu_needed of that along it, V . n >= mu_needed |V - n V . n| for every foot, while the load gains nothing, wrench . twist = 0;
  * the fastest foot has speed 1; zeros where none is needed. INFEASIBLE where no friction helps: mu_needed infinite, f NaN, and twist proves
  * it: wrench . twist = 1 while
- * no foot moves but away from the ground. NO_CONVERGENCE or BAD_INPUT with NaN. A coefficient above 1e7 counts as none. */
+ * no foot moves but away from the ground. NO_CONVERGENCE with NaN where no proof was found, as with feet that carry by pressing against each other
+ * ever harder; BAD_INPUT with NaN. A coefficient above 1e7 counts as none. */
 static inline void WG_NAME(wg_friction_needed)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
                                                const WG_REAL *WG_RESTRICT wrench, WG_REAL *WG_RESTRICT mu_needed, WG_REAL *WG_RESTRICT f,
                                                WG_REAL *WG_RESTRICT twist, int32_t *WG_RESTRICT status) {
@@ -124,6 +129,7 @@ static inline void WG_NAME(wg_friction_needed)(int32_t k, const WG_REAL *WG_REST
         WG_NAME(wg_friction_twist)(&friction, 0, y);
     }
     *status = states[1 + found];
+    *mu_needed = found > 0 ? *mu_needed : WG_NAN;
     if (found == 0) {
         *mu_needed = WG_INFINITY;
         WG_NAME(wg_friction_outside)(&friction.stance, y, WG_C(1.0) / (WG_NAME(wg_stance_product)(y, friction.stance.load) * friction.stance.force),

@@ -130,7 +130,7 @@ def reach(problem: Carrying, mu: float) -> tuple[float, Reals]:
             g = target - even - V @ dual
             h = Q.T @ g - np.linalg.solve(R.T, primal)
             u = np.linalg.solve(R.T, lift)
-            ds = (last - u @ h) / (u @ u)
+            ds = min((last - u @ h) / (u @ u), 10.0 * (1.0 + abs(s)))
             h += ds * u
             dx, dy = V @ (g - Q @ h), np.linalg.solve(R, h)
             dz = columns.T @ dy + dual
@@ -139,7 +139,6 @@ def reach(problem: Carrying, mu: float) -> tuple[float, Reals]:
                 missed = _divided(even, _product(g - Q @ h, -even - (g - Q @ h)))
                 target = max(share**3, 1e-6) * mean * _divided(even, np.where(normal, 1.0, 0.0)) - missed
         along, across = min(1.0, 0.98 * _room(x, dx)), min(1.0, 0.98 * _room(z, dz))
-        along = min(along, 100.0 * (1.0 + abs(s)) / float(ds)) if ds > 0.0 else along
         if not (_size(x + along * dx).min() > 0.0 and _size(z + across * dz).min() > 0.0):
             break
         x, s, z, y = x + along * dx, s + along * float(ds), z + across * dz, y + across * dy
