@@ -22,6 +22,11 @@ class Jet:
     second: tuple[tuple[sympy.Expr, ...], ...]
 
 
+def ratio(above: sympy.Expr, below: sympy.Expr, anything: sympy.Expr) -> sympy.Expr:
+    """above / below; NaN, whatever `anything` is, where below is the number 0, which algebra does not divide by."""
+    return sympy.sqrt(-1 - anything**2) if below == 0 else above / below
+
+
 class Jets:
     """Jets of expressions in some coordinates; intermediates go onto the tape under `name`.
 
@@ -36,6 +41,7 @@ class Jets:
         self._tape, self._name, self._parameters = tape, name, parameters
         self._coordinates = coordinates
         self._places = tuple(coordinates)
+        self._anything = coordinates[self._places[0]]
 
     def of(self, scalar: Scalar) -> Jet:
         """The expression's jet."""
@@ -79,11 +85,12 @@ class Jets:
     def quotient(self, dividend: Scalar, divisor: Scalar) -> Jet:
         """(a/b)' = (a' - (a/b) b') / b."""
         a, b = self.of(dividend), self.of(divisor)
-        q = self._let("", a.value / b.value)
-        first = [self._let(f"_{name}", (a.first[i] - q * b.first[i]) / b.value) for i, name in enumerate(self._places)]
+        q = self._let("", ratio(a.value, b.value, self._anything))
+        first = [self._let(f"_{name}", ratio(a.first[i] - q * b.first[i], b.value, self._anything)) for i, name in enumerate(self._places)]
 
         def second(i: int, j: int) -> sympy.Expr:
-            return (a.second[i][j] - first[i] * b.first[j] - first[j] * b.first[i] - q * b.second[i][j]) / b.value
+            change = a.second[i][j] - first[i] * b.first[j] - first[j] * b.first[i] - q * b.second[i][j]
+            return ratio(change, b.value, self._anything)
 
         return self._jet(q, lambda i: first[i], second)
 

@@ -9,14 +9,16 @@ import sympy
 from walkgen.model.mechanism import Mechanism
 from walkgen.model.terrain import HeightMap, Implicit, Parametric, Patch
 from walkgen.signature import Port, Table
+from walkgen.symbolic.damping import FIRST, stepped, taken
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.function import Both, Finite, Function, Less, LessEqual, Opposite, Same, Select, Step
+from walkgen.symbolic.jets import ratio
 from walkgen.symbolic.ports import parameter_ports, signature
 from walkgen.symbolic.surfaces import POINT, Surfaces, located_port
 from walkgen.symbolic.tape import Tape, symbols_of
 
 _VERTICAL_STEPS = 32
-_PLANAR_STEPS = 24
+_PLANAR_STEPS = 32
 _SHEETS = 4
 """Searches of a parametric surface: one in each quarter of its domain."""
 
@@ -78,9 +80,9 @@ def _vertical(writer: _Writer, surface: Implicit) -> Search:
     (z,) = symbols_of(writer.at)
     tape = surfaces.tape
     f = surfaces.implicit(writer.patch.name, surface, (x, y, z))
-    ratio = tape.let("ratio", -f.value / f.first[2])
+    newton = tape.let("newton", ratio(-f.value, f.first[2], x))
     onwards = Select(Same(f.value, 0), 0, 1)  # where f does not change along the vertical, 1 m up
-    wanted = tape.let("wanted", Select(Finite(ratio), ratio, onwards))
+    wanted = tape.let("wanted", Select(Finite(newton), newton, onwards))
     most = tape.let("most", 1 + abs(z))
     steps = (
         writer.step("start", begin.tape, [POINT], writer.at, [begin.point[2]]),
@@ -94,13 +96,13 @@ def _clamped(value: sympy.Expr, low: sympy.Expr, high: sympy.Expr) -> sympy.Expr
 
 
 def _planar(writer: _Writer, surface: Parametric) -> Search:
-    """Newton in (u, v) from the nearest of four points in each quarter of the domain; of what is found, the nearest to p's height."""
+    """Damped steps in (u, v) from the nearest of nine points in each quarter of the domain; of what is found, the nearest to p's height."""
     name = writer.patch.name
-    found = Port(f"sheets_{name}", (_SHEETS, 2))
+    found = Port(f"sheets_{name}", (_SHEETS, 3))
     begin, newton, choice = writer.surfaces(), writer.surfaces(), writer.surfaces()
     uv = symbols_of(found)
     starts = [entry for quarter in product((0, 1), repeat=2) for entry in _start(begin, writer, surface, quarter)]
-    moved = [entry for sheet in range(_SHEETS) for entry in _newton(newton, writer, surface, uv[2 * sheet], uv[2 * sheet + 1])]
+    moved = [entry for sheet in range(_SHEETS) for entry in _newton(newton, writer, surface, uv[3 * sheet : 3 * sheet + 3])]
     steps = (
         writer.step("start", begin.tape, [POINT], found, starts),
         writer.step("step", newton.tape, [POINT, found], found, moved, _PLANAR_STEPS),
@@ -109,13 +111,13 @@ def _planar(writer: _Writer, surface: Parametric) -> Search:
     return Search((found, writer.at), steps)
 
 
-def _start(surfaces: Surfaces, writer: _Writer, surface: Parametric, quarter: tuple[int, ...]) -> tuple[sympy.Expr, sympy.Expr]:
-    """Of the quarter's four points the one that is nearest in x and y."""
+def _start(surfaces: Surfaces, writer: _Writer, surface: Parametric, quarter: tuple[int, ...]) -> tuple[sympy.Expr, ...]:
+    """Of the quarter's nine points the one that is nearest in x and y; the damping to begin with."""
     ends = [_ends(writer, axis) for axis in (0, 1)]
     best: tuple[sympy.Expr, sympy.Expr] | None = None
     least = sympy.oo
-    for place in product((0, 1), repeat=2):
-        shares = [sympy.Rational(4 * side + 2 * spot + 1, 8) for side, spot in zip(quarter, place, strict=True)]
+    for place in product((0, 1, 2), repeat=2):
+        shares = [sympy.Rational(6 * side + 2 * spot + 1, 12) for side, spot in zip(quarter, place, strict=True)]
         u, v = (
             surfaces.tape.let("uv"[axis], low + share * (high - low))
             for axis, ((low, high), share) in enumerate(zip(ends, shares, strict=True))
@@ -127,7 +129,7 @@ def _start(surfaces: Surfaces, writer: _Writer, surface: Parametric, quarter: tu
         least = away if least == sympy.oo else surfaces.tape.let("least", Select(nearer, away, least))
         best = (surfaces.tape.let("u", best[0]), surfaces.tape.let("v", best[1]))
     assert best is not None
-    return best
+    return *best, FIRST
 
 
 def _ends(writer: _Writer, axis: int) -> tuple[sympy.Expr, sympy.Expr]:
@@ -137,19 +139,20 @@ def _ends(writer: _Writer, axis: int) -> tuple[sympy.Expr, sympy.Expr]:
     return low, high
 
 
-def _newton(surfaces: Surfaces, writer: _Writer, surface: Parametric, u: sympy.Expr, v: sympy.Expr) -> tuple[sympy.Expr, ...]:
-    """One step towards (x, y) of the point, kept in the domain; none where the Jacobian has no inverse."""
-    x, y, _ = surfaces.parametric(writer.patch.name, surface, u, v)
-    tape = surfaces.tape
-    a, b = (tape.let(f"miss_{axis}", jet.value - at) for axis, jet, at in zip("xy", (x, y), surfaces.point, strict=False))
-    area = tape.let("area", x.first[0] * y.first[1] - x.first[1] * y.first[0])
-    steps = ((x.first[1] * b - y.first[1] * a) / area, (y.first[0] * a - x.first[0] * b) / area)
-    moved = []
-    for axis, (place, step) in enumerate(zip((u, v), steps, strict=True)):
-        named = tape.let(f"step_{'uv'[axis]}", step)
-        taken = tape.let(f"taken_{'uv'[axis]}", place + Select(Finite(named), named, 0))
-        moved.append(_clamped(taken, *_ends(writer, axis)))
-    return tuple(moved)
+def _newton(surfaces: Surfaces, writer: _Writer, surface: Parametric, at: Sequence[sympy.Expr]) -> list[sympy.Expr]:
+    """One step towards (x, y) of the point, kept in the domain."""
+    tape, spot = surfaces.tape, surfaces.point[:2]
+    x, y, _ = surfaces.parametric(writer.patch.name, surface, at[0], at[1])
+    miss = [tape.let(f"miss_{axis}", jet.value - place) for axis, jet, place in zip("xy", (x, y), spot, strict=True)]
+    uu, uv, vv = (
+        tape.let(f"metric_{'uv'[a]}{'uv'[b]}", x.first[a] * x.first[b] + y.first[a] * y.first[b]) for a, b in ((0, 0), (0, 1), (1, 1))
+    )
+    gradient = [tape.let(f"gradient_{'uv'[a]}", miss[0] * x.first[a] + miss[1] * y.first[a]) for a in (0, 1)]
+    tried = stepped(tape, at, (uu, uv, vv), (uu, vv), gradient)
+    ahead = [tape.let(f"ahead_{'uv'[a]}", _clamped(tried[a], *_ends(writer, a))) for a in (0, 1)]
+    there = surfaces.parametric(writer.patch.name, surface, *ahead)[:2]
+    squares = (miss[0] ** 2 + miss[1] ** 2, sympy.Add(*((jet.value - place) ** 2 for jet, place in zip(there, spot, strict=True))))
+    return taken(tape, at, ahead, (tape.let("square", squares[0]), tape.let("square_ahead", squares[1])), surfaces.roundoff())
 
 
 def _choice(surfaces: Surfaces, writer: _Writer, surface: Parametric, uv: Sequence[sympy.Expr]) -> tuple[sympy.Expr, sympy.Expr]:
@@ -158,7 +161,7 @@ def _choice(surfaces: Surfaces, writer: _Writer, surface: Parametric, uv: Sequen
     u, v = uv[0], uv[1]
     least = sympy.oo
     for sheet in range(_SHEETS):
-        here = (uv[2 * sheet], uv[2 * sheet + 1])
+        here = (uv[3 * sheet], uv[3 * sheet + 1])
         x, y, z = surfaces.parametric(writer.patch.name, surface, *here)
         close = LessEqual(abs(x.value - px) + abs(y.value - py), surfaces.tolerance() * (1 + abs(x.value) + abs(y.value)))
         away = tape.let("away", Select(close, abs(z.value - pz), sympy.oo))

@@ -8,16 +8,17 @@ import sympy
 from walkgen.model.mechanism import Mechanism
 from walkgen.model.terrain import Explicit, HeightMap, Implicit, Parametric, Patch, Plane
 from walkgen.signature import Port
+from walkgen.symbolic.choices import at_most, both, chosen, less
+from walkgen.symbolic.damping import FIRST, stepped, taken
 from walkgen.symbolic.frames import parameter_symbols
-from walkgen.symbolic.function import Both, Finite, Function, Less, LessEqual, Same, Select, Step
-from walkgen.symbolic.jets import Jet
+from walkgen.symbolic.function import Finite, Function, Same, Step
+from walkgen.symbolic.jets import Jet, ratio
 from walkgen.symbolic.locate import Search, map_data, search
 from walkgen.symbolic.ports import parameter_ports, signature
 from walkgen.symbolic.surfaces import POINT, Surfaces, located_port
 from walkgen.symbolic.tape import Tape, Vec, dot, minus, scaled, symbols_of
 
 _STEPS = 40
-_DAMPING = sympy.Rational(1, 1000)
 _CONVEX = sympy.Rational(1, 10**4)
 Chart = Explicit | Parametric
 
@@ -59,7 +60,7 @@ def descent(mechanism: Mechanism, owner: str, patch: Patch) -> Search:
         begin, outputs = [*start.point[:2], sheet_z, sympy.S.Zero], _constrained(step, patch, surface, symbols_of(near))
     else:
         at = start.point[:2] if isinstance(surface, Explicit) else symbols_of(located[0])
-        begin, outputs = [*at, _DAMPING], _damped(step, patch, surface, symbols_of(near))
+        begin, outputs = [*at, FIRST], _damped(step, patch, surface, symbols_of(near))
     steps = (
         _step(mechanism, owner, patch, "near", start.tape, [POINT, *located], near, begin),
         _step(mechanism, owner, patch, "nearer", step.tape, [POINT, near], near, outputs, _STEPS),
@@ -147,23 +148,17 @@ def _slope(surfaces: Surfaces, r: tuple[Jet, Jet, Jet]) -> _Slope:
 
 def _damped(surfaces: Surfaces, patch: Patch, surface: Chart, near: Sequence[sympy.Expr]) -> list[sympy.Expr]:
     """A step, taken where it does not lead away; Gauss and Newton's where the distance is not convex; damped more after one not taken."""
-    tape, (u, v, damping) = surfaces.tape, near
+    tape, (u, v, _) = surfaces.tape, near
     slope = _slope(surfaces, _chart(surfaces, patch, surface, u, v))
     uu, uv, vv = slope.hessian
     area = tape.let("area", uu * vv - uv**2)
-    convex = Both(Both(Less(0, uu), Less(0, vv)), Less(_CONVEX * uu * vv, area))
+    convex = both(both(less(0, uu), less(0, vv)), less(_CONVEX * uu * vv, area))
     choices = zip(("uu", "uv", "vv"), slope.hessian, slope.metric, strict=True)
-    uu, uv, vv = (tape.let(f"curve_{word}", Select(convex, here, other)) for word, here, other in choices)
-    uu, vv = tape.let("stiff_uu", uu + damping * slope.metric[0]), tape.let("stiff_vv", vv + damping * slope.metric[2])
-    det = tape.let("det", uu * vv - uv**2)
-    gu, gv = slope.gradient
-    u2, v2 = tape.let("next_u", u + (uv * gv - vv * gu) / det), tape.let("next_v", v + (uv * gu - uu * gv) / det)
+    uu, uv, vv = (tape.let(f"curve_{word}", chosen(convex, here, other)) for word, here, other in choices)
+    u2, v2 = stepped(tape, near, (uu, uv, vv), (slope.metric[0], slope.metric[2]), slope.gradient)
     ahead = _chart(surfaces, patch, surface, u2, v2)
     square = tape.let("square_ahead", sympy.Add(*((jet.value - at) ** 2 for jet, at in zip(ahead, surfaces.point, strict=True))))
-    better = LessEqual(square, slope.square + surfaces.roundoff() * slope.square)
-    less = Select(Less(surfaces.tolerance(), damping), damping / 8, 0)
-    more = Select(Less(_DAMPING, damping), 8 * damping, 10 * _DAMPING)
-    return [Select(better, u2, u), Select(better, v2, v), Select(better, less, more)]
+    return taken(tape, near, (u2, v2), (slope.square, square), surfaces.roundoff())
 
 
 def _chart_foot(surfaces: Surfaces, patch: Patch, surface: Chart, near: Sequence[sympy.Expr]) -> Foot:
@@ -171,9 +166,11 @@ def _chart_foot(surfaces: Surfaces, patch: Patch, surface: Chart, near: Sequence
     slope = _slope(surfaces, r)
     point = (r[0].value, r[1].value, r[2].value)
     slack = surfaces.tape.let("slack", surfaces.tolerance() * _size(surfaces, point))
-    share = sympy.Add(*(entry**2 / square for entry, square in zip(slope.gradient, (slope.metric[0], slope.metric[2]), strict=True)))
-    regular = Less(0, slope.metric[0] * slope.metric[2] - slope.metric[1] ** 2)
-    return Foot(point, surfaces.over(patch, near[0], near[1]), LessEqual(share, slack**2), regular)
+    share = sympy.Add(
+        *(ratio(entry**2, square, near[0]) for entry, square in zip(slope.gradient, (slope.metric[0], slope.metric[2]), strict=True))
+    )
+    regular = less(0, slope.metric[0] * slope.metric[2] - slope.metric[1] ** 2)
+    return Foot(point, surfaces.over(patch, near[0], near[1]), at_most(share, slack**2), regular)
 
 
 def _size(surfaces: Surfaces, point: Sequence[sympy.Expr]) -> sympy.Expr:
@@ -190,7 +187,7 @@ def _constrained(surfaces: Surfaces, patch: Patch, surface: Implicit, near: Sequ
     away = minus(x, surfaces.point)
     gradient = (f.first[0], f.first[1], f.first[2])
     along, back = (tape.vector(name, [dot(row, vector) for row in inverse]) for name, vector in (("along", gradient), ("back", away)))
-    wanted = tape.let("multiplier", (f.value - dot(gradient, back)) / dot(gradient, along))
+    wanted = tape.let("multiplier", ratio(f.value - dot(gradient, back), dot(gradient, along), x[0]))
     step = tape.vector("step", [-b - wanted * a for a, b in zip(along, back, strict=True)])
     return [*(entry + part for entry, part in zip(x, step, strict=True)), wanted]
 
@@ -205,8 +202,11 @@ def _inverse_where_positive(tape: Tape, m: Sequence[Sequence[sympy.Expr]]) -> li
     ]
     named = [[tape.let(f"cofactor{i}{j}", cofactors[i][j]) for j in range(3)] for i in range(3)]
     det = tape.let("det", dot(m[0], named[0]))
-    positive = Both(Both(Less(0, m[0][0]), Less(0, minor)), Less(_CONVEX * m[2][2] * minor, det))
-    return [[tape.let(f"inverse{i}{j}", Select(positive, named[i][j] / det, sympy.Integer(i == j))) for j in range(3)] for i in range(3)]
+    positive = both(both(less(0, m[0][0]), less(0, minor)), less(_CONVEX * m[2][2] * minor, det))
+    return [
+        [tape.let(f"inverse{i}{j}", chosen(positive, ratio(named[i][j], det, m[0][0]), sympy.Integer(i == j))) for j in range(3)]
+        for i in range(3)
+    ]
 
 
 def _implicit_foot(surfaces: Surfaces, patch: Patch, surface: Implicit, near: Sequence[sympy.Expr]) -> Foot:
@@ -216,8 +216,8 @@ def _implicit_foot(surfaces: Surfaces, patch: Patch, surface: Implicit, near: Se
     gradient = (f.first[0], f.first[1], f.first[2])
     square = tape.let("gradient2", dot(gradient, gradient))
     away = tape.vector("away", minus(point, surfaces.point))
-    share = tape.let("share", dot(away, gradient) / square)
+    share = tape.let("share", ratio(dot(away, gradient), square, point[0]))
     side = tape.vector("side", minus(away, scaled(share, gradient)))
     slack = tape.let("slack", surfaces.tolerance() * _size(surfaces, point))
-    close = Both(LessEqual(dot(side, side), slack**2), LessEqual(f.value**2 / square, slack**2))
-    return Foot(point, surfaces.over(patch, *point[:2]), close, Less(0, square))
+    close = both(at_most(dot(side, side), slack**2), at_most(ratio(f.value**2, square, point[0]), slack**2))
+    return Foot(point, surfaces.over(patch, *point[:2]), close, less(0, square))

@@ -10,7 +10,7 @@ from walkgen.signature import Port
 from walkgen.spec.scalar import Vector
 from walkgen.symbolic.frames import Parameters, expression
 from walkgen.symbolic.function import Both, Epsilon, Finite, Less, LessEqual, Same, Select
-from walkgen.symbolic.jets import Jet, Jets
+from walkgen.symbolic.jets import Jet, Jets, ratio
 from walkgen.symbolic.tape import Tape, Vec, cross, dot, symbols_of
 
 POINT = Port("p", (3,), "m")
@@ -129,7 +129,7 @@ class Surfaces:
         f = self.implicit(patch.name, surface, (x, y, z))
         normal = (f.first[0], f.first[1], f.first[2])
         length = self._length(patch, normal)
-        rest = self.tape.let(f"{patch.name}_rest", f.value / f.first[2])
+        rest = self.tape.let(f"{patch.name}_rest", ratio(f.value, f.first[2], x))
         found = LessEqual(abs(rest), self.tolerance() * (1 + abs(z)))
         bending = tuple(-f.second[i][j] / length for i in range(3) for j in range(i, 3))
         return Sheet(Both(self.over(patch, x, y), found), z, normal, bending)
@@ -161,4 +161,6 @@ class Surfaces:
         return tuple(entries)
 
     def _length(self, patch: Patch, normal: Vec) -> sympy.Expr:
-        return self.tape.let(f"{patch.name}_length", sympy.sqrt(dot(normal, normal)))
+        """NaN of a surface that is nowhere regular: nothing is divided by it then."""
+        square = dot(normal, normal)
+        return self.tape.let(f"{patch.name}_length", sympy.sqrt(-1 - self.point[0] ** 2 if square == 0 else square))

@@ -10,8 +10,9 @@ from walkgen.model.terrain import Patch, Terrain
 from walkgen.signature import STATUSES, Port, Signature
 from walkgen.spec.scalar import Scalar
 from walkgen.symbolic.branches import BAD_INPUT, OK, SINGULAR, UNREACHABLE
+from walkgen.symbolic.choices import indicator
 from walkgen.symbolic.frames import expression, parameter_symbols
-from walkgen.symbolic.function import Both, Derivation, Finite, Indicator, Less, Same, Select, Solve, Step
+from walkgen.symbolic.function import Both, Derivation, Finite, Less, Same, Select, Solve, Step
 from walkgen.symbolic.locate import Search, joined, search
 from walkgen.symbolic.ports import signature
 from walkgen.symbolic.project import descent, foot, near_ports
@@ -157,7 +158,7 @@ class TerrainFunctions:
 
     def _flag(self, name: str, truths: Sequence[sympy.Basic]) -> sympy.Basic:
         """Whether the first patch that holds the point has this; not where no patch does."""
-        return Same(self._tape.let(name, self._chosen([Indicator(truth) for truth in truths], sympy.S.Zero)), 1)
+        return Same(self._tape.let(name, self._chosen([indicator(truth) for truth in truths], sympy.S.Zero)), 1)
 
     def _function(self, name: str, ports: Sequence[Port], outputs: Sequence[sympy.Expr], doc: str, source: str = _SOURCE) -> Derivation:
         return self._solve(self._words(name, ports, doc, source), outputs, self._search, ())
