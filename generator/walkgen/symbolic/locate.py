@@ -19,6 +19,7 @@ from walkgen.symbolic.tape import Tape, symbols_of
 
 _VERTICAL_STEPS = 32
 _PLANAR_STEPS = 32
+_SHARE = sympy.Rational(9, 10)
 _SHEETS = 4
 """Searches of a parametric surface: one in each quarter of its domain."""
 
@@ -149,10 +150,16 @@ def _newton(surfaces: Surfaces, writer: _Writer, surface: Parametric, at: Sequen
     )
     gradient = [tape.let(f"gradient_{'uv'[a]}", miss[0] * x.first[a] + miss[1] * y.first[a]) for a in (0, 1)]
     tried = stepped(tape, at, (uu, uv, vv), (uu, vv), gradient)
-    ahead = [tape.let(f"ahead_{'uv'[a]}", _clamped(tried[a], *_ends(writer, a))) for a in (0, 1)]
+    ahead = [tape.let(f"ahead_{'uv'[a]}", _inside(at[a], tried[a], *_ends(writer, a))) for a in (0, 1)]
     there = surfaces.parametric(writer.patch.name, surface, *ahead)[:2]
     squares = (miss[0] ** 2 + miss[1] ** 2, sympy.Add(*((jet.value - place) ** 2 for jet, place in zip(there, spot, strict=True))))
     return taken(tape, at, ahead, (tape.let("square", squares[0]), tape.let("square_ahead", squares[1])), surfaces.roundoff())
+
+
+def _inside(place: sympy.Expr, tried: sympy.Expr, low: sympy.Expr, high: sympy.Expr) -> sympy.Expr:
+    """What is tried, or nine tenths of the way to the end that lies before it: at an end itself the surface may fold."""
+    down, up = (place + _SHARE * (end - place) for end in (low, high))
+    return Select(Less(tried, low), down, Select(Less(high, tried), up, tried))
 
 
 def _choice(surfaces: Surfaces, writer: _Writer, surface: Parametric, uv: Sequence[sympy.Expr]) -> tuple[sympy.Expr, sympy.Expr]:
