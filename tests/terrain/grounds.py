@@ -13,6 +13,7 @@ name = "rob"
 gravity = {gravity}
 [generate]
 functions = [{functions}]
+targets = {targets}
 [parameters]
 {parameters}
 [leg_designs.l]
@@ -27,10 +28,21 @@ platform = "body"
 """
 
 
-def spec(*patches: str, gravity: Sequence[float] = (0.0, 0.0, -9.80665), parameters: str = "", functions: Sequence[str] = TERRAIN) -> str:
+def spec(
+    *patches: str,
+    gravity: Sequence[float] = (0.0, 0.0, -9.80665),
+    parameters: str = "",
+    functions: Sequence[str] = TERRAIN,
+    casadi: bool = False,
+) -> str:
     """A one-legged robot with these patches, each the keys of its table."""
     names = ", ".join(f'"{name}"' for name in functions)
-    head = _ROBOT.format(gravity=list(map(float, gravity)), functions=names, parameters=parameters)
+    head = _ROBOT.format(
+        gravity=list(map(float, gravity)),
+        functions=names,
+        parameters=parameters,
+        targets='["c", "numpy", "casadi"]' if casadi else '["c", "numpy"]',
+    )
     tables = (f'[[terrain]]\nname = "patch{index}"\n{patch}\n' for index, patch in enumerate(patches))
     return head + "".join(tables)
 

@@ -34,7 +34,7 @@ def test_terrain_oracle_of_the_theory(built, backend: str) -> None:
 def strips() -> str:
     """Every expression over a strip of x of its own."""
     patches = (explicit(text, f"domain = {{ x = [{left}, {left + 1}] }}") for left, text in zip(range(-2, 3), EXPRESSIONS, strict=True))
-    return spec(*patches)
+    return spec(*patches, functions=("height", "normal", "tangents", "curvature"))
 
 
 def sympys(p: np.ndarray) -> np.ndarray:
@@ -79,9 +79,9 @@ def test_explicit_patches_against_central_differences(built) -> None:
     np.testing.assert_allclose(np.trace(curvature, axis1=-2, axis2=-1) / 2, mean, atol=1e-5)
 
 
-@pytest.mark.parametrize("gravity", [(0, 0, -9.8), (3.0, -2.0, -8.0), (0, 0, 9.8), (-1, 0, 0), (0, 0, 0)])
+@pytest.mark.parametrize("gravity", [(3.0, -2.0, -8.0), (-1, 0, 0), (0, 0, 0)])
 def test_tangents_are_an_orthonormal_right_handed_basis_and_up_turns_the_normal(built, gravity: tuple[float, ...]) -> None:
-    ground = built(spec(explicit(HUMP), gravity=gravity)).c.terrain
+    ground = built(spec(explicit(HUMP), gravity=gravity, functions=("normal", "tangents", "curvature"))).c.terrain
     p = points(100)
     n, t = ground.normal(p), ground.tangents(p)
     frame = np.concatenate([t, n[:, None]], 1)
@@ -153,7 +153,7 @@ def test_runtime_parameters_in_surfaces_domains_and_properties(built) -> None:
 
 
 def test_casadi_gives_the_same_and_its_derivative(built) -> None:
-    robot = built(spec(explicit(HUMP, "domain = { x = [-1, 1], y = [-1, 1] }"), functions=("height", "normal", "curvature"))).c
+    robot = built(spec(explicit(HUMP, "domain = { x = [-1, 1], y = [-1, 1] }"), functions=("height", "normal", "curvature"), casadi=True)).c
     p = points(20)
     for name in ("height", "normal", "curvature"):
         function = robot.casadi(f"terrain_{name}")

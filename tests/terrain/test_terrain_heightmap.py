@@ -9,6 +9,7 @@ from walkgen.errors import SpecError, UnsupportedMechanism
 from walkgen.spec.read import read
 
 BACKENDS = ("c", "numpy")
+FUNCTIONS = ("height", "normal", "curvature", "project")
 CORNER, SPACING = np.array([-0.5, 0.25]), 0.125
 
 
@@ -87,7 +88,10 @@ def test_off_the_map_and_odd_points_are_on_no_patch(quadratic) -> None:
 def test_bicubic_slopes_are_continuous_and_heights_met(mapped) -> None:
     rows, columns = 7, 6
     heights = np.random.default_rng(1).normal(size=(rows, columns))
-    robot = mapped(spec(patch(domain(rows, columns))), {"heights.txt": text(heights).replace(" ", ", ").replace("#, a, comment", "# c")})
+    robot = mapped(
+        spec(patch(domain(rows, columns)), functions=FUNCTIONS),
+        {"heights.txt": text(heights).replace(" ", ", ").replace("#, a, comment", "# c")},
+    )
     ground = robot.c.terrain
     x, y = np.broadcast_arrays(*nodes(rows, columns))
     np.testing.assert_allclose(ground.height(np.stack([x, y, 0 * x], -1)), heights, atol=1e-13)
@@ -108,7 +112,9 @@ def test_bicubic_slopes_are_continuous_and_heights_met(mapped) -> None:
 def test_bilinear_is_scipys(mapped) -> None:
     rows, columns = 4, 5
     heights = np.random.default_rng(2).normal(size=(rows, columns)) / 10
-    robot = mapped(spec(patch(f'interpolation = "bilinear"\n{domain(rows, columns)}')), {"heights.txt": text(heights)})
+    robot = mapped(
+        spec(patch(f'interpolation = "bilinear"\n{domain(rows, columns)}'), functions=("height", "normal")), {"heights.txt": text(heights)}
+    )
     x, y = nodes(rows, columns)
     theirs = RegularGridInterpolator((y[:, 0], x[0]), heights)
     p = points(rows, columns)
@@ -123,7 +129,7 @@ def test_bilinear_is_scipys(mapped) -> None:
 
 
 def test_without_a_domain_the_map_begins_at_the_origin_and_ends_with_its_points(mapped) -> None:
-    robot = mapped(spec(patch(spacing=0.5)), {"heights.txt": "0;1;2\n10;11;12\n"})
+    robot = mapped(spec(patch(spacing=0.5), functions=("height",), casadi=True), {"heights.txt": "0;1;2\n10;11;12\n"})
     p = [[0, 0, 0], [1, 0.5, 0], [1.01, 0, 0], [0, 0.51, 0], [0.25, 0.25, 9]]
     assert np.array_equal(robot.c.terrain.height(p), [0, 12, np.nan, np.nan, 5.5], equal_nan=True)
     with pytest.raises(UnsupportedMechanism, match="has no CasADi form"):

@@ -65,7 +65,8 @@ def composite_function(composite: Composite, kernels: Mapping[Program, CFunction
     lines += [f"{_INDENT}return {returned.name};"] if returned else []
     deepest = max((kernels[call.callee].locals_size for call in composite.calls if isinstance(call.callee, Program)), default=0)
     own = sum(_size(port, printer.precision) for port in composite.locals)
-    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + deepest)
+    copied = max((sum(_size(port, printer.precision) for port in _copied(call, composite)) for call in composite.calls), default=0)
+    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + copied + deepest)
 
 
 def batch_function(signature: Signature, precision: Precision) -> CFunction:
@@ -225,7 +226,7 @@ def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFun
         name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
     arguments = [_argument(argument, composite, printer, by_address=place >= inputs) for place, argument in enumerate(call.arguments)]
     step = f"{name}({', '.join(arguments)});"
-    if isinstance(call.callee, Program) and (call.repeat > 1 or set(call.arguments[:inputs]) & set(call.arguments[inputs:])):
+    if call.repeat > 1 or _copied(call, composite):
         yield from _repeated_lines(call, composite, name, printer)
         return
     if call.guard is None:
@@ -240,8 +241,7 @@ def _repeated_lines(call: Call, composite: Composite, name: str, printer: CPrint
     """A kernel run several times; arguments never overlap, so what it also writes it reads from a copy."""
     assert isinstance(call.callee, Program)
     inputs = len(call.callee.signature.inputs)
-    written = {str(argument) for argument in call.arguments[inputs:]}
-    both = [port for port in composite.locals if port.name in written and port.name in call.arguments[:inputs]]
+    both = _copied(call, composite)
     copies = {port.name: f"before_{port.name}" for port in both}
     arguments = [
         copies.get(str(argument), "") if place < inputs and argument in copies else _argument(argument, composite, printer, by_address=True)
@@ -255,6 +255,13 @@ def _repeated_lines(call: Call, composite: Composite, name: str, printer: CPrint
         yield f"{_INDENT * 2}}}"
     yield f"{_INDENT * 2}{name}({', '.join(arguments)});"
     yield f"{_INDENT}}}"
+
+
+def _copied(call: Call, composite: Composite) -> tuple[Port, ...]:
+    """The locals that a kernel reads and writes."""
+    inputs = len(call.callee.signature.inputs) if isinstance(call.callee, Program) else len(call.arguments)
+    read, written = call.arguments[:inputs], call.arguments[inputs:]
+    return tuple(port for port in composite.locals if port.name in read and port.name in written)
 
 
 def table_lines(table: Table, printer: CPrinter) -> tuple[str, ...]:
