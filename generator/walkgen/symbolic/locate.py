@@ -123,8 +123,8 @@ def _start(surfaces: Surfaces, writer: _Writer, surface: Parametric, quarter: tu
             surfaces.tape.let("uv"[axis], low + share * (high - low))
             for axis, ((low, high), share) in enumerate(zip(ends, shares, strict=True))
         )
-        x, y, _ = surfaces.parametric(writer.patch.name, surface, u, v)
-        away = surfaces.tape.let("away", (x.value - surfaces.point[0]) ** 2 + (y.value - surfaces.point[1]) ** 2)
+        x, y, _ = surfaces.places(writer.patch.name, surface, u, v)
+        away = surfaces.tape.let("away", (x - surfaces.point[0]) ** 2 + (y - surfaces.point[1]) ** 2)
         nearer = Less(away, least)
         best = (u, v) if best is None else (Select(nearer, u, best[0]), Select(nearer, v, best[1]))
         least = away if least == sympy.oo else surfaces.tape.let("least", Select(nearer, away, least))
@@ -151,8 +151,8 @@ def _newton(surfaces: Surfaces, writer: _Writer, surface: Parametric, at: Sequen
     gradient = [tape.let(f"gradient_{'uv'[a]}", miss[0] * x.first[a] + miss[1] * y.first[a]) for a in (0, 1)]
     tried = stepped(tape, at, (uu, uv, vv), (uu, vv), gradient)
     ahead = [tape.let(f"ahead_{'uv'[a]}", _inside(at[a], tried[a], *_ends(writer, a))) for a in (0, 1)]
-    there = surfaces.parametric(writer.patch.name, surface, *ahead)[:2]
-    squares = (miss[0] ** 2 + miss[1] ** 2, sympy.Add(*((jet.value - place) ** 2 for jet, place in zip(there, spot, strict=True))))
+    there = surfaces.places(writer.patch.name, surface, *ahead)[:2]
+    squares = (miss[0] ** 2 + miss[1] ** 2, sympy.Add(*((new - place) ** 2 for new, place in zip(there, spot, strict=True))))
     return taken(tape, at, ahead, (tape.let("square", squares[0]), tape.let("square_ahead", squares[1])), surfaces.roundoff())
 
 
@@ -169,9 +169,9 @@ def _choice(surfaces: Surfaces, writer: _Writer, surface: Parametric, uv: Sequen
     least = sympy.oo
     for sheet in range(_SHEETS):
         here = (uv[3 * sheet], uv[3 * sheet + 1])
-        x, y, z = surfaces.parametric(writer.patch.name, surface, *here)
-        close = LessEqual(abs(x.value - px) + abs(y.value - py), surfaces.tolerance() * (1 + abs(x.value) + abs(y.value)))
-        away = tape.let("away", Select(close, abs(z.value - pz), sympy.oo))
+        x, y, z = surfaces.places(writer.patch.name, surface, *here)
+        close = LessEqual(abs(x - px) + abs(y - py), surfaces.tolerance() * (1 + abs(x) + abs(y)))
+        away = tape.let("away", Select(close, abs(z - pz), sympy.oo))
         nearer = Both(close, Opposite(LessEqual(least, away)))
         u, v = (tape.let(word, Select(nearer, new, old)) for word, new, old in zip("uv", here, (u, v), strict=True))
         least = away if least == sympy.oo else tape.let("least", Select(nearer, away, least))

@@ -13,7 +13,7 @@ from walkgen.symbolic.damping import FIRST, stepped, taken
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Finite, Function, Same, Step
 from walkgen.symbolic.jets import Jet, ratio
-from walkgen.symbolic.locate import Search, map_data, search
+from walkgen.symbolic.locate import Search, map_data
 from walkgen.symbolic.ports import parameter_ports, signature
 from walkgen.symbolic.surfaces import POINT, Surfaces, located_port
 from walkgen.symbolic.tape import Tape, Vec, dot, minus, scaled, symbols_of
@@ -43,9 +43,8 @@ def near_ports(patch: Patch) -> tuple[Port, ...]:
     return (Port(name, (4 if isinstance(patch.surface, Implicit) else 3,)),)
 
 
-def descent(mechanism: Mechanism, owner: str, patch: Patch) -> Search:
-    """The steps that fill `near_ports` from `p` and what was located, after those that locate it."""
-    found = search(mechanism, owner, patch)
+def descent(mechanism: Mechanism, owner: str, patch: Patch, found: Search) -> Search:
+    """The steps that fill `near_ports` from `p` and what was located, after those that locate it, which are `found`."""
     surface = patch.surface
     if isinstance(surface, Plane):
         return found

@@ -106,6 +106,11 @@ class Surfaces:
         )
         return x, y, z
 
+    def places(self, name: str, surface: Parametric, u: sympy.Expr, v: sympy.Expr) -> Vec:
+        """x, y and z without derivatives."""
+        known = {**self._parameters, "u": u, "v": v}
+        return self.tape.vector(name, [expression(entry, known) for entry in surface.position])
+
     def _plane(self, patch: Patch, surface: Plane) -> Sheet:
         point, normal = self.vector(f"{patch.name}_point", surface.point), self.vector(f"{patch.name}_normal", surface.normal)
         x, y, _ = self.point

@@ -43,8 +43,8 @@ class TerrainFunctions:
         return tuple(self._surfaces.sheet(patch) for patch in self._terrain.patches)
 
     @cached_property
-    def _search(self) -> Search:
-        return joined([search(self._mechanism, OWNER, patch) for patch in self._terrain.patches])
+    def _searches(self) -> tuple[Search, ...]:
+        return tuple(search(self._mechanism, OWNER, patch) for patch in self._terrain.patches)
 
     def function(self, name: str) -> Derivation:
         """The function of this name."""
@@ -152,7 +152,8 @@ class TerrainFunctions:
         found = Select(Both(close, _all_finite(nearest)), OK, _NO_CONVERGENCE)
         status = Select(known, Select(inside, Select(regular, found, SINGULAR), UNREACHABLE), BAD_INPUT)
         ports = [Port("foot", (3,), "m"), Port("status", kind="integer")]
-        steps = joined([descent(self._mechanism, OWNER, patch) for patch in self._terrain.patches])
+        pairs = zip(self._terrain.patches, self._searches, strict=True)
+        steps = joined([descent(self._mechanism, OWNER, patch, located) for patch, located in pairs])
         near = [port for patch in self._terrain.patches for port in near_ports(patch)]
         return self._solve(self._words("project", ports, doc, _SOURCE), [*points, status], steps, near)
 
@@ -161,7 +162,7 @@ class TerrainFunctions:
         return Same(self._tape.let(name, self._chosen([indicator(truth) for truth in truths], sympy.S.Zero)), 1)
 
     def _function(self, name: str, ports: Sequence[Port], outputs: Sequence[sympy.Expr], doc: str, source: str = _SOURCE) -> Derivation:
-        return self._solve(self._words(name, ports, doc, source), outputs, self._search, ())
+        return self._solve(self._words(name, ports, doc, source), outputs, joined(self._searches), ())
 
     def _words(self, name: str, ports: Sequence[Port], doc: str, source: str) -> Signature:
         return signature(self._mechanism, OWNER, name, [POINT], ports, doc, source)
