@@ -9,9 +9,10 @@ import sympy
 from walkgen.model.mechanism import Mechanism
 from walkgen.model.terrain import HeightMap, Implicit, Parametric, Patch
 from walkgen.signature import Port, Table
+from walkgen.symbolic.choices import both, chosen, same
 from walkgen.symbolic.damping import FIRST, stepped, taken
 from walkgen.symbolic.frames import expression, parameter_symbols
-from walkgen.symbolic.function import Both, Finite, Function, Less, LessEqual, Opposite, Same, Select, Step
+from walkgen.symbolic.function import Finite, Function, Less, LessEqual, Opposite, Select, Step
 from walkgen.symbolic.jets import ratio
 from walkgen.symbolic.ports import parameter_ports, signature
 from walkgen.symbolic.surfaces import POINT, Surfaces, located_port
@@ -82,7 +83,7 @@ def _vertical(writer: _Writer, surface: Implicit) -> Search:
     tape = surfaces.tape
     f = surfaces.implicit(writer.patch.name, surface, (x, y, z))
     newton = tape.let("newton", ratio(-f.value, f.first[2], x))
-    onwards = Select(Same(f.value, 0), 0, 1)  # where f does not change along the vertical, 1 m up
+    onwards = chosen(same(f.value, 0), 0, 1)  # where f does not change along the vertical, 1 m up
     wanted = tape.let("wanted", Select(Finite(newton), newton, onwards))
     most = tape.let("most", 1 + abs(z))
     steps = (
@@ -172,7 +173,7 @@ def _choice(surfaces: Surfaces, writer: _Writer, surface: Parametric, uv: Sequen
         x, y, z = surfaces.places(writer.patch.name, surface, *here)
         close = LessEqual(abs(x - px) + abs(y - py), surfaces.tolerance() * (1 + abs(x) + abs(y)))
         away = tape.let("away", Select(close, abs(z - pz), sympy.oo))
-        nearer = Both(close, Opposite(LessEqual(least, away)))
+        nearer = both(close, Opposite(LessEqual(least, away)))
         u, v = (tape.let(word, Select(nearer, new, old)) for word, new, old in zip("uv", here, (u, v), strict=True))
         least = away if least == sympy.oo else tape.let("least", Select(nearer, away, least))
     return u, v

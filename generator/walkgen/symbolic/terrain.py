@@ -10,9 +10,9 @@ from walkgen.model.terrain import Patch, Terrain
 from walkgen.signature import STATUSES, Port, Signature
 from walkgen.spec.scalar import Scalar
 from walkgen.symbolic.branches import BAD_INPUT, OK, SINGULAR, UNREACHABLE
-from walkgen.symbolic.choices import indicator
+from walkgen.symbolic.choices import both, chosen, finite, indicator, same
 from walkgen.symbolic.frames import expression, parameter_symbols
-from walkgen.symbolic.function import Both, Derivation, Finite, Less, Same, Select, Solve, Step
+from walkgen.symbolic.function import Derivation, Less, Select, Solve, Step
 from walkgen.symbolic.locate import Search, joined, search
 from walkgen.symbolic.ports import signature
 from walkgen.symbolic.project import descent, foot, near_ports
@@ -148,9 +148,9 @@ class TerrainFunctions:
         nearest = self._tape.vector("nearest", [self._chosen([one.point[axis] for one in feet]) for axis in range(3)])
         inside, close, regular = (self._flag(part, [getattr(one, part) for one in feet]) for part in ("inside", "close", "regular"))
         known = _all_finite((x, y, z))
-        points = [Select(known, Select(inside, there, here), sympy.nan) for there, here in zip(nearest, over, strict=True)]
-        found = Select(Both(close, _all_finite(nearest)), OK, _NO_CONVERGENCE)
-        status = Select(known, Select(inside, Select(regular, found, SINGULAR), UNREACHABLE), BAD_INPUT)
+        points = [Select(known, chosen(inside, there, here), sympy.nan) for there, here in zip(nearest, over, strict=True)]
+        found = chosen(both(close, _all_finite(nearest)), OK, _NO_CONVERGENCE)
+        status = Select(known, chosen(inside, chosen(regular, found, SINGULAR), UNREACHABLE), BAD_INPUT)
         ports = [Port("foot", (3,), "m"), Port("status", kind="integer")]
         pairs = zip(self._terrain.patches, self._searches, strict=True)
         steps = joined([descent(self._mechanism, OWNER, patch, located) for patch, located in pairs])
@@ -159,7 +159,7 @@ class TerrainFunctions:
 
     def _flag(self, name: str, truths: Sequence[sympy.Basic]) -> sympy.Basic:
         """Whether the first patch that holds the point has this; not where no patch does."""
-        return Same(self._tape.let(name, self._chosen([indicator(truth) for truth in truths], sympy.S.Zero)), 1)
+        return same(self._tape.let(name, self._chosen([indicator(truth) for truth in truths], sympy.S.Zero)), 1)
 
     def _function(self, name: str, ports: Sequence[Port], outputs: Sequence[sympy.Expr], doc: str, source: str = _SOURCE) -> Derivation:
         return self._solve(self._words(name, ports, doc, source), outputs, joined(self._searches), ())
@@ -178,7 +178,8 @@ class TerrainFunctions:
 
 
 def _all_finite(vector: Vec) -> sympy.Basic:
-    return Both(Both(Finite(vector[0]), Finite(vector[1])), Finite(vector[2]))
+    x, y, z = (finite(entry) for entry in vector)
+    return both(both(x, y), z)
 
 
 def _applied(matrix: Symmetric, vector: Vec) -> Vec:
