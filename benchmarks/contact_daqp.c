@@ -1,5 +1,5 @@
 /* contact_daqp.c: DAQP through its C interface, cold: identity as Hessian, balance as active rows, the pyramids' sides as others. The
- * matrices are given; what counts is their transformation and the search. */
+ * matrices are given. By its one call for a problem that is new (daqp_quadprog), or with the memory of one workspace kept. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <time.h>
@@ -48,6 +48,36 @@ __attribute__((visibility("default"))) double time_matrices(int rows, int n, int
     const double found = (now() - start) / rows;
     free_daqp_workspace(&work);
     free_daqp_ldp(&work);
+    free(sense);
+    return found;
+}
+
+__attribute__((visibility("default"))) double time_calls(int rows, int n, int m, double *A, double *lower, double *upper, double *x,
+                                                         int32_t *status) {
+    int *sense = malloc(sizeof(int) * (size_t)m);
+    double *lam = malloc(sizeof(double) * (size_t)m);
+    DAQPProblem qp = {0};
+    DAQPSettings settings;
+    DAQPResult result = {0};
+    daqp_default_settings(&settings);
+    settings.primal_tol = 1e-8;
+    qp.n = n;
+    qp.m = m;
+    qp.sense = sense;
+    result.lam = lam;
+    const double start = now();
+    for (int i = 0; i < rows; ++i) {
+        qp.A = A + (size_t)(m * n) * (size_t)i;
+        qp.blower = lower + m * i;
+        qp.bupper = upper + m * i;
+        for (int j = 0; j < m; ++j)
+            sense[j] = j < 6 ? ACTIVE + IMMUTABLE : 0;
+        result.x = x + n * i;
+        daqp_quadprog(&result, &qp, &settings);
+        status[i] = result.exitflag;
+    }
+    const double found = (now() - start) / rows;
+    free(lam);
     free(sense);
     return found;
 }

@@ -1,4 +1,4 @@
-"""Stances whose forces are compared: of 3 to 6 feet, with no cone active and with some, and their matrices for solvers of quadratic programs."""
+"""Stances whose forces are compared, with no cone active and with some, and their matrices for solvers of quadratic programs."""
 
 from dataclasses import dataclass
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from contact_checks import imbalance, loads, optimality, outside, refutation
 from contact_library import Forces, Stances
-from contact_stances import grasp, random_stances
 
+from contact_stances import grasp, random_stances
 from oracles.walker import rotation
 
 OK, BAD_INPUT, NO_CONVERGENCE, INFEASIBLE = 0, 2, 4, 5
@@ -19,7 +19,7 @@ CASES = json.loads((Path(__file__).parents[1] / "cases" / "forces_solo12.json").
 
 @pytest.fixture(scope="module")
 def forces(tmp_path_factory):
-    return Forces(tmp_path_factory.mktemp("contact"))
+    return Forces(tmp_path_factory.getbasetemp())
 
 
 def of_case(case):

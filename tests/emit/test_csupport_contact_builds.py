@@ -76,11 +76,10 @@ int main(void) {
 """.replace("bad##tag", "bad_##tag")
 
 
-@pytest.mark.parametrize(
-    ("standard", "compiler", "level"), [("-std=c99", "gcc", "-O0"), ("-std=c99", "gcc", "-O2"), ("-std=c++11", "g++", "-O1")]
-)
-def test_strict_flags(tmp_path, level, standard, compiler):
-    assert compile_c(tmp_path, SOURCE, "strict.o", standard, level, "-c", *STRICT, compiler=compiler).exists()
+@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), ("-std=c++11", "g++")])
+def test_strict_flags(tmp_path, standard, compiler):
+    """Without optimisation; the other tests' library is built with."""
+    assert compile_c(tmp_path, SOURCE, "strict.o", standard, "-O0", "-c", *STRICT, compiler=compiler).exists()
 
 
 def test_the_workspace_needs_no_other_header(tmp_path):

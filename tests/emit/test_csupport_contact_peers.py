@@ -7,6 +7,7 @@ import pytest
 from contact_checks import exactly_carried, exactly_refuted, loads
 from contact_library import Forces
 from contact_peers import CARRIED, REFUTED, UNDECIDED, by_clarabel, by_highs, clarabel_settings
+
 from contact_stances import random_stances
 
 OK, NO_CONVERGENCE, INFEASIBLE = 0, 4, 5
@@ -18,7 +19,7 @@ ROUNDING = 1e-14
 
 @pytest.fixture(scope="module")
 def forces(tmp_path_factory):
-    return Forces(tmp_path_factory.mktemp("contact"))
+    return Forces(tmp_path_factory.getbasetemp())
 
 
 def least_friction(forces, stances, facets=0):

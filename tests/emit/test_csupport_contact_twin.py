@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from contact_checks import loads, refutation
 from contact_library import Forces, Stances
-from contact_stances import grasp, random_stances
 
+from contact_stances import grasp, random_stances
 from walkgen.runtime.solves.contact import least_squares
 
 OK, BAD_INPUT, INFEASIBLE = 0, 2, 5
@@ -16,7 +16,7 @@ OK, BAD_INPUT, INFEASIBLE = 0, 2, 5
 
 @pytest.fixture(scope="module")
 def forces(tmp_path_factory):
-    return Forces(tmp_path_factory.mktemp("contact"))
+    return Forces(tmp_path_factory.getbasetemp())
 
 
 def reference(stances, facets=0):

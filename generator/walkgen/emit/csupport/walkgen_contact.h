@@ -8,6 +8,11 @@
 #include "walkgen_contact_inside.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_CONTACT_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_CONTACT_F32))
+#if defined(__GNUC__)
+#define WG_CALLED static __attribute__((noinline, unused))
+#else
+#define WG_CALLED static inline
+#endif
 #if WG_REAL_BITS == 64
 #define WALKGEN_CONTACT_F64
 #define WG_LIBM(name) name
@@ -214,8 +219,8 @@ static inline int32_t WG_NAME(wg_contact_resume)(struct WG_NAME(wg_contact_searc
     return WG_NAME(wg_contact_find)(search, work, f, state, certificate, violation);
 }
 
-/* Where no force lies in the inside of all cones: the status. */
-static inline int32_t WG_NAME(wg_contact_active)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+/* Where no force lies in the inside of all cones: the status. Called, so that its room does not weigh on the short way. */
+WG_CALLED int32_t WG_NAME(wg_contact_active)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
                                                  const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, int32_t facets,
                                                  struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *state,
                                                  WG_REAL certificate[6], WG_REAL *violation) {
@@ -251,7 +256,7 @@ static inline void WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *p
     const WG_REAL share = facets == 0 ? WG_C(1.0) : facets == 4 ? WG_C(0.70710678118) : WG_C(0.0);
     int i;
     if (k >= 1 && k <= WALKGEN_MAX_FEET &&
-        WG_NAME(wg_contact_inactive)(k, points, normals, mu, wrench, weight, n_max, share, f, violation)) {
+        WG_NAME(wg_contact_inactive)(k, points, normals, mu, wrench, weight, n_max, share, facets == 4, f, violation)) {
         for (i = 0; i < k; ++i) {
             state[i] = WG_CONTACT_STICK;
         }
@@ -270,4 +275,5 @@ static inline void WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *p
 #undef WG_LIBM
 #undef WG_FAIR
 #undef WG_MODERATE
+#undef WG_CALLED
 #endif
