@@ -30,6 +30,19 @@ def stand() -> str:
     return f'{HEAD}{CHAPTER_LEG}{SECTIONS}[[platforms]]\nname = "base"\n{legs}'
 
 
+def module() -> str:
+    """Two platforms joined by an elastic chain, three of the stand's legs."""
+    chain = (
+        '[chain_designs.waist]\ndh = "classic"\njoints = [\n'
+        '    { name = "yaw", type = "revolute", a = 0.1, alpha_deg = 90, d = 0.0, link = { section = "waist" } },\n'
+        '    { name = "pitch", type = "revolute", a = 0.2, alpha_deg = 0, d = 0.0, link = { section = "waist" } },\n]\n'
+    )
+    rear = 'name = "rear"\nparent = "base"\nchain = "waist"\nroot = { rpy_deg = [0, 0, 180] }\nend = { rpy_deg = [-90, 0, 180] }\n'
+    places = {"front_left": "base", "front_right": "base", "rear_left": "rear"}
+    legs = "".join(_leg(name, "chapter", place, (0.0, MOUNTS[name][1], 0.0), (0, 0, MOUNTS[name][2])) for name, place in places.items())
+    return f'{HEAD}{CHAPTER_LEG}{chain}{SECTIONS}[[platforms]]\nname = "base"\n[[platforms]]\n{rear}{legs}'
+
+
 def _leg(name: str, design: str, platform: str, xyz: Sequence[float], rpy_deg: Sequence[float]) -> str:
     mount = f"{{ xyz = {list(xyz)}, rpy_deg = {list(rpy_deg)} }}"
     return f'[[legs]]\nname = "{name}"\ndesign = "{design}"\nplatform = "{platform}"\nmount = {mount}\n'

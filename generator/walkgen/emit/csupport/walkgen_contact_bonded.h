@@ -24,31 +24,62 @@ static inline int WG_NAME(wg_bonded_invert)(const WG_REAL C[9], WG_REAL S[9]) {
     return (C[0] > WG_C(0.0)) & (zz > WG_LEAST * C[0] * C[4]) & (determinant > WG_LEAST * zz * C[8]);
 }
 
+/* x = K^-1 x for K = [A, B'; B, D], all 3 by 3, A and D symmetric; whether K is positive. */
+static inline int WG_NAME(wg_bonded_resolve)(const WG_REAL A[9], const WG_REAL B[9], const WG_REAL D[9], WG_REAL x[6]) {
+    WG_REAL across[9], M[9], S[9], inner[9], right[3];
+    int fine = WG_NAME(wg_bonded_invert)(A, across);
+    int j, m;
+    for (j = 0; j < 3; ++j) {
+        for (m = 0; m < 3; ++m) {
+            M[3 * j + m] = WG_NAME(wg_elastic_dot)(B + 3 * j, across + 3 * m);
+        }
+        right[j] = x[3 + j] - WG_NAME(wg_elastic_dot)(M + 3 * j, x);
+    }
+    for (j = 0; j < 3; ++j) {
+        for (m = 0; m < 3; ++m) {
+            S[3 * j + m] = D[3 * j + m] - WG_NAME(wg_elastic_dot)(M + 3 * j, B + 3 * m);
+        }
+        fine &= S[4 * j] > WG_LEAST * D[4 * j];
+    }
+    fine &= WG_NAME(wg_bonded_invert)(S, inner);
+    for (j = 0; j < 3; ++j) {
+        x[3 + j] = WG_NAME(wg_elastic_dot)(inner + 3 * j, right);
+    }
+    for (j = 0; j < 3; ++j) {
+        right[j] = x[j] - B[j] * x[3] - B[3 + j] * x[4] - B[6 + j] * x[5];
+    }
+    for (j = 0; j < 3; ++j) {
+        x[j] = WG_NAME(wg_elastic_dot)(across + 3 * j, right);
+    }
+    return fine;
+}
+
 /* Feet that stick, each on a leg of its own: OK, BAD_INPUT where a leg's compliance is not positive, SINGULAR where feet are on a line. */
 static inline int32_t WG_NAME(wg_bonded_blocks)(const struct WG_NAME(wg_contact_elastic) * stand, struct WG_NAME(wg_contact_stand) * at) {
-    WG_REAL S[WALKGEN_MAX_FEET][9], K[36] = {WG_C(0.0)}, H[3][3], force[3], row[3];
+    WG_REAL S[WALKGEN_MAX_FEET][9], A[9], B[9], D[9], H[9], force[3], row[3];
     int32_t i;
     int j, m, fine = 1;
+    for (j = 0; j < 9; ++j) {
+        A[j] = B[j] = D[j] = WG_C(0.0);
+    }
     for (j = 0; j < 6; ++j) {
         at->delta[j] = stand->w[j];
     }
     for (i = 0; i < stand->feet; ++i) {
         fine &= WG_NAME(wg_bonded_invert)(stand->block[i], S[i]);
-        for (j = 0; j < 3; ++j) { /* rows of S are columns: H[j] = r x S e_j; K = [S, H; H', r x S x r'], lower triangle */
-            WG_NAME(wg_elastic_cross)(stand->r[i], S[i] + 3 * j, H[j]);
+        for (j = 0; j < 3; ++j) { /* B = [r] S by columns, D = [r] S [r]' = [r] B' */
+            WG_NAME(wg_elastic_cross)(stand->r[i], S[i] + 3 * j, row);
             force[j] = WG_NAME(wg_elastic_dot)(S[i] + 3 * j, stand->e[i]);
-            for (m = 0; m <= j; ++m) {
-                K[6 * j + m] += S[i][3 * j + m];
-            }
             for (m = 0; m < 3; ++m) {
-                K[6 * (3 + m) + j] += H[j][m];
+                A[3 * j + m] += S[i][3 * j + m];
+                B[3 * m + j] += row[m];
+                H[3 * m + j] = row[m];
             }
         }
-        for (m = 0; m < 3; ++m) {
-            const WG_REAL column[3] = {H[0][m], H[1][m], H[2][m]};
-            WG_NAME(wg_elastic_cross)(stand->r[i], column, row);
-            for (j = 0; j <= m; ++j) {
-                K[6 * (3 + m) + 3 + j] += row[j];
+        for (j = 0; j < 3; ++j) {
+            WG_NAME(wg_elastic_cross)(stand->r[i], H + 3 * j, row);
+            for (m = 0; m < 3; ++m) {
+                D[3 * j + m] += row[m];
             }
         }
         WG_NAME(wg_elastic_gather)(stand->r[i], force, WG_C(-1.0), at->delta, 1);
@@ -56,10 +87,9 @@ static inline int32_t WG_NAME(wg_bonded_blocks)(const struct WG_NAME(wg_contact_
     if (!fine) {
         return WALKGEN_BAD_INPUT;
     }
-    if (!WG_NAME(wg_elastic_factor)(6, 6, K)) {
+    if (!WG_NAME(wg_bonded_resolve)(A, B, D, at->delta)) {
         return WALKGEN_SINGULAR;
     }
-    WG_NAME(wg_elastic_resolve)(6, 6, K, at->delta);
     for (i = 0; i < stand->feet; ++i) {
         WG_NAME(wg_elastic_moved)(stand->r[i], at->delta, row);
         for (j = 0; j < 3; ++j) {

@@ -131,16 +131,15 @@ static inline int32_t WG_NAME(wg_stiffness_spread)(const struct WG_NAME(wg_conta
 
 /* A foot's block out of a matrix with rows `stride` apart, scaled and made symmetric; whether it was. */
 static inline int WG_NAME(wg_stiffness_block)(const WG_REAL *C, int32_t stride, WG_REAL scale, WG_REAL block[9]) {
-    WG_REAL apart = WG_C(0.0);
-    int j, m;
-    for (j = 0; j < 3; ++j) {
-        for (m = 0; m < 3; ++m) {
-            const WG_REAL one = scale * C[j * stride + m], other = scale * C[m * stride + j];
-            block[3 * j + m] = WG_C(0.5) * (one + other);
-            apart = WG_MAX(apart, WG_ABS(one - other));
-        }
-    }
-    return apart <= WG_ALIKE * (block[0] + block[4] + block[8]);
+    const WG_REAL xy = scale * C[1], xz = scale * C[2], yz = scale * C[stride + 2];
+    const WG_REAL yx = scale * C[stride], zx = scale * C[2 * stride], zy = scale * C[2 * stride + 1];
+    block[0] = scale * C[0];
+    block[4] = scale * C[stride + 1];
+    block[8] = scale * C[2 * stride + 2];
+    block[1] = block[3] = WG_C(0.5) * (xy + yx);
+    block[2] = block[6] = WG_C(0.5) * (xz + zx);
+    block[5] = block[7] = WG_C(0.5) * (yz + zy);
+    return WG_ABS(xy - yx) + WG_ABS(xz - zx) + WG_ABS(yz - zy) <= WG_ALIKE * (block[0] + block[4] + block[8]);
 }
 
 /* Whether feet share links: 1, or 0; -1 where C is not symmetric. */
