@@ -2,6 +2,7 @@
 
 import mpmath
 import numpy as np
+
 from contact_stances import grasp
 
 LOAD_OF_PROOF = 1e-7

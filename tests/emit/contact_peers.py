@@ -3,9 +3,10 @@
 import clarabel
 import numpy as np
 from contact_checks import loads
-from contact_stances import grasp
 from scipy.optimize import linprog
 from scipy.sparse import csc_matrix
+
+from contact_stances import grasp
 
 CARRIED, REFUTED, UNDECIDED = "carried", "refuted", "undecided"
 _WORDS = {"Solved": CARRIED, "PrimalInfeasible": REFUTED}

@@ -18,7 +18,7 @@ void limited_rows@(int rows, int k, int facets, int limits, const REAL *points, 
         walkgen_contact_work@ work = cold;
         wg_contact_limited@(k, points + 3 * k * i, normals + 3 * k * i, mu + k * i, wrench + 6 * i, weight + k * i,
                             n_max + k * i, facets, limits, torque_rows + 3 * k * limits * i, torque_limits + limits * i, &work,
-                            f + 3 * k * i, status + i, state + k * i, certificate + 6 * i, multipliers + limits * i, violation + i);
+                            f + 3 * k * i, status + i, state + k * i, certificate + 6 * i, violation + i, multipliers + limits * i);
     }
 }
 """

@@ -52,7 +52,8 @@ void admissible@(int k, const REAL *points, const REAL *normals, const REAL *mu,
                  const REAL *candidates, const REAL *candidate_normals, REAL *share, int32_t *status);
 void admissible@(int k, const REAL *points, const REAL *normals, const REAL *mu, const REAL *wrench, int foot, int count,
                  const REAL *candidates, const REAL *candidate_normals, REAL *share, int32_t *status) {
-    wg_admissible_feet@(k, points, normals, mu, wrench, foot, count, candidates, candidate_normals, share, status);
+    for (int i = 0; i < count; ++i)
+        wg_foot_admissible@(k, points, normals, mu, wrench, foot, candidates + 3 * i, candidate_normals + 3 * i, share + i, status + i);
 }
 """
 

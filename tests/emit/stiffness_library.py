@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from general_library import build, call, source
 
+from walkgen.runtime.solves.contact_stiffness import contact_stiffness
+
 HEADERS = ("walkgen_contact_stiffness.h",)
 ONE = {
     "walkgen_contact_stiffness.h": """
@@ -109,3 +111,10 @@ class Spreading:
         soft = np.full_like(given[-1], 7.0)
         call(self._library, "springs", np.float64, len(normals), *given, soft)
         return soft
+
+
+def by_numpy(points, normals, mu, wrench, compliance, misfit):
+    """The NumPy reference of stances, with the compliance as a matrix [..., 3k, 3k]."""
+    points, compliance = np.asarray(points), np.asarray(compliance)
+    k = points.shape[-2]
+    return contact_stiffness(points, normals, mu, wrench, compliance.reshape(*compliance.shape[:-2], k, 3, k, 3), misfit)

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 from contact_checks import imbalance, loads, outside
 from contact_peers import CARRIED, REFUTED, UNDECIDED, clarabel_settings
-from contact_stances import grasp, random_stances
 from csupport_library import STRICT, compile_c
 from limited_library import SOURCE, Limited
 from scipy.sparse import csc_matrix
 
-from walkgen.runtime.solves.contact import limited
+from contact_stances import grasp, random_stances
+from walkgen.runtime.solves.contact import contact_limited
 
 OK, BAD_INPUT, INFEASIBLE = 0, 2, 5
 
@@ -47,7 +47,7 @@ def proves(stances, rows, limits, found):
 @pytest.mark.parametrize("k", [4, 6])
 def test_c_equals_its_reference(forces, k, facets):
     stances, rows, limits = with_torques(40 + k, 100, k)
-    first, second = forces(stances, rows, limits, facets), limited(*vars(stances).values(), facets, rows, limits)
+    first, second = forces(stances, rows, limits, facets), contact_limited(*vars(stances).values(), facets, rows, limits)
     assert np.array_equal(first.status, second.status)
     assert {OK, INFEASIBLE} == set(first.status)
     good = first.status == OK
@@ -115,7 +115,7 @@ def test_no_load_within_limits_that_ask_for_squeezing(forces):
     assert np.allclose(found.f, [[[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0]]], atol=1e-8)
     away = pair.changed(normals=-normals)
     assert forces(away, rows, limits).status[0] == INFEASIBLE
-    assert limited(*vars(away).values(), 0, rows, limits).status[0] == INFEASIBLE
+    assert contact_limited(*vars(away).values(), 0, rows, limits).status[0] == INFEASIBLE
 
 
 def test_bad_limits(forces):

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from stiffness_library import Spreading, Stance, random_stance
+from stiffness_library import Spreading, Stance, by_numpy, random_stance
 
 from mechanisms.elastic_robots import stand
 from oracles.beam_frame import frame, spread
 from oracles.standing import FREE, SLIDE, STICK, all_stands, broken
 from oracles.stands import O13_DELTA, O13_F, O13_Q, O13_WRENCH, O14_F, O14_Q, O14_WRENCH
 from oracles.walker import read
-from walkgen.runtime.solves.contact_stiffness import contact_stiffness, contact_stiffness_blocks, contact_terrain_springs
+from walkgen.runtime.solves.contact_stiffness import contact_stiffness_blocks, contact_terrain_springs
 
 OK, _, BAD_INPUT, SINGULAR, NO_CONVERGENCE, INFEASIBLE = range(6)
 LOAD = 600.0
@@ -78,14 +78,14 @@ def test_c_is_numpy(spreading, k, coupled):
     rng = np.random.default_rng([k, coupled, 1])
     stances = [random_stance(rng, k, coupled=coupled, misfit=2e-4 * (row % 2)) for row in range(6)]
     columns = [np.array(column) for column in zip(*(stance.given for stance in stances), strict=True)]
-    ours, reference = spreading(*stances), contact_stiffness(k, *columns)
+    ours, reference = spreading(*stances), by_numpy(*columns)
     np.testing.assert_array_equal(ours[1], reference[1])
     np.testing.assert_array_equal(ours[2], reference[2])
     np.testing.assert_allclose(ours[0], reference[0], rtol=0, atol=1e-9 * LOAD)
     np.testing.assert_allclose(ours[3], reference[3], rtol=0, atol=1e-12)
     if not coupled:
         columns[4] = np.array([stance.blocks for stance in stances])
-        blocks, again = spreading(*stances, whole=False), contact_stiffness_blocks(k, *columns)
+        blocks, again = spreading(*stances, whole=False), contact_stiffness_blocks(*columns)
         np.testing.assert_array_equal(blocks[1], reference[1])
         np.testing.assert_array_equal(again[0], reference[0])
         np.testing.assert_allclose(blocks[0], ours[0], rtol=0, atol=1e-9 * LOAD)
@@ -174,7 +174,7 @@ def test_feet_on_a_line_and_too_few(spreading):
         answer = spreading(stance)
         assert answer[1][0] == SINGULAR
         assert np.isnan(answer[0]).all()
-        assert contact_stiffness(len(stance.mu), *stance.given)[1] == SINGULAR
+        assert by_numpy(*stance.given)[1] == SINGULAR
 
 
 def bad_stances():
@@ -195,7 +195,7 @@ def bad_stances():
 
 def test_bad_inputs(spreading):
     for stance in bad_stances():
-        answer, reference = spreading(stance), contact_stiffness(4, *stance.given)
+        answer, reference = spreading(stance), by_numpy(*stance.given)
         assert answer[1][0] == reference[1] == BAD_INPUT
         assert np.isnan(answer[0]).all()
         assert np.isnan(answer[3]).all()
@@ -244,7 +244,7 @@ def test_ground_springs(spreading):
     kn, kt = np.array([1e5, 2e5, np.inf, np.inf]), np.array([1e4, np.inf, 3e5, np.inf])
     stance = chapter_stance(O13_Q, O13_WRENCH)
     soft = spreading.springs(normals, kn, kt, stance.blocks)
-    np.testing.assert_allclose(soft, contact_terrain_springs(4, normals, kn, kt, stance.blocks), rtol=1e-15)
+    np.testing.assert_allclose(soft, contact_terrain_springs(normals, kn, kt, stance.blocks), rtol=1e-15)
     np.testing.assert_array_equal(soft[3], stance.blocks[3])
     kn, kt = np.full(4, 2e5), np.full(4, 1.5e5)
     soft = spreading.springs(normals, kn, kt, stance.blocks)

@@ -9,7 +9,7 @@ from contact_checks import loads, refutation
 from contact_library import Forces, Stances
 
 from contact_stances import grasp, random_stances
-from walkgen.runtime.solves.contact import least_squares
+from walkgen.runtime.solves.contact import Contact, contact_least_squares
 
 OK, BAD_INPUT, INFEASIBLE = 0, 2, 5
 
@@ -19,8 +19,12 @@ def forces(tmp_path_factory):
     return Forces(tmp_path_factory.getbasetemp())
 
 
+def raw(*arguments):
+    return Contact(*contact_least_squares(*arguments), np.zeros(0))
+
+
 def reference(stances, facets=0):
-    return least_squares(*vars(stances).values(), facets)
+    return raw(*vars(stances).values(), facets)
 
 
 @pytest.mark.parametrize("facets", [0, 4, 7])
@@ -42,7 +46,7 @@ def test_published_stances():
     for case in json.loads((Path(__file__).parents[1] / "cases" / "forces_solo12.json").read_text())["stances"]:
         com, force = np.array(case["com"]), np.array(case["load_force"])
         wrench = np.concatenate([force, np.array(case["load_moment_about_com"]) + np.cross(com, force)])
-        found = least_squares(case["feet"], case["normals"], case["mu"], wrench)
+        found = raw(case["feet"], case["normals"], case["mu"], wrench)
         assert found.status == (OK if case["feasible"] else INFEASIBLE)
         if case["feasible"]:
             assert np.abs(found.f - case["f"]).max() <= 1e-7 * np.linalg.norm(force)
@@ -67,7 +71,7 @@ def test_feet_on_a_line(forces, steps):
 def test_reference_broadcasts_and_refuses():
     stances = random_stances(30, 6, 4)
     whole = reference(stances)
-    parts = least_squares(
+    parts = raw(
         stances.points.reshape(2, 3, 4, 3),
         stances.normals.reshape(2, 3, 4, 3),
         stances.mu.reshape(2, 3, 4),

@@ -105,7 +105,7 @@ def test_linear_programs_agree_within_their_facets(stances):
 def test_the_reference_agrees(stances):
     for points, normals, wrench in random_stances(4, 3):
         mu, _, _, status = stances.needed(points, normals, wrench)
-        expected, f, state = friction_needed(points, normals, wrench)
+        expected, f, _, state = friction_needed(points, normals, wrench)
         assert status == state
         assert mu == pytest.approx(float(expected), rel=1e-11)
         assert checks(points, normals, wrench, mu, f, np.zeros(6))[:2].max() <= 1e-11

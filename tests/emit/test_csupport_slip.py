@@ -119,9 +119,11 @@ def test_the_reference_agrees(stances):
         found, expected = stances.slip(points, normals, wrench), slip(points, normals, wrench)
         if found[-1] == OK:
             assert expected[-1] == OK
-            assert found[0] == pytest.approx(float(expected[0]), rel=1e-9)
-            np.testing.assert_allclose(found[3], expected[3], rtol=0, atol=1e-7)
-            np.testing.assert_allclose(found[2], expected[2], rtol=0, atol=1e-8 * np.linalg.norm(wrench))
+            assert found[0] == pytest.approx(float(expected.mu), rel=1e-9)
+            np.testing.assert_allclose(found[3], expected.twist, rtol=0, atol=1e-7)
+            np.testing.assert_allclose(found[2], expected.f, rtol=0, atol=1e-8 * np.linalg.norm(wrench))
+            np.testing.assert_allclose(found[4], expected.axis, rtol=0, atol=1e-6)
+            assert found[5] == pytest.approx(float(expected.pitch), abs=1e-6)
 
 
 def test_order_frame_and_size_do_not_matter(stances):

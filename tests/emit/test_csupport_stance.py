@@ -24,7 +24,7 @@ def test_grasp_is_its_reference(stances, k):
     found, expected = stances.grasp(points), grasp(points)
     f = np.random.default_rng(9).normal(size=(k, 3))
     np.testing.assert_allclose(found[0] @ f.ravel(), [*f.sum(axis=0), *np.cross(points, f).sum(axis=0)], rtol=0, atol=1e-13 * k)
-    np.testing.assert_allclose(found[0], expected[0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(found[0], expected[0].reshape(6, 3 * k), rtol=0, atol=1e-15)
     np.testing.assert_allclose(found[1], expected[1], rtol=0, atol=1e-13)
     assert found[4] == expected[4] == min(6, {1: 3, 2: 5}.get(k, 6))
     assert found[5] == expected[5] == (OK if k > 2 else SINGULAR)

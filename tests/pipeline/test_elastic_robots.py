@@ -36,7 +36,7 @@ def test_loads_on_all_platforms_spread_as_in_a_frame_of_beams(built):
         forces, _ = model.forces(dict(zip(walker.platforms, loads[row], strict=True)))
         np.testing.assert_allclose(spread(points[row], C[row], loads[row].sum(axis=0), e[row])[0], forces, rtol=0, atol=1e-9)
         normals = forces / np.linalg.norm(forces, axis=1)[:, None]
-        found = contact_stiffness(3, points[row], normals, np.full(3, 0.5), loads[row].sum(axis=0), C[row], e[row])
+        found = contact_stiffness(points[row], normals, np.full(3, 0.5), loads[row].sum(axis=0), C[row].reshape(3, 3, 3, 3), e[row])
         np.testing.assert_allclose(found[0], forces, rtol=0, atol=1e-9)
 
 

@@ -15,7 +15,7 @@ UP = np.tile([0.0, 0.0, 1.0], (3, 1))
 
 
 def test_the_worked_example():
-    mu, N, _, twist, status = slip(O10_POINTS, UP, O10_LOAD)
+    N, _, twist, mu, *_, status = slip(O10_POINTS, UP, O10_LOAD)
     assert status == OK
     assert mu == pytest.approx(O10_FRICTION, rel=1e-11)
     np.testing.assert_allclose(N, O10_NORMAL_FORCES, rtol=0, atol=1e-8)
@@ -30,13 +30,13 @@ def test_batches_broadcast():
     assert (f.shape, status.shape, state.shape, violation.shape) == ((3, 2, 3, 3), (3, 2), (3, 2, 3), (3, 2))
     np.testing.assert_array_equal(status, [[OK, BAD_INPUT], [OK, BAD_INPUT], [SINGULAR, BAD_INPUT]])
     G, singular, lost, condition, rank, states = grasp(points)
-    assert (G.shape, singular.shape, lost.shape, condition.shape) == ((3, 1, 6, 9), (3, 1, 6), (3, 1, 3, 6), (3, 1))
+    assert (G.shape, singular.shape, lost.shape, condition.shape) == ((3, 1, 6, 3, 3), (3, 1, 6), (3, 1, 3, 6), (3, 1))
     np.testing.assert_array_equal(rank[:, 0], [6, 6, 3])
     np.testing.assert_array_equal(states[:, 0], [OK, OK, SINGULAR])
-    mu, forces, states = friction_needed(points[:2], UP, loads)
+    mu, forces, _, states = friction_needed(points[:2], UP, loads)
     assert (mu.shape, forces.shape, states.shape) == ((2, 2), (2, 2, 3, 3), (2, 2))
     assert mu[0, 0] == pytest.approx(mu[1, 0], rel=1e-12)
-    mu, N, forces, twist, states = slip(points[:2], UP, loads)
+    N, forces, twist, mu, *_, states = slip(points[:2], UP, loads)
     assert (mu.shape, N.shape, forces.shape, twist.shape, states.shape) == ((2, 2), (2, 2, 3), (2, 2, 3, 3), (2, 2, 6), (2, 2))
 
 
@@ -68,7 +68,7 @@ class Posed:
         points = self._feet @ self._R.T + self._p
         at = self._R @ self._centre + self._p
         load = np.concatenate([self._weight, np.cross(at, self._weight)]) + self._extra
-        mu, N, _, twist, status = slip(points, -points, load)
+        N, _, twist, mu, *_, status = slip(points, -points, load)
         assert status == OK
         self._mu = float(mu)
         turning = np.linalg.norm(twist[3:])
@@ -120,7 +120,7 @@ def test_the_equations_of_slip_leave_two_parameters_of_the_pose_open():
 def test_friction_across_the_velocity_is_no_friction():
     """Directions with n . V = 0 say that velocities lie in the tangent plane; friction is against them, not across."""
     points, normals, load = stance(LIMITS[0.2])
-    _, N, f, twist, _ = slip(points, normals, load)
+    N, f, twist, *_ = slip(points, normals, load)
     V = twist[:3] + np.cross(twist[3:], points)
     T = f - N[:, None] * normals
     np.testing.assert_allclose(np.cross(V, T), 0.0, rtol=0, atol=1e-8)
@@ -130,10 +130,10 @@ def test_friction_across_the_velocity_is_no_friction():
 def test_a_level_axis_has_no_trace_on_the_ground():
     """The bowl's limit turns about a level axis: its direction has no upward part, the twist is there all the same."""
     points, normals, load = stance(LIMITS[0.2])
-    mu, _, _, twist, status = slip(points, normals, load)
+    _, _, twist, mu, *_, status = slip(points, normals, load)
     assert status == OK
     assert mu == pytest.approx(0.2, rel=1e-9)
     np.testing.assert_allclose(twist / np.linalg.norm(twist), [0.0, 0.0, 0.0, 0.0, np.sign(twist[4]), 0.0], rtol=0, atol=1e-9)
     R = random_rotation(np.random.default_rng(2))
     turned = slip(points @ R.T, normals @ R.T, np.concatenate([R @ load[:3], R @ load[3:]]))
-    np.testing.assert_allclose(turned[3][3:], R @ twist[3:], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(turned.twist[3:], R @ twist[3:], rtol=0, atol=1e-8)

@@ -56,7 +56,7 @@ _KNOWN = (
     Routine("wg_friction_needed", "walkgen_friction_needed.h", "friction_needed", inputs=4, outputs=4),
     Routine("wg_friction_share", "walkgen_friction_margins.h", "friction_margins", inputs=5, outputs=2),
     Routine("wg_load_margin", "walkgen_friction_margins.h", "friction_margins", inputs=6, outputs=3),
-    Routine("wg_admissible_feet", "walkgen_friction_margins.h", "friction_margins", inputs=9, outputs=2),
+    Routine("wg_foot_admissible", "walkgen_friction_margins.h", "friction_margins", inputs=8, outputs=2),
     Routine("wg_slip", "walkgen_slip.h", "slip", inputs=4, outputs=7),
     Routine("wg_damped_inverse_3", "walkgen_damped.h", "damped", inputs=4, outputs=2),
     Routine("wg_damped_inverse", "walkgen_damped_general.h", "damped_general", inputs=5, outputs=2),

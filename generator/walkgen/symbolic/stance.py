@@ -92,8 +92,8 @@ def foot_admissible(mechanism: Mechanism) -> Solve:
     words = signature(
         mechanism, "", "foot_admissible", inputs, (Port("share"), _STATUS), doc, "theory 4.2: field of contact points, T <= mu N"
     )
-    arguments = ("k", "points", "normals", "mu", "wrench", "foot", 1, "candidate", "candidate_normal", "share", "status")
-    return routine_solve(words, "wg_admissible_feet", arguments)
+    arguments = ("k", "points", "normals", "mu", "wrench", "foot", "candidate", "candidate_normal", "share", "status")
+    return routine_solve(words, "wg_foot_admissible", arguments)
 
 
 def slip(mechanism: Mechanism) -> Solve:

@@ -246,7 +246,7 @@ static inline void WG_NAME(wg_contact_limited)(int32_t k, const WG_REAL *points,
                                                const WG_REAL *weight, const WG_REAL *n_max, int32_t facets, int32_t rows,
                                                const WG_REAL *torque_rows, const WG_REAL *torque_limits,
                                                struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *status, int32_t *state,
-                                               WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {
+                                               WG_REAL *certificate, WG_REAL *violation, WG_REAL *multipliers) {
     const int fine = k >= 1 && k <= WALKGEN_MAX_FEET && WG_NAME(wg_contact_limits_fine)(k, rows, torque_rows, torque_limits);
     int i;
     for (i = 0; i < rows && rows <= WALKGEN_MAX_LIMITS; ++i) {

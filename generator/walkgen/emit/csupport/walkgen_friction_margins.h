@@ -91,30 +91,24 @@ static inline void WG_NAME(wg_load_margin)(int32_t k, const WG_REAL *WG_RESTRICT
     }
 }
 
-/* Where foot number `foot` of k may stand: for `count` candidates [count, 3] with normals [count, 3] instead of its own, the share of the
- * friction that is needed [count], as wg_friction_share says, with its status [count]. The foot may stand where it is at most 1. */
-static inline void WG_NAME(wg_admissible_feet)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
-                                               const WG_REAL *WG_RESTRICT mu, const WG_REAL *WG_RESTRICT wrench, int32_t foot, int32_t count,
-                                               const WG_REAL *WG_RESTRICT candidates, const WG_REAL *WG_RESTRICT candidate_normals,
+/* Where foot number `foot` of k may stand: with a candidate [3] and its normal [3] instead of its own, the share of the friction that is needed,
+ * as wg_friction_share says. The foot may stand there where it is at most 1. */
+static inline void WG_NAME(wg_foot_admissible)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
+                                               const WG_REAL *WG_RESTRICT mu, const WG_REAL *WG_RESTRICT wrench, int32_t foot,
+                                               const WG_REAL *WG_RESTRICT candidate, const WG_REAL *WG_RESTRICT candidate_normal,
                                                WG_REAL *WG_RESTRICT share, int32_t *WG_RESTRICT status) {
-    const int fine = k >= 1 && k <= WALKGEN_MAX_FEET && foot >= 0 && foot < k;
     WG_REAL placed[3 * WALKGEN_MAX_FEET], turned[3 * WALKGEN_MAX_FEET];
-    int i, j;
-    for (j = 0; j < 3 * k && fine; ++j) {
-        placed[j] = points[j];
-        turned[j] = normals[j];
+    int j;
+    *share = WG_NAN;
+    *status = WALKGEN_BAD_INPUT;
+    if (k < 1 || k > WALKGEN_MAX_FEET || foot < 0 || foot >= k) {
+        return;
     }
-    for (i = 0; i < count; ++i) {
-        share[i] = WG_NAN;
-        status[i] = WALKGEN_BAD_INPUT;
-        if (fine) {
-            for (j = 0; j < 3; ++j) {
-                placed[3 * foot + j] = candidates[3 * i + j];
-                turned[3 * foot + j] = candidate_normals[3 * i + j];
-            }
-            WG_NAME(wg_friction_share)(k, placed, turned, mu, wrench, share + i, status + i);
-        }
+    for (j = 0; j < 3 * k; ++j) {
+        placed[j] = j / 3 == foot ? candidate[j % 3] : points[j];
+        turned[j] = j / 3 == foot ? candidate_normal[j % 3] : normals[j];
     }
+    WG_NAME(wg_friction_share)(k, placed, turned, mu, wrench, share, status);
 }
 
 #undef WG_UNIT

@@ -1,7 +1,7 @@
 """Least forces with which feet carry a load within their friction cones: the reference of walkgen_contact.h and its limited form."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,9 +20,8 @@ _FAIR = 1e-10
 _EDGE = 1e-9
 
 
-@dataclass(frozen=True)
-class Contact:
-    """Forces f [...,k,3], status [...], state [...,k] (0 stick, 1 slide, 2 free), certificate [...,6], violation [...]."""
+class Contact(NamedTuple):
+    """Forces f [...,k,3], status [...], state [...,k] (0 stick, 1 slide, 2 free), certificate [...,6], violation [...], the limits' multipliers."""
 
     f: Array
     status: Array
@@ -32,15 +31,15 @@ class Contact:
     multipliers: Array
 
 
-def least_squares(
+def contact_least_squares(
     points: ArrayLike,
     normals: ArrayLike,
     mu: ArrayLike,
     wrench: ArrayLike,
     weight: ArrayLike = 1.0,
     n_max: ArrayLike = np.inf,
-    facets: int = 0,
-) -> Contact:
+    facets: ArrayLike = 0,
+) -> tuple[Array, Array, Array, Array, Array]:
     """Forces f_i of the ground with sum (f_i, p_i x f_i) + wrench = 0 in their cones, of least sum of weight_i |f_i|^2.
 
     Args:
@@ -53,28 +52,28 @@ def least_squares(
         facets: 0 for circular cones, else the number of sides (3 to 1024) of the pyramids inside them.
 
     Returns:
-        NaN forces unless OK. INFEASIBLE: certificate . wrench = 1 and certificate . (f, p x f) >= 0 for all forces in cones (with n_max:
+        f, status, state, certificate, violation of `Contact`; NaN forces unless OK. INFEASIBLE: certificate . wrench = 1 and certificate . (f, p x f) >= 0 for all forces in cones (with n_max:
         above -1). BAD_INPUT: NaN. NO_CONVERGENCE: neither forces nor certificate verified.
     """
     none = np.zeros((0, 1, 3)), np.zeros(0)
-    return limited(points, normals, mu, wrench, weight, n_max, facets, *none)
+    return contact_limited(points, normals, mu, wrench, weight, n_max, facets, *none)[:5]
 
 
-def limited(
+def contact_limited(
     points: ArrayLike,
     normals: ArrayLike,
     mu: ArrayLike,
     wrench: ArrayLike,
     weight: ArrayLike,
     n_max: ArrayLike,
-    facets: int,
+    facets: ArrayLike,
     torque_rows: ArrayLike,
     torque_limits: ArrayLike,
 ) -> Contact:
     """The same forces with sum_i torque_rows[r,i] . f_i <= torque_limits[r], e.g. a leg's rows of -J^T for the least torques.
 
     Args:
-        points: as `least_squares` takes them, like the others.
+        points: as `contact_least_squares` takes them, like the others.
         normals: [..., k, 3].
         mu: [..., k].
         wrench: [..., 6].
@@ -85,33 +84,38 @@ def limited(
         torque_limits: [..., rows], N m.
 
     Returns:
-        As `least_squares`; multipliers [..., rows] >= 0 belong to the certificate, whose certificate . wrench - multipliers . limits is 1,
+        As `contact_least_squares`; multipliers [..., rows] >= 0 belong to the certificate, whose certificate . wrench - multipliers . limits is 1,
         and certificate . (f, p x f) + multipliers . rows f >= 0 for all forces in cones (with n_max: above -1).
     """
-    stance, shape = _read(points, normals, mu, wrench, weight, n_max, facets, torque_rows, torque_limits)
-    fine = _fine(stance)
-    rows, k = stance.mu.shape
-    found = _blank(rows, k, stance.limits.shape[1])
-    for chosen in np.array_split(np.flatnonzero(fine), max(1, int(fine.sum()) // 200)):
-        if len(chosen):
-            part = Stance(**{name: value if name == "facets" else value[chosen] for name, value in vars(stance).items()})
-            for name, value in vars(_solved(part)).items():
-                getattr(found, name)[chosen] = value
-    return Contact(**{name: value.reshape((*shape, *value.shape[1:])) for name, value in vars(found).items()})
+    stance, sides, shape = _read(points, normals, mu, wrench, weight, n_max, facets, torque_rows, torque_limits)
+    feet, rows = stance.mu.shape[1], stance.limits.shape[1]
+    found = _blank(len(sides), feet, rows)
+    for kind in np.unique(sides):
+        alike = Stance(**_taken(stance, np.arange(len(sides))), facets=int(kind))
+        fine = np.flatnonzero(_fine(alike) & (sides == kind))
+        for chosen in np.array_split(fine, max(1, len(fine) // 200)):
+            if len(chosen):
+                for whole, part in zip(found, _solved(Stance(**_taken(alike, chosen), facets=int(kind))), strict=True):
+                    whole[chosen] = part
+    return Contact(*(value.reshape((*shape, *value.shape[1:])) for value in found))
 
 
-def _read(*arguments: ArrayLike) -> tuple[Stance, tuple[int, ...]]:
-    """Broadcast, with one leading dimension; the leading shape."""
+def _taken(stance: Stance, rows: Array) -> dict[str, Array]:
+    return {name: getattr(stance, name)[rows] for name in _ARRAYS}
+
+
+def _read(*arguments: ArrayLike) -> tuple[Stance, Array, tuple[int, ...]]:
+    """Broadcast, with one leading dimension; the facets of every row; the leading shape."""
     points, normals, mu, wrench, weight, n_max, facets, torque_rows, limits = (np.asarray(item) for item in arguments)
     k = points.shape[-2]
     inner = [(k, 3), (k, 3), (k,), (6,), (k,), (k,), (limits.shape[-1], k, 3), (limits.shape[-1],)]
     values = [points, normals, mu, wrench, weight, n_max, torque_rows, limits]
     values = [np.broadcast_to(item, np.broadcast_shapes(item.shape, part)) for item, part in zip(values, inner, strict=True)]
-    shape = np.broadcast_shapes(*(item.shape[: item.ndim - len(part)] for item, part in zip(values, inner, strict=True)))
+    shape = np.broadcast_shapes(facets.shape, *(item.shape[: item.ndim - len(part)] for item, part in zip(values, inner, strict=True)))
     rows = math.prod(shape)
     flat = [np.array(np.broadcast_to(item, (*shape, *part)), float).reshape(rows, *part) for item, part in zip(values, inner, strict=True)]
     mine = dict(zip(_ARRAYS, flat, strict=True))
-    return Stance(**mine, facets=int(facets)), shape
+    return Stance(**mine, facets=0), np.broadcast_to(facets, shape).ravel(), shape
 
 
 def _fine(stance: Stance) -> Array:

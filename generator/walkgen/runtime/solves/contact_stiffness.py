@@ -22,7 +22,6 @@ _Row = tuple[Reals, int, Integers, Reals, float]
 
 
 def contact_stiffness(
-    k: int,
     points: ArrayLike,
     normals: ArrayLike,
     mu: ArrayLike,
@@ -33,12 +32,11 @@ def contact_stiffness(
     """Forces of the ground on feet that may lift off and slide.
 
     Args:
-        k: feet, 1 to 16.
-        points: [..., k, 3] m.
+        points: of 1 to 16 feet [..., k, 3] m.
         normals: [..., k, 3], unit, out of the ground.
         mu: [..., k], may be infinite.
         wrench: [..., 6] load on the robot: force, moment about the frame's origin.
-        compliance: [..., 3k, 3k] m/N, positive.
+        compliance: [..., k, 3, k, 3] m/N, positive.
         misfit: [..., k, 3] m, how far unloaded feet are off.
 
     Returns:
@@ -46,7 +44,7 @@ def contact_stiffness(
         frame's origin, rotation), violation [...] (N). Without an answer f is NaN.
     """
     inputs = [np.asarray(value, dtype=float) for value in (points, normals, mu, wrench, compliance, misfit)]
-    ranks = (2, 2, 1, 1, 2, 2)
+    ranks, k = (2, 2, 1, 1, 4, 2), inputs[0].shape[-2]
     lead = np.broadcast_shapes(*(value.shape[: value.ndim - rank] for value, rank in zip(inputs, ranks, strict=True)))
     given = [np.broadcast_to(value, lead + value.shape[value.ndim - rank :]) for value, rank in zip(inputs, ranks, strict=True)]
     f, displacement, violation = np.full((*lead, k, 3), np.nan), np.full((*lead, 6), np.nan), np.full(lead, np.nan)
@@ -57,7 +55,6 @@ def contact_stiffness(
 
 
 def contact_stiffness_blocks(
-    k: int,
     points: ArrayLike,
     normals: ArrayLike,
     mu: ArrayLike,
@@ -67,24 +64,24 @@ def contact_stiffness_blocks(
 ) -> Answer:
     """The same for the compliances [..., k, 3, 3] of legs that share no link."""
     blocks = np.asarray(compliance, dtype=float)
+    k = blocks.shape[-3]
     whole = np.zeros((*blocks.shape[:-3], k, 3, k, 3))
     for foot in range(k):
         whole[..., foot, :, foot, :] = blocks[..., foot, :, :]
-    return contact_stiffness(k, points, normals, mu, wrench, whole.reshape(*blocks.shape[:-3], 3 * k, 3 * k), misfit)
+    return contact_stiffness(points, normals, mu, wrench, whole, misfit)
 
 
-def contact_terrain_springs(k: int, normals: ArrayLike, kn: ArrayLike, kt: ArrayLike, compliance: ArrayLike) -> Reals:
+def contact_terrain_springs(normals: ArrayLike, kn: ArrayLike, kt: ArrayLike, compliance: ArrayLike) -> Reals:
     """Compliances [..., k, 3, 3] on ground that gives kn [..., k] along its normals and kt across (N/m); infinite where it is rigid."""
     n = np.asarray(normals, dtype=float)
     along = n[..., :, None] * n[..., None, :]
     soft = 1.0 / np.asarray(kn, dtype=float)[..., None, None], 1.0 / np.asarray(kt, dtype=float)[..., None, None]
-    del k
     return np.asarray(np.asarray(compliance, dtype=float) + along * soft[0] + (np.eye(3) - along) * soft[1])
 
 
 def _one(k: int, points: Reals, normals: Reals, mu: Reals, wrench: Reals, compliance: Reals, misfit: Reals) -> _Row:
     """One stance."""
-    stand = read_stand(points, normals, mu, wrench, compliance, misfit)
+    stand = read_stand(points, normals, mu, wrench, compliance.reshape(3 * k, 3 * k), misfit)
     if stand is None:
         return _none(k, BAD_INPUT, np.nan)
     if np.linalg.matrix_rank(stand.grasp, tol=1e-5) < 6:

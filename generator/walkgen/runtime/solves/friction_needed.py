@@ -1,11 +1,13 @@
 """The least friction with which feet carry a load: the reference of walkgen_friction_needed.h."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, OK, Integers, Reals, are_feet, are_unit, stance_of
+from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, OK, Integers, Reals, Stance, are_feet, are_unit, stance_of
 
 _STEEP = 1e-7
 _NONE = 1e-10
@@ -25,7 +27,16 @@ class Carrying:
     b: Reals
 
 
-def friction_needed(points: ArrayLike, normals: ArrayLike, wrench: ArrayLike) -> tuple[Reals, Reals, Integers]:
+class Friction(NamedTuple):
+    """mu [...]; forces that carry the load with it [..., k, 3], N; the twist [..., 6] of the slip with less; status [...]."""
+
+    mu: Reals
+    f: Reals
+    twist: Reals
+    status: Integers
+
+
+def friction_needed(points: ArrayLike, normals: ArrayLike, wrench: ArrayLike) -> Friction:
     """The least coefficient of friction, common to all feet, with which they carry the load.
 
     The root of s(mu), the greatest normal force that every foot can have above what its friction needs, N - |T| / mu; an
@@ -37,29 +48,62 @@ def friction_needed(points: ArrayLike, normals: ArrayLike, wrench: ArrayLike) ->
         wrench: the load on the robot [..., 6]: force, N, and moment about the frame's origin, Nm.
 
     Returns:
-        mu [...], infinite where no friction helps; forces that carry the load with it [..., k, 3], NaN where there are none; status [...]:
-        OK, INFEASIBLE, NO_CONVERGENCE, or BAD_INPUT with NaN.
+        Status OK: the twist moves feet away from the ground by V . n >= mu |V - n V . n|, the fastest by 1, while the load gains nothing;
+        INFEASIBLE: mu infinite, f NaN, and the twist proves it, wrench . twist = 1 while no foot moves but away from the ground;
+        NO_CONVERGENCE or BAD_INPUT with NaN.
     """
-    feet, directions, load = (np.asarray(item, float) for item in (points, normals, wrench))
-    shape = np.broadcast_shapes(feet.shape[:-2], directions.shape[:-2], load.shape[:-1])
-    given = [np.broadcast_to(item, (*shape, *item.shape[item.ndim - rank :])) for item, rank in ((feet, 2), (directions, 2), (load, 1))]
+    shape, given = stances((points, normals, wrench), (2, 2, 1))
     rows = [_row(*(item[index] for item in given)) for index in np.ndindex(shape)]
-    mu, f, status = np.array([row[0] for row in rows]), np.array([row[1] for row in rows]), np.array([row[2] for row in rows], np.int32)
-    return mu.reshape(shape), f.reshape(*shape, *feet.shape[-2:]), status.reshape(shape)
+    mu, f, twist, status = (np.array([row[i] for row in rows]) for i in range(4))
+    whole = (*shape, *given[0].shape[-2:])
+    return Friction(mu.reshape(shape), f.reshape(whole), twist.reshape(*shape, 6), status.reshape(shape).astype(np.int32))
 
 
-def carrying(points: Reals, normals: Reals, wrench: Reals) -> tuple[Carrying, Reals, float]:
-    """The problem with its equations reduced to the wrenches that feet can give, the frames [k, 3, 3] (normal, two tangents, by rows) of
-    its unknowns and the unit of force; b has one element more than there are columns' rows where the load has a part that feet cannot give.
-    """
+def stances(inputs: Sequence[ArrayLike], ranks: Sequence[int]) -> tuple[tuple[int, ...], list[Reals]]:
+    """The common leading shape, and the inputs with it."""
+    items = [np.asarray(item, float) for item in inputs]
+    shape = np.broadcast_shapes(*(item.shape[: item.ndim - rank] for item, rank in zip(items, ranks, strict=True)))
+    return shape, [np.broadcast_to(item, (*shape, *item.shape[item.ndim - rank :])) for item, rank in zip(items, ranks, strict=True)]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A stance with its equations reduced to the wrenches that feet can give: `kept` [6, rank] spans them."""
+
+    stance: Stance
+    frames: Reals
+    kept: Reals
+    carrying: Carrying
+    outside: Reals
+
+    def helpless(self) -> Reals | None:
+        """A twist that moves no foot but away from the ground while the load gains: no friction helps; None where there is none."""
+        if np.linalg.norm(self.outside) > _NONE:
+            return self.outside
+        columns = self.carrying.columns
+        normal = np.arange(columns.shape[1]) % 3 == 0
+        U, singular, _ = np.linalg.svd(columns[:, ~normal])
+        across = U[:, np.count_nonzero(singular > _STEEP) :].T
+        if len(across) == 0:
+            return None
+        s, _, y = reach(Carrying(np.where(normal, across @ columns, 0.0), across @ self.carrying.b), 1.0)
+        return self.kept @ across.T @ y if s < -_NONE else None
+
+    def twist(self, y: Reals) -> Reals:
+        """Of multipliers of the six components: velocity of the frame's origin, angular velocity."""
+        turn = y[3:] / self.stance.length
+        return np.concatenate([y[:3] - np.cross(turn, self.stance.centre), turn])
+
+
+def problem_of(points: Reals, normals: Reals, wrench: Reals) -> Problem:
+    """The problem of a stance; its unknowns are along the frames [k, 3, 3] (normal, two tangents, by rows)."""
     stance = stance_of(points, wrench)
     frames = np.array([_frame(normal) for normal in normals])
     columns = np.concatenate([stance.grasp[:, 3 * i : 3 * i + 3] @ frames[i].T for i in range(len(points))], axis=1)
     U, singular, _ = np.linalg.svd(columns)
     kept = U[:, : np.count_nonzero(singular > _STEEP)]
-    outside = float(np.linalg.norm(stance.load - kept @ (kept.T @ stance.load)))
-    b = -kept.T @ stance.load
-    return Carrying(kept.T @ columns, b if outside <= _NONE else np.append(b, outside)), frames, stance.force
+    outside = stance.load - kept @ (kept.T @ stance.load)
+    return Problem(stance, frames, kept, Carrying(kept.T @ columns, -kept.T @ stance.load), outside)
 
 
 def _frame(normal: Reals) -> Reals:
@@ -67,31 +111,33 @@ def _frame(normal: Reals) -> Reals:
     return np.stack([normal, basis[1], basis[2]])
 
 
-def _row(points: Reals, normals: Reals, wrench: Reals) -> tuple[float, Reals, int]:
-    nothing = np.full(points.shape, np.nan)
+def _row(points: Reals, normals: Reals, wrench: Reals) -> tuple[float, Reals, Reals, int]:
+    nothing, still = np.full(points.shape, np.nan), np.full(6, np.nan)
     if not are_feet(points, normals, wrench) or not are_unit(normals):
-        return np.nan, nothing, BAD_INPUT
-    problem, frames, force = carrying(points, normals, wrench)
-    if len(problem.b) > len(problem.columns) or not _friction_helps(problem):
-        return np.inf, nothing, INFEASIBLE
+        return np.nan, nothing, still, BAD_INPUT
+    problem = problem_of(points, normals, wrench)
+    proof = problem.helpless()
+    if proof is not None:
+        twist = problem.twist(proof)
+        return np.inf, nothing, twist / (wrench @ twist), INFEASIBLE
+    mu = needed(problem.carrying)
+    if mu is None:
+        return np.nan, nothing, still, NO_CONVERGENCE
+    _, x, y = reach(problem.carrying, mu)
+    twist = problem.twist(problem.kept @ y)
+    fastest = np.linalg.norm(twist[:3] + np.cross(twist[3:], points), axis=-1).max()
+    f = problem.stance.force * np.einsum("ij,ijk->ik", x.reshape(-1, 3), problem.frames)
+    return mu, f, twist / fastest if mu > 0.0 else 0.0 * twist, OK
+
+
+def needed(problem: Carrying) -> float | None:
+    """The root of s; None where it is far."""
     low, high = 0.0, 0.5
     while reach(problem, high)[0] < 0.0:
         low, high = high, 8.0 * high
         if high > 1.0 / _STEEP:
-            return np.nan, nothing, NO_CONVERGENCE
-    mu = _root(problem, low, high)
-    x = reach(problem, mu)[1]
-    return mu, force * np.einsum("ij,ijk->ik", x.reshape(-1, 3), frames), OK
-
-
-def _friction_helps(problem: Carrying) -> bool:
-    """Whether normal forces carry what no tangent can."""
-    normal = np.arange(problem.columns.shape[1]) % 3 == 0
-    U, singular, _ = np.linalg.svd(problem.columns[:, ~normal])
-    across = U[:, np.count_nonzero(singular > _STEEP) :].T
-    if len(across) == 0:
-        return True
-    return reach(Carrying(np.where(normal, across @ problem.columns, 0.0), across @ problem.b), 1.0)[0] >= -_NONE
+            return None
+    return _root(problem, low, high)
 
 
 def _root(problem: Carrying, low: float, high: float) -> float:
@@ -110,8 +156,8 @@ def _root(problem: Carrying, low: float, high: float) -> float:
     return mu if high >= 1e-12 else 0.0
 
 
-def reach(problem: Carrying, mu: float) -> tuple[float, Reals]:
-    """The greatest s, or one above 4, and forces x of it without it: a primal-dual interior-point method, all cones in one matrix."""
+def reach(problem: Carrying, mu: float) -> tuple[float, Reals, Reals]:
+    """The greatest s, or one above 4, forces x of it without it, and multipliers y: a primal-dual interior point, all cones in one matrix."""
     normal = np.arange(problem.columns.shape[1]) % 3 == 0
     size = np.where(normal, 1.0, mu)
     columns, lift = problem.columns * size, problem.columns[:, normal].sum(axis=1)
@@ -142,7 +188,7 @@ def reach(problem: Carrying, mu: float) -> tuple[float, Reals]:
         if not (_size(x + along * dx).min() > 0.0 and _size(z + across * dz).min() > 0.0):
             break
         x, s, z, y = x + along * dx, s + along * float(ds), z + across * dz, y + across * dy
-    return s, size * x + s * normal
+    return s, size * x + s * normal, y
 
 
 def _size(x: Reals) -> Reals:

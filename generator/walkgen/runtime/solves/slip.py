@@ -1,6 +1,7 @@
 """How a tripod of given pose begins to slip: the reference of walkgen_slip.h, by Newton from many directions of slip."""
 
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,7 +26,21 @@ _STARTS = 24
 _Slip = tuple[Reals, Reals, float, Reals]
 
 
-def slip(points: ArrayLike, normals: ArrayLike, wrench: ArrayLike) -> tuple[Reals, Reals, Reals, Reals, Integers]:
+class Slip(NamedTuple):
+    """Normal forces [..., 3], N; forces [..., 3, 3], N; the twist [..., 6] (velocity of the frame's origin, angular velocity) of length 1;
+    mu [...]; a point and the direction of the twist's axis [..., 6]; pitch [...], m/rad; status [...].
+    """
+
+    normal_forces: Reals
+    f: Reals
+    twist: Reals
+    mu: Reals
+    axis: Reals
+    pitch: Reals
+    status: Integers
+
+
+def slip(points: ArrayLike, normals: ArrayLike, wrench: ArrayLike) -> Slip:
     """The slip that is about to begin: all feet slide along the ground by one twist, against friction mu N.
 
     sum N (n - mu V / |V|) [1; p x] + wrench = 0 with n . V = 0; or one foot stays where it is, with less friction.
@@ -36,17 +51,26 @@ def slip(points: ArrayLike, normals: ArrayLike, wrench: ArrayLike) -> tuple[Real
         wrench: the load on the robot [..., 6]: force, N, and moment about the frame's origin, Nm.
 
     Returns:
-        mu [...]; normal forces [..., 3], N; forces [..., 3, 3], N; the twist [..., 6] (velocity of the frame's origin, angular velocity) of
-        length 1; status [...]: OK, SINGULAR for a translation, without load along the ground (mu 0, twist NaN), or with NaN for feet on a
-        line; INFEASIBLE, NO_CONVERGENCE or BAD_INPUT with NaN.
+        Status OK; SINGULAR for a translation, which has no axis (NaN, pitch infinite), without load along the ground (mu 0, twist NaN), or
+        with NaN for feet on a line; INFEASIBLE, NO_CONVERGENCE or BAD_INPUT with NaN.
     """
     feet, directions, load = (np.asarray(item, float) for item in (points, normals, wrench))
     shape = np.broadcast_shapes(feet.shape[:-2], directions.shape[:-2], load.shape[:-1])
     given = [np.broadcast_to(item, (*shape, *item.shape[item.ndim - rank :])) for item, rank in ((feet, 2), (directions, 2), (load, 1))]
     rows = [_row(*(item[index] for item in given)) for index in np.ndindex(shape)]
     mu, N, f, twist = (np.array([row[i] for row in rows]) for i in range(4))
-    status = np.array([row[4] for row in rows], np.int32)
-    return mu.reshape(shape), N.reshape(*shape, 3), f.reshape(*shape, 3, 3), twist.reshape(*shape, 6), status.reshape(shape)
+    turns = [_axis(row[3]) for row in rows]
+    axis, pitch = np.array([turn[0] for turn in turns]).reshape(*shape, 6), np.array([turn[1] for turn in turns]).reshape(shape)
+    status = np.array([row[4] for row in rows], np.int32).reshape(shape)
+    return Slip(N.reshape(*shape, 3), f.reshape(*shape, 3, 3), twist.reshape(*shape, 6), mu.reshape(shape), axis, pitch, status)
+
+
+def _axis(twist: Reals) -> tuple[Reals, float]:
+    """A point of a twist's axis and its direction, and advance over turn."""
+    square = twist[3:] @ twist[3:]
+    if not np.linalg.norm(twist[3:]) > _SMALL * np.linalg.norm(twist):
+        return np.full(6, np.nan), np.inf if np.isfinite(square) else np.nan
+    return np.concatenate([np.cross(twist[3:], twist[:3]) / square, twist[3:] / np.sqrt(square)]), float(twist[:3] @ twist[3:] / square)
 
 
 def _row(points: Reals, normals: Reals, wrench: Reals) -> tuple[float, Reals, Reals, Reals, int]:

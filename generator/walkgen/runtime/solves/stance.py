@@ -88,7 +88,7 @@ def grasp(points: ArrayLike) -> tuple[Reals, Reals, Reals, Reals, Integers, Inte
         points: the feet [..., k, 3], m.
 
     Returns:
-        G [..., 6, 3k]; its singular values [..., 6]; the load components that cannot be carried, lost [..., 3, 6], rows of zeros where
+        G [..., 6, k, 3]; its singular values [..., 6]; the load components that cannot be carried, lost [..., 3, 6], rows of zeros where
         there are fewer (a wrench about the frame's origin can be carried only if lost . wrench = 0); condition [...], infinite where
         something is lost; rank [...]; status [...]: OK, SINGULAR where something is lost, or BAD_INPUT with NaN.
     """
@@ -98,6 +98,7 @@ def grasp(points: ArrayLike) -> tuple[Reals, Reals, Reals, Reals, Integers, Inte
     singular, lost, condition = (np.array([row[i] for row in rows]) for i in range(3))
     rank, status = (np.array([row[i] for row in rows], np.int32).reshape(shape) for i in (3, 4))
     G = np.where(status[..., None, None] == BAD_INPUT, np.nan, grasp_map(np.where(np.isfinite(feet), feet, 0.0)))
+    G = G.reshape(*shape, 6, feet.shape[-2], 3)
     return G, singular.reshape(*shape, 6), lost.reshape(*shape, 3, 6), condition.reshape(shape), rank, status
 
 
