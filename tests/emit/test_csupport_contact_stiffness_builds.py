@@ -57,7 +57,7 @@ int main(void) {
 """
 
 
-@pytest.mark.parametrize("level", ["-O0", "-O2"])
+@pytest.mark.parametrize("level", ["-O0", pytest.param("-O2", marks=pytest.mark.nightly)])
 @pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), ("-std=c++11", "g++")])
 def test_strict_flags(tmp_path, level, standard, compiler):
     assert compile_c(tmp_path, SOURCE, "strict.o", standard, level, "-c", *STRICT, compiler=compiler).exists()

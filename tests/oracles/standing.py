@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 from scipy.optimize import fsolve
 
-from oracles.beam_frame import grasp
+from oracles.beam_frame import grasp, spread
 
 STICK, SLIDE, FREE = range(3)
 
@@ -35,13 +35,20 @@ def broken(stance, f, state, displacement) -> float:
 
 
 def all_stands(stance, tries=6):
-    """Forces of every stand found: each state of all feet, slides' directions by root finding from several starts."""
+    """Forces of every stand found: each state of all feet, slides' directions by root finding from where sticking feet are pushed.
+
+    Where fewer than six forces are unknown, the balance alone decides where feet slide, and the linear systems here are singular: such
+    stands are not seen.
+    """
     rng, found, k = np.random.default_rng(0), [], len(stance.mu)
+    stuck = spread(stance.points, stance.compliance, stance.wrench, stance.misfit)[0]
+    likely = np.array([np.arctan2(f @ _basis(n)[1], f @ _basis(n)[0]) for f, n in zip(stuck, stance.normals, strict=True)])
     for state in product((STICK, SLIDE, FREE), repeat=k):
         sliding = [i for i in range(k) if state[i] == SLIDE]
-        for _ in range(tries if sliding else 1):
+        for attempt in range(tries if sliding else 1):
             try:
-                angles = fsolve(_turned, rng.uniform(0.0, 2.0 * np.pi, len(sliding)), (stance, state)) if sliding else []
+                start = likely[sliding] + (attempt > 0) * rng.normal(size=len(sliding))
+                angles = fsolve(_turned, start, (stance, state), xtol=1e-12) if sliding else []
                 f, delta, _ = _linear(stance, state, angles)
             except np.linalg.LinAlgError:
                 continue

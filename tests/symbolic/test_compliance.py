@@ -109,7 +109,8 @@ def test_random_robots_are_frames_of_beams(tmp_path, feet, platforms, elastic):
     np.testing.assert_allclose(forces, f, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("seed", [0])
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", range(3))
 def test_a_leg_is_its_block(tmp_path, seed):
     """In its own platform's axes; symmetric and positive."""
     rng = np.random.default_rng(seed)
