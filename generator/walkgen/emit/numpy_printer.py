@@ -153,9 +153,10 @@ def _step(call: Call, public: Collection[Program], known: Collection[str]) -> tu
     else:
         routine = ROUTINES[call.callee]
         name, taken, written = routine.name, routine.taken, routine.inputs
+    counted = isinstance(call.callee, str) and isinstance(call.arguments[0], int)
     given, results = (
         [_argument(argument) for argument in arguments if argument not in known]
-        for arguments in (call.arguments[:taken], call.arguments[written:])
+        for arguments in (call.arguments[counted:taken], call.arguments[written:])
     )
     step = f"    {', '.join(results)} = {name}({', '.join(given)})"
     return (f"    for _ in range({call.repeat}):", f"    {step}") if call.repeat > 1 else (step,)

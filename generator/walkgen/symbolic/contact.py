@@ -110,7 +110,8 @@ def stiffness(mechanism: Mechanism, name: str, compliance: Port, routine: str) -
     doc = (
         f"{_FRAME} that elastic legs and ground make of the load: the least energy of the compliance {shared}, springs of the "
         "ground in series, with the feet's misfit; feet that would pull are released, sliding ones are on their "
-        "cones. displacement: of the platform at the frame's origin. INFEASIBLE where no forces in the cones carry the load, SINGULAR for fewer than three feet or feet on a line."
+        "cones. displacement: of the platform at the frame's origin. INFEASIBLE where no forces in the cones carry the load, SINGULAR for "
+        "fewer than three feet or feet on a line."
     )
     words = signature(mechanism, "", name, inputs, outputs, doc, "theory 4.3: K = G C^-1 G', f = -C^-1 (G' delta + e)")
     arguments = ("k", "points", "normals", "mu", "wrench", "compliance", "misfit", "f", "status", "state", "displacement", "violation")

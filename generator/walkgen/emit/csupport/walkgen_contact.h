@@ -8,11 +8,6 @@
 #include "walkgen_contact_inside.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_CONTACT_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_CONTACT_F32))
-#if defined(__GNUC__)
-#define WG_CALLED static __attribute__((noinline, unused))
-#else
-#define WG_CALLED static inline
-#endif
 #if WG_REAL_BITS == 64
 #define WALKGEN_CONTACT_F64
 #define WG_LIBM(name) name
@@ -33,7 +28,7 @@ struct WG_NAME(wg_contact_search) {
 };
 
 /* The stance inside; 0 where an input is bad. */
-static inline int WG_NAME(wg_contact_read)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
+WG_CALLED int WG_NAME(wg_contact_read)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
                                            const WG_REAL *weight, const WG_REAL *n_max, int32_t facets,
                                            struct WG_NAME(wg_contact_stance) * stance, WG_REAL *noise) {
     struct WG_NAME(wg_contact_cones) *cones = &stance->cones;
@@ -137,7 +132,7 @@ static inline int WG_NAME(wg_contact_deliver)(struct WG_NAME(wg_contact_search) 
 }
 
 /* Newton from dual's multipliers: forces in search->f where it finds them. */
-static inline int WG_NAME(wg_contact_climb)(struct WG_NAME(wg_contact_search) * search) {
+WG_CALLED int WG_NAME(wg_contact_climb)(struct WG_NAME(wg_contact_search) * search) {
     const int answer = WG_NAME(wg_contact_ascend)(&search->stance, 12, &search->dual);
     if (answer == WG_CONTACT_FOUND) {
         WG_NAME(wg_contact_copy)(search->stance.feet, search->dual.images.f, search->f);
@@ -147,7 +142,7 @@ static inline int WG_NAME(wg_contact_climb)(struct WG_NAME(wg_contact_search) * 
 }
 
 /* The certificate of the better of two proofs: y's, or the one of the least violation, which dual holds; both may hide in rounding. */
-static inline void WG_NAME(wg_contact_prove)(const struct WG_NAME(wg_contact_search) * search, const WG_REAL y[6], WG_REAL gain,
+WG_CALLED void WG_NAME(wg_contact_prove)(const struct WG_NAME(wg_contact_search) * search, const WG_REAL y[6], WG_REAL gain,
                                              WG_REAL certificate[6], WG_REAL *violation) {
     const struct WG_NAME(wg_contact_stance) *stance = &search->stance;
     const WG_REAL *least = search->dual.y, strict = WG_NAME(wg_contact_proof)(stance, least, WG_C(8.0) * WG_EPSILON, WG_C(0.0));
@@ -160,7 +155,7 @@ static inline void WG_NAME(wg_contact_prove)(const struct WG_NAME(wg_contact_sea
 
 /* The search from dual's multipliers: its status. At the edge of what can be carried (to 1e-10 of the load) the forces may be any that
  * carry it. */
-static inline int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
+WG_CALLED int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
                                                WG_REAL *f, int32_t *state, WG_REAL certificate[6], WG_REAL *violation) {
     struct WG_NAME(wg_contact_stance) *stance = &search->stance;
     struct WG_NAME(wg_contact_dual) *dual = &search->dual;
@@ -194,7 +189,7 @@ static inline int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search)
 
 /* The same, from the last stance's multipliers where they are nearer and lead to moderate ones; else from the forces without cones, so that
  * a start never decides the verdict. */
-static inline int32_t WG_NAME(wg_contact_resume)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
+WG_CALLED int32_t WG_NAME(wg_contact_resume)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
                                                  WG_REAL *f, int32_t *state, WG_REAL certificate[6], WG_REAL *violation) {
     struct WG_NAME(wg_contact_dual) *dual = &search->dual;
     WG_REAL cold[6];
@@ -275,5 +270,4 @@ static inline void WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *p
 #undef WG_LIBM
 #undef WG_FAIR
 #undef WG_MODERATE
-#undef WG_CALLED
 #endif

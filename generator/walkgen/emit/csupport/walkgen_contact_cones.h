@@ -169,7 +169,7 @@ static inline void WG_NAME(wg_contact_within_circles)(const struct WG_NAME(wg_co
 }
 
 /* The nearest forces to vectors. */
-static inline void WG_NAME(wg_contact_nearest)(const struct WG_NAME(wg_contact_cones) * cones, WG_REAL z[3][WALKGEN_MAX_FEET],
+WG_CALLED void WG_NAME(wg_contact_nearest)(const struct WG_NAME(wg_contact_cones) * cones, WG_REAL z[3][WALKGEN_MAX_FEET],
                                                struct WG_NAME(wg_contact_images) * images) {
     if (cones->facets == 0) {
         WG_NAME(wg_contact_within_circles)(cones, z, images);

@@ -112,7 +112,7 @@ static inline void WG_NAME(wg_contact_begin)(struct WG_NAME(wg_contact_limits) *
 }
 
 /* What y and l prove. */
-static inline WG_REAL WG_NAME(wg_contact_proof_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+WG_CALLED WG_REAL WG_NAME(wg_contact_proof_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
                                                     WG_REAL allowed, WG_REAL z[3][WALKGEN_MAX_FEET], WG_REAL *whole) {
     int r;
     *whole = WG_NAME(wg_contact_product)(stance->b, limits->dual.y);
@@ -124,7 +124,7 @@ static inline WG_REAL WG_NAME(wg_contact_proof_all)(const struct WG_NAME(wg_cont
 }
 
 /* The least violation, as wg_contact_violate. */
-static inline int WG_NAME(wg_contact_violate_all)(struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
+WG_CALLED int WG_NAME(wg_contact_violate_all)(struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
     WG_REAL mu[WALKGEN_MAX_FEET], z[3][WALKGEN_MAX_FEET], slack = WG_C(0.1), whole, size;
     int turn, i, j;
     WG_NAME(wg_contact_begin)(limits);
@@ -166,7 +166,7 @@ static inline WG_REAL WG_NAME(wg_contact_fault)(const struct WG_NAME(wg_contact_
 }
 
 /* The least forces in dual.images.f, as wg_contact_approach: proximal steps of all multipliers. */
-static inline void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
+WG_CALLED void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
     WG_REAL slack = WG_C(0.1), total[WALKGEN_MAX_LIMITS], z[3][WALKGEN_MAX_FEET];
     int turn, i, j, r;
     WG_NAME(wg_contact_begin)(limits);
@@ -197,7 +197,7 @@ static inline void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_cont
 }
 
 /* The proof in the inputs' frame and units. */
-static inline void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+WG_CALLED void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
                                                   WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {
     WG_REAL z[3][WALKGEN_MAX_FEET], whole, square = WG_C(0.0);
     const WG_REAL gain = WG_NAME(wg_contact_proof_all)(stance, limits, WG_C(1.0), z, &whole);
@@ -213,7 +213,7 @@ static inline void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contac
 }
 
 /* The search with limits: its status. */
-static inline int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
+WG_CALLED int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
                                                 const WG_REAL *weight, const WG_REAL *n_max, int32_t facets, int32_t rows,
                                                 const WG_REAL *torque_rows, const WG_REAL *torque_limits, WG_REAL *f, int32_t *state,
                                                 WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {

@@ -53,7 +53,7 @@ static inline void WG_NAME(wg_contact_pull_all)(const struct WG_NAME(wg_contact_
 }
 
 /* Forces, slopes and the value at the multipliers. */
-static inline WG_REAL WG_NAME(wg_contact_evaluate_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
+WG_CALLED WG_REAL WG_NAME(wg_contact_evaluate_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
     struct WG_NAME(wg_contact_dual) *dual = &limits->dual;
     WG_REAL z[3][WALKGEN_MAX_FEET], product[6], value = WG_NAME(wg_contact_product)(stance->b, dual->y);
     int i, j, r;
@@ -102,7 +102,7 @@ static inline void WG_NAME(wg_contact_row)(const struct WG_NAME(wg_contact_stanc
 }
 
 /* L, lower triangle, row by row: minus the second derivative over the chosen multipliers. */
-static inline void WG_NAME(wg_contact_curvature_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+WG_CALLED void WG_NAME(wg_contact_curvature_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
                                                      const int *chosen, int count, WG_REAL *L) {
     static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     WG_REAL row[3][WALKGEN_MAX_FEET], turned[3][WALKGEN_MAX_FEET], other[3][WALKGEN_MAX_FEET];
@@ -131,7 +131,7 @@ static inline void WG_NAME(wg_contact_curvature_all)(const struct WG_NAME(wg_con
 }
 
 /* step = H^-1 step by L D L' in place; pivots that rounding made nothing move nothing. */
-static inline void WG_NAME(wg_contact_solve_all)(WG_REAL *L, int count, const int *fixed, WG_REAL *step) {
+WG_CALLED void WG_NAME(wg_contact_solve_all)(WG_REAL *L, int count, const int *fixed, WG_REAL *step) {
     WG_REAL inverse[WG_CONTACT_ALL], scaled[WG_CONTACT_ALL];
     int i, j, m;
     for (j = 0; j < count; ++j) {
@@ -180,7 +180,7 @@ static inline WG_REAL WG_NAME(wg_contact_length_all)(const struct WG_NAME(wg_con
 }
 
 /* One projected Newton step with halved lengths; whether the value rose. */
-static inline int WG_NAME(wg_contact_stride)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits, WG_REAL value,
+WG_CALLED int WG_NAME(wg_contact_stride)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits, WG_REAL value,
                                              WG_REAL *next) {
     WG_REAL L[WG_CONTACT_ALL * (WG_CONTACT_ALL + 1) / 2], step[WG_CONTACT_ALL], from[WG_CONTACT_ALL], t = WG_C(1.0);
     int chosen[WG_CONTACT_ALL], fixed[WG_CONTACT_ALL], count = 0, turn, i;
@@ -221,7 +221,7 @@ static inline int WG_NAME(wg_contact_stride)(const struct WG_NAME(wg_contact_sta
 }
 
 /* The maximum near enough: until the slope is small beside the multipliers. */
-static inline void WG_NAME(wg_contact_settle_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
+WG_CALLED void WG_NAME(wg_contact_settle_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
     WG_REAL value = WG_NAME(wg_contact_evaluate_all)(stance, limits), next = value;
     int turn, idle = 0;
     for (turn = 0; turn < 60 && idle < 3; ++turn) {

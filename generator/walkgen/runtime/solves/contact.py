@@ -21,7 +21,9 @@ _EDGE = 1e-9
 
 
 class Contact(NamedTuple):
-    """Forces f [...,k,3], status [...], state [...,k] (0 stick, 1 slide, 2 free), certificate [...,6], violation [...], the limits' multipliers."""
+    """Forces f [...,k,3], status [...], state [...,k] (0 stick, 1 slide, 2 free), certificate [...,6], violation [...], and
+    the limits' multipliers.
+    """
 
     f: Array
     status: Array
@@ -52,7 +54,8 @@ def contact_least_squares(
         facets: 0 for circular cones, else the number of sides (3 to 1024) of the pyramids inside them.
 
     Returns:
-        f, status, state, certificate, violation of `Contact`; NaN forces unless OK. INFEASIBLE: certificate . wrench = 1 and certificate . (f, p x f) >= 0 for all forces in cones (with n_max:
+        f, status, state, certificate, violation of `Contact`; NaN forces unless OK.
+        INFEASIBLE: certificate . wrench = 1 and certificate . (f, p x f) >= 0 for all forces in cones (with n_max:
         above -1). BAD_INPUT: NaN. NO_CONVERGENCE: neither forces nor certificate verified.
     """
     none = np.zeros((0, 1, 3)), np.zeros(0)
@@ -84,7 +87,7 @@ def contact_limited(
         torque_limits: [..., rows], N m.
 
     Returns:
-        As `contact_least_squares`; multipliers [..., rows] >= 0 belong to the certificate, whose certificate . wrench - multipliers . limits is 1,
+        As `contact_least_squares`; multipliers [..., rows] >= 0 belong to the certificate: certificate . wrench - multipliers . limits is 1,
         and certificate . (f, p x f) + multipliers . rows f >= 0 for all forces in cones (with n_max: above -1).
     """
     stance, sides, shape = _read(points, normals, mu, wrench, weight, n_max, facets, torque_rows, torque_limits)

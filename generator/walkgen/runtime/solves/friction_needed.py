@@ -157,7 +157,7 @@ def _root(problem: Carrying, low: float, high: float) -> float:
 
 
 def reach(problem: Carrying, mu: float) -> tuple[float, Reals, Reals]:
-    """The greatest s, or one above 4, forces x of it without it, and multipliers y: a primal-dual interior point, all cones in one matrix."""
+    """The greatest s, or one above 4, forces x of it without it, and multipliers y, by a primal-dual interior-point method."""
     normal = np.arange(problem.columns.shape[1]) % 3 == 0
     size = np.where(normal, 1.0, mu)
     columns, lift = problem.columns * size, problem.columns[:, normal].sum(axis=1)
