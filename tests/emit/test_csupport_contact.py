@@ -78,7 +78,7 @@ class Rows:
     """Some rows of what was found."""
 
     def __init__(self, found, rows):
-        vars(self).update({name: value[rows] for name, value in vars(found).items()})
+        vars(self).update({name: value[rows] for name, value in found._asdict().items()})
 
 
 def test_permuted_feet(forces):

@@ -66,7 +66,7 @@ class Part:
     """Some rows of what was found."""
 
     def __init__(self, found, rows):
-        vars(self).update({name: value[rows] for name, value in vars(found).items()})
+        vars(self).update({name: value[rows] for name, value in found._asdict().items()})
 
 
 def by_clarabel(stance, rows, limits):

@@ -87,7 +87,7 @@ def contact_limited(
         torque_limits: [..., rows], N m.
 
     Returns:
-        As `contact_least_squares`; multipliers [..., rows] >= 0 belong to the certificate: certificate . wrench - multipliers . limits is 1,
+        As `contact_least_squares`; multipliers [..., rows] >= 0 of the certificate: certificate . wrench - multipliers . limits is 1,
         and certificate . (f, p x f) + multipliers . rows f >= 0 for all forces in cones (with n_max: above -1).
     """
     stance, sides, shape = _read(points, normals, mu, wrench, weight, n_max, facets, torque_rows, torque_limits)
