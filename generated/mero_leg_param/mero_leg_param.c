@@ -1922,7 +1922,8 @@ void mero_leg_param_leg_inverse_dynamics_d_param_batch(size_t rows, const double
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
     const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_d_param(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param, tau_d_param + row * 6);
+        mero_leg_param_leg_inverse_dynamics_d_param(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param,
+            tau_d_param + row * 6);
     }
 }
 
@@ -2135,7 +2136,8 @@ void mero_leg_param_leg_forward_dynamics_d_param_batch(size_t rows, const double
     const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
     const double *WG_RESTRICT param, double *WG_RESTRICT qdd_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_forward_dynamics_d_param(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param, qdd_d_param + row * 6);
+        mero_leg_param_leg_forward_dynamics_d_param(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param,
+            qdd_d_param + row * 6);
     }
 }
 
@@ -2780,7 +2782,8 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_batch(size_t rows, const do
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q + row * 9, tau_d_qd + row * 9);
+        mero_leg_param_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
     }
 }
 
@@ -2892,7 +2895,8 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_batch(size_t rows, 
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT tau_d_q_d_param, double *WG_RESTRICT tau_d_qd_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_derivatives_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q_d_param + row * 18, tau_d_qd_d_param + row * 18);
+        mero_leg_param_leg_inverse_dynamics_derivatives_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param,
+            tau_d_q_d_param + row * 18, tau_d_qd_d_param + row * 18);
     }
 }
 
@@ -3665,7 +3669,8 @@ void mero_leg_param_leg_base_parameters_d_param_batch(size_t rows, const double 
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT Y_d_param, double *WG_RESTRICT p_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_base_parameters_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 90, p_d_param + row * 30);
+        mero_leg_param_leg_base_parameters_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 90,
+            p_d_param + row * 30);
     }
 }
 
@@ -5164,7 +5169,8 @@ void mero_leg_param_momentum_rate_d_param_batch(size_t rows, const double *WG_RE
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT param, double *WG_RESTRICT hd_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum_rate_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, hd_d_param + row * 12);
+        mero_leg_param_momentum_rate_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
+            hd_d_param + row * 12);
     }
 }
 
@@ -5455,7 +5461,8 @@ void mero_leg_param_demanded_wrench_d_param_batch(size_t rows, const double *WG_
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT param, double *WG_RESTRICT w_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_demanded_wrench_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, w_d_param + row * 12);
+        mero_leg_param_demanded_wrench_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
+            w_d_param + row * 12);
     }
 }
 
@@ -6030,7 +6037,8 @@ void mero_leg_param_floating_inverse_dynamics_batch(size_t rows, const double *W
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, foot_forces + row * 3, param, tau + row * 9);
+        mero_leg_param_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9,
+            foot_forces + row * 3, param, tau + row * 9);
     }
 }
 
@@ -6163,6 +6171,7 @@ void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const d
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_inverse_dynamics_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, foot_forces + row * 3, param, tau_d_param + row * 18);
+        mero_leg_param_floating_inverse_dynamics_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9,
+            foot_forces + row * 3, param, tau_d_param + row * 18);
     }
 }

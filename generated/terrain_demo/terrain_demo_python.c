@@ -17,8 +17,9 @@ static const walkgen_port terrain_demo_leg_foot_position_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void terrain_demo_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         terrain_demo_leg_foot_position(
             (const double *)(a[0] + at * step[0]),
@@ -40,8 +41,9 @@ static const walkgen_port terrain_demo_terrain_height_ports[] = {
     {8, 1, 32, 0, {1}},
 };
 
-static void terrain_demo_terrain_height_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_terrain_height_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         terrain_demo_terrain_height(
             (const double *)(a[0] + at * step[0]),
@@ -63,8 +65,9 @@ static const walkgen_port terrain_demo_terrain_normal_ports[] = {
     {8, 1, 32, 1, {3}},
 };
 
-static void terrain_demo_terrain_normal_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_terrain_normal_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         terrain_demo_terrain_normal(
             (const double *)(a[0] + at * step[0]),
@@ -86,8 +89,9 @@ static const walkgen_port terrain_demo_terrain_tangents_ports[] = {
     {8, 1, 32, 2, {2, 3}},
 };
 
-static void terrain_demo_terrain_tangents_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_terrain_tangents_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         terrain_demo_terrain_tangents(
             (const double *)(a[0] + at * step[0]),
@@ -109,8 +113,9 @@ static const walkgen_port terrain_demo_terrain_curvature_ports[] = {
     {8, 1, 32, 2, {2, 2}},
 };
 
-static void terrain_demo_terrain_curvature_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_terrain_curvature_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         terrain_demo_terrain_curvature(
             (const double *)(a[0] + at * step[0]),
@@ -134,8 +139,9 @@ static const walkgen_port terrain_demo_terrain_ground_ports[] = {
     {8, 1, 48, 0, {1}},
 };
 
-static void terrain_demo_terrain_ground_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_terrain_ground_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         terrain_demo_terrain_ground(
             (const double *)(a[0] + at * step[0]),
@@ -159,8 +165,9 @@ static const walkgen_port terrain_demo_terrain_patch_ports[] = {
     {4, 1, 32, 0, {1}},
 };
 
-static void terrain_demo_terrain_patch_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_terrain_patch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         terrain_demo_terrain_patch(
             (const double *)(a[0] + at * step[0]),
@@ -183,8 +190,9 @@ static const walkgen_port terrain_demo_terrain_project_ports[] = {
     {4, 1, 56, 0, {1}},
 };
 
-static void terrain_demo_terrain_project_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void terrain_demo_terrain_project_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = terrain_demo_terrain_project(
             (const double *)(a[0] + at * step[0]),
