@@ -1,7 +1,10 @@
 """The C files of a robot: headers, kernels, self-test, build files and the support headers copied beside them."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from bisect import bisect
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path, PurePosixPath
 
 from walkgen import __version__
@@ -15,7 +18,19 @@ from walkgen.graph.program import Composite, Program
 
 _SUPPORT = Path(__file__).parent / "csupport"
 _INCLUDE = re.compile(r'^#include "(walkgen_\w+\.h)"', re.MULTILINE)
+_LARGE = 4000
+"""Lines of functions from which on compiling takes more than a few seconds."""
+
 _ALWAYS = ("walkgen_status.h", "walkgen_math.h", "walkgen_trig.h")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Functions that are compiled together, between the lines of a guard."""
+
+    opening: tuple[str, ...]
+    functions: tuple[CFunction, ...]
+    closing: tuple[str, ...]
 
 
 def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
@@ -83,6 +98,7 @@ def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFuncti
 
 def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], functions: list[tuple[CFunction, CFunction]]) -> Artifact:
     stem = _stem(code, precision)
+    public = [function for pair in functions for function in pair]
     return lay_out(
         "robot.c.jinja",
         f"{stem}.c",
@@ -90,8 +106,24 @@ def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], fun
         defines=() if code.fma else ("WALKGEN_NO_FMA",),
         includes=(f"{stem}.h", precision.header, *dict.fromkeys(_routine_headers(code))),
         tables=[table_lines(table, CPrinter(precision, code.fma)) for table in code.tables],
-        functions=[*kernels, *(function for pair in functions for function in pair)],
+        kernels=kernels,
+        parts=_parts(public),
     )
+
+
+def _parts(functions: Sequence[CFunction]) -> tuple[Part, ...]:
+    """All in one, or in halves that two compilers can share where it is worth it."""
+    ends = list(accumulate(len(function.lines) for function in functions))
+    if not ends or ends[-1] < _LARGE:
+        return (Part((), tuple(functions), ()),)
+    middle = bisect(ends, ends[-1] // 2)
+    halves = (functions[:middle], functions[middle:])
+    return tuple(Part(("", guard(part)), tuple(half), ("", "#endif")) for part, half in enumerate(halves, 1))
+
+
+def guard(part: int) -> str:
+    """What keeps a part out of the others' compilers; all parts are compiled where none is chosen."""
+    return f"#if !defined(WALKGEN_PART) || WALKGEN_PART == {part}"
 
 
 def _public(body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
