@@ -126,3 +126,20 @@ def test_single_precision(tmp_path):
     assert (f.dtype, expected.dtype) == (np.float32, np.float64)
     assert np.array_equal(status, verdict)
     np.testing.assert_allclose(f, expected, atol=1e-3)
+
+
+def test_limits_of_joint_torques(built):
+    """Two feet of four may push along their normals by at most 20 N: the others bear the rest; one row too many has a proof."""
+    robots = built(spec("contact_forces", "contact_forces_limited"))
+    rows = np.zeros((2, 4, 3))
+    rows[0, 0, 2] = rows[1, 1, 2] = 1.0
+    for robot in (robots.c, robots.numpy):
+        options = {"torque_rows": rows, "torque_limits": [20.0, np.inf]}
+        f, status, *_, certificate, _ = robot.contact_forces(SQUARE, [0, 0, 1], 0.5, DOWN, **options)
+        assert status == 0
+        assert f[0, 2] == pytest.approx(20.0, abs=1e-9)
+        assert np.max(np.abs(balance(SQUARE, f, np.array(DOWN)))) <= 1e-9
+        found = robot.contact_forces_limited(SQUARE, [0, 0, 1], 0.5, DOWN, rows, [20.0, 20.0])
+        assert (found[1], found[5].shape) == (INFEASIBLE, (2,))
+        assert certificate.shape == (6,)
+        assert abs(found[3] @ DOWN - found[5] @ [20.0, 20.0] - 1.0) <= 1e-6

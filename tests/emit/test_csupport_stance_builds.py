@@ -49,7 +49,7 @@ static int told_f32(const float *values, int count, int32_t status) {
         wg_friction_needed##S(k, x + POINTS, x + NORMALS, x + LOAD, single, out, twist, &status);                              \\
         fine = fine && told##S(single, 1, status) && told##S(twist, 6, status);                                                \\
         wg_load_margin##S(k, x + POINTS, x + NORMALS, x + MU, x + LOAD, x + LOAD, single, single + 1, &status);                \\
-        wg_admissible_feet##S(k, x + POINTS, x + NORMALS, x + MU, x + LOAD, k - 1, 2, x, x + NORMALS, single, many);           \\
+        wg_foot_admissible##S(k, x + POINTS, x + NORMALS, x + MU, x + LOAD, k - 1, x, x + NORMALS, single, many);              \\
         fine = fine && told##S(single, 1, many[0]) && told##S(single + 1, 1, many[1]);                                         \\
         wg_slip##S(k, x + POINTS, x + NORMALS, x + LOAD, out, out + 9, twist, single, out + 18, single + 1, &status);          \\
         return fine && told##S(out, k == 3 ? 24 : 0, status) && told##S(twist, 6, status);                                     \\

@@ -98,7 +98,7 @@ def limited(mechanism: Mechanism) -> Solve:
     )
     words = replace(signature(mechanism, "", "contact_forces_limited", inputs, outputs, doc, _SOURCE), workspace=_WORK)
     limits = ("r", "torque_rows", "torque_limits", "work")
-    arguments = ("k", "points", "normals", "mu", "wrench", "weight", "n_max", "facets", *limits, *_FOUND[:-1], "multipliers", "violation")
+    arguments = ("k", "points", "normals", "mu", "wrench", "weight", "n_max", "facets", *limits, *_FOUND, "multipliers")
     return routine_solve(words, "wg_contact_limited", arguments)
 
 

@@ -32,19 +32,25 @@ def sticking(words: Signature, feet: Mapping[str, int]) -> Function:
     points, normals, misfits = ([_vector(values[name][3 * i :]) for i in range(count)] for name in ("points", "normals", "misfit"))
     stiffness = [_inverse(values["compliance"][9 * i : 9 * i + 9], tape) for i in range(count)]
     pulls = [tape.vector("pull", times(matrix, misfit)) for matrix, misfit in zip(stiffness, misfits, strict=True)]
-    carried = [tape.let("carried", sympy.Add(*parts)) for parts in zip(*map(_wrench, points, pulls), strict=True)]
+    turns = [tape.vector("pulled", cross(point, pull)) for point, pull in zip(points, pulls, strict=True)]
+    carried = [tape.let("carried", sympy.Add(*(one[axis] for one in parts))) for parts in (pulls, turns) for axis in range(3)]
     right = [load - part for load, part in zip(values["wrench"], carried, strict=True)]
     delta = solve_symmetric(_whole(points, stiffness, tape), right, tape)
-    moved = [plus(_vector(delta), cross(_vector(delta[3:]), point)) for point in points]
+    moved = [tape.vector("moved", plus(_vector(delta), cross(_vector(delta[3:]), point))) for point in points]
     forces = [
         tape.vector("f", scaled(sympy.Integer(-1), times(matrix, plus(move, misfit))))
         for matrix, move, misfit in zip(stiffness, moved, misfits, strict=True)
     ]
-    lacking = [load + sympy.Add(*parts) for load, *parts in zip(values["wrench"], *map(_wrench, points, forces), strict=True)]
+    reactions = [tape.vector("turn", cross(point, force)) for point, force in zip(points, forces, strict=True)]
+    sums = [sympy.Add(*(vector[axis] for vector in vectors)) for vectors in (forces, reactions) for axis in range(3)]
+    lacking = [tape.let("lacking", load + part) for load, part in zip(values["wrench"], sums, strict=True)]
     held = [_held(force, normal, mu, tape) for force, normal, mu in zip(forces, normals, values["mu"], strict=True)]
-    status = chosen(_all(held), _OK, _NO_CONVERGENCE)
-    status = chosen(Finite(sympy.Add(*(part for force in forces for part in force))), status, _BAD_INPUT)
-    states = [chosen(truth, 0, 1) for truth in held]
+    states = [tape.let("slides", chosen(truth, 0, 1)) for truth in held]
+    status = chosen(at_most(sympy.Add(*states), 0), _OK, _NO_CONVERGENCE)
+    given = [symbol for name in ("points", "normals", "wrench", "compliance", "misfit") for symbol in values[name]]
+    total = tape.let("total", sympy.Add(*(tape.let("sum", sympy.Add(*given[i : i + 6])) for i in range(0, len(given), 6))))
+    rough = tape.let("rough", sympy.Add(*(tape.let("rubs", chosen(at_most(0, mu), 1, 0)) for mu in values["mu"])))  # it may be infinite
+    status = chosen(both(Finite(total), at_most(count, rough)), status, _BAD_INPUT)
     violation = sympy.sqrt(sympy.Add(*(part**2 for part in lacking)))
     return tape.function(sized, [*(part for force in forces for part in force), status, *states, *delta, violation])
 
@@ -55,7 +61,8 @@ def _whole(points: Sequence[Vec], stiffness: Sequence[Matrix], tape: Tape) -> li
     for point, matrix in zip(points, stiffness, strict=True):
         columns = [tape.vector("lever", cross(point, row)) for row in matrix]
         rows = [_vector([column[i] for column in columns]) for i in range(3)]
-        blocks.append([*([*row] for row in matrix), *([*row, *cross(point, row)] for row in rows)])
+        corner = [tape.vector("corner", cross(point, row)) for row in rows]
+        blocks.append([*([*row] for row in matrix), *([*row, *end] for row, end in zip(rows, corner, strict=True))])
     return [[tape.let("K", sympy.Add(*(block[i][j] for block in blocks))) for j in range(i + 1)] for i in range(6)]
 
 
@@ -68,22 +75,11 @@ def _inverse(matrix: Sequence[sympy.Expr], tape: Tape) -> Matrix:
     return first, second, third
 
 
-def _wrench(point: Vec, force: Vec) -> tuple[sympy.Expr, ...]:
-    return (*force, *cross(point, force))
-
-
 def _held(force: Vec, normal: Vec, mu: sympy.Expr, tape: Tape) -> sympy.Basic:
     """Whether the force lies in the foot's cone."""
     push = tape.let("push", dot(force, normal))
-    tangent = minus(force, scaled(push, normal))
-    return both(at_most(0, push), at_most(dot(tangent, tangent), (1 + _SLACK) * (mu * push) ** 2))
-
-
-def _all(truths: Sequence[sympy.Basic]) -> sympy.Basic:
-    together = truths[0]
-    for truth in truths[1:]:
-        together = both(together, truth)
-    return together
+    tangent = tape.vector("tangent", minus(force, scaled(push, normal)))
+    return both(at_most(0, push), at_most(tape.let("tangent2", dot(tangent, tangent)), (1 + _SLACK) * (mu * push) ** 2))
 
 
 def _vector(values: Sequence[sympy.Expr]) -> Vec:

@@ -59,7 +59,8 @@ class Multipliers:
         self._tape = Tape()
         points, normals, mu, wrench, weight, most = (symbols_of(port) for port in inputs[:6])
         self._facets = symbols_of(inputs[6])[0]
-        self._finite = [*points, *normals, *mu, *wrench, *weight]
+        parts = [port[i : i + 6] for port in (points, normals, mu, wrench, weight) for i in range(0, len(port), 6)]
+        self._finite = self._tape.let("total", sympy.Add(*(self._tape.let("sum", sympy.Add(*part)) for part in parts)))
         count = len(mu)
         spots = [_vector(points[3 * i : 3 * i + 3]) for i in range(count)]
         total = [sympy.Add(*(spot[axis] for spot in spots)) / count for axis in range(3)]
@@ -80,8 +81,8 @@ class Multipliers:
     def _units(self, spots: Sequence[Vec], wrench: Sequence[sympy.Symbol]) -> tuple[sympy.Expr, sympy.Expr, list[sympy.Expr]]:
         """The stance's length, the load's size, and minus the load about the centre in these."""
         tape = self._tape
-        arms = [minus(spot, self._centre) for spot in spots]
-        size = tape.let("spread2", sympy.Add(*(dot(arm, arm) for arm in arms)) / len(spots))
+        arms = [tape.vector("arm", minus(spot, self._centre)) for spot in spots]
+        size = tape.let("spread2", sympy.Add(*(tape.let("arm2", dot(arm, arm)) for arm in arms)) / len(spots))
         length = tape.let("length", sympy.sqrt(chosen(less(_TINY, size), size, _ONE)))
         force = _vector(wrench[:3])
         moment = tape.vector("moment", scaled(1 / length, minus(_vector(wrench[3:]), cross(self._centre, force))))
@@ -127,11 +128,14 @@ class Multipliers:
         moments = [self._tape.vector("turn", cross(foot.r, image.force)) for foot, image in zip(self._feet, images, strict=True)]
         parts = [(*image.force, *moment) for image, moment in zip(images, moments, strict=True)]
         slope = [self._tape.let("slope", self._load[j] - sympy.Add(*(part[j] for part in parts))) for j in range(6)]
-        spent = [
-            dot(self._pulled(y, foot), image.force) - dot(image.force, image.force) / (2 * foot.ease)
-            for foot, image in zip(self._feet, images, strict=True)
-        ]
+        spent = [self._spent(y, foot, image) for foot, image in zip(self._feet, images, strict=True)]
         return images, slope, self._tape.let("dual", dot(self._load, y[:6]) - sympy.Add(*spent))
+
+    def _spent(self, y: Sequence[sympy.Expr], foot: _Foot, image: _Image) -> sympy.Expr:
+        """The foot's part of the dual."""
+        pull = self._tape.vector("pull", self._pulled(y, foot))
+        half = self._tape.let("half", dot(image.force, image.force) / (2 * foot.ease))
+        return self._tape.let("spent", dot(pull, image.force) - half)
 
     def _curvature(self, images: Sequence[_Image], damping: sympy.Expr) -> list[list[sympy.Expr]]:
         """The sum of ease A P' A', lower triangle, its diagonal raised."""
@@ -154,7 +158,7 @@ class Multipliers:
         ]
         columns = [tape.vector("B", cross(foot.r, _vector([row[m] for row in derivative]))) for m in range(3)]
         rows = [_vector([column[i] for column in columns]) for i in range(3)]
-        corner = [cross(foot.r, row) for row in rows]
+        corner = [tape.vector("C", cross(foot.r, row)) for row in rows]
         return [*([*row] for row in derivative), *([*row, *end] for row, end in zip(rows, corner, strict=True))]
 
     def first(self, words: Signature) -> Function:
@@ -187,13 +191,13 @@ class Multipliers:
         tape, y = self._tape, symbols_of(MULTIPLIERS)[:6]
         images, slope, _ = self._value(y)
         square = tape.let("slope2", dot(slope, slope))
-        sizes = [dot(image.force, image.force) for image in images]
+        sizes = [tape.let("force2", dot(image.force, image.force)) for image in images]
         gain = tape.let("gain", dot(self._load, y))
-        idle = less(_ZERO, gain)
-        for size in sizes:
-            idle = both(idle, at_most(size, _ZERO))
+        idle = both(less(_ZERO, gain), at_most(sympy.Add(*sizes), _ZERO))
         status = chosen(at_most(square, _BALANCED2), _OK, chosen(idle, _INFEASIBLE, _NO_CONVERGENCE))
-        sane = Finite(sympy.Add(*self._finite))
+        bounds = [tape.let("bound", chosen(at_most(0, foot.most), 1, 0)) for foot in self._feet]  # infinite ones are fine
+        bounded = tape.let("bounded", sympy.Add(*bounds))
+        sane = both(Finite(self._finite), at_most(len(self._feet), bounded))
         status = chosen(both(sane, both(at_most(self._facets, _ZERO), at_most(_ZERO, self._facets))), status, _BAD_INPUT)
         states = [chosen(at_most(size, _ZERO), _FREE, chosen(image.inside, _ZERO, _ONE)) for image, size in zip(images, sizes, strict=True)]
         forces = [self._unit * part for image in images for part in image.force]
