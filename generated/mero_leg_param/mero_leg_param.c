@@ -354,6 +354,8 @@ static void mero_leg_param_leg_acceleration_jacobian_kernel(const double *WG_RES
     rest[2] = wanted_z;
 }
 
+#if !defined(WALKGEN_PART) || WALKGEN_PART == 1
+
 void mero_leg_param_leg_foot_position(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
     const double cos_yaw = WG_COS(q[0]);
@@ -3372,6 +3374,10 @@ void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RE
     }
 }
 
+#endif
+
+#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
+
 void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
     Y[0] = qdd[0];
@@ -6175,3 +6181,5 @@ void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const d
             foot_forces + row * 3, param, tau_d_param + row * 18);
     }
 }
+
+#endif

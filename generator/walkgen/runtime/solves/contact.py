@@ -118,6 +118,8 @@ def _read(*arguments: ArrayLike) -> tuple[Stance, Array, tuple[int, ...]]:
     rows = math.prod(shape)
     flat = [np.array(np.broadcast_to(item, (*shape, *part)), float).reshape(rows, *part) for item, part in zip(values, inner, strict=True)]
     mine = dict(zip(_ARRAYS, flat, strict=True))
+    none = mine["limits"] == np.inf  # a limit that never binds is that of no row
+    mine["limits"][none], mine["torque_rows"][none] = 1.0, 0.0
     return Stance(**mine, facets=0), np.broadcast_to(facets, shape).ravel(), shape
 
 
