@@ -1,5 +1,6 @@
 """Fixtures that build robots from spec text, each text once a session."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,6 +9,8 @@ import pytest
 
 if TYPE_CHECKING:
     from oracles.backends import Built
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices here are small, and the tests' own processes fill the cores
 
 SPECS = Path(__file__).parents[1] / "specs"
 

@@ -108,14 +108,14 @@ def test_robots(text, seed):
 
 
 @pytest.mark.nightly
-@settings(UNSHRUNK, max_examples=200)
+@settings(UNSHRUNK, max_examples=40)
 @given(specs_with_bodies(), st.integers(0, 2**32 - 1))
 def test_many_legs(text, seed):
     assert_legs(text, seed)
 
 
 @pytest.mark.nightly
-@settings(UNSHRUNK, max_examples=150)
+@settings(UNSHRUNK, max_examples=30)
 @given(specs_with_bodies(), st.integers(0, 2**32 - 1))
 def test_many_robots(text, seed):
     assert_robot(text, seed)

@@ -18,7 +18,18 @@ from walkgen.spec.read import read
 from walkgen.spec.schema import schema_json
 
 FOLDER = Path(__file__).parents[1] / "specs"
-NAMES = ("ambler_rpp", "ambler_rrp", "mero", "mero_leg", "mero_leg_param", "mero_star", "mero_style", "phantomx_leg", "solo12")
+NAMES = (
+    "ambler_rpp",
+    "ambler_rrp",
+    "mero",
+    "mero_leg",
+    "mero_leg_param",
+    "mero_star",
+    "mero_style",
+    "phantomx_leg",
+    "solo12",
+    "terrain_demo",
+)
 MERO_FEET = ["front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right"]
 
 

@@ -45,7 +45,8 @@ extern "C" {
 #define AMBLER_RPP_LEG_EXTEND_MASS 20.0 /* kg */
 
 /* Outputs never overlap inputs or each other. Functions without a status are defined for every finite input and pass NaN on.
- * `_batch` takes contiguous rows of every argument but `param`, which all rows share; with a status it returns the rows without an OK.
+ * `_batch` takes contiguous rows of every argument but counts, `work` and `param`, which all rows share; with a status it returns the
+ * rows without an OK.
  */
 
 /* Foot position.

@@ -62,6 +62,12 @@
 #else
 #define WG_INLINE static inline
 #endif
+/* Large functions that several others call: one copy each, or compilers write them out again and again. */
+#if defined(__GNUC__)
+#define WG_CALLED static __attribute__((noinline, unused))
+#else
+#define WG_CALLED static inline
+#endif
 #if defined(__GNUC__)
 #define WG_LIKELY(condition) __builtin_expect((condition), 1)
 #else

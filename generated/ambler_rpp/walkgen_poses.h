@@ -15,15 +15,15 @@
 #define WG_LIBM(name) name##f
 #define WG_TOLERANCE (WG_C(8.0) * WG_EPSILON)
 #endif
-#ifndef WG_MOST
-#define WG_MOST 46 /* candidates and grid starts */
+#ifndef WG_MOST_POSES
+#define WG_MOST_POSES 46 /* candidates and grid starts */
 #define WG_STARTS 10
 #endif
 
 /* Polished poses and how far the foot is from the target in each. */
 struct WG_NAME(wg_poses) {
     int count;
-    WG_REAL q[WG_MOST][3], gap[WG_MOST];
+    WG_REAL q[WG_MOST_POSES][3], gap[WG_MOST_POSES];
 };
 
 /* The chain from its numbers (for every joint axis and point, then the foot), scaled and seen from its first point; 1e-12 of the reach.

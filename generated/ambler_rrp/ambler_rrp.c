@@ -1099,7 +1099,8 @@ void ambler_rrp_leg_inverse_dynamics_derivatives_batch(size_t rows, const double
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
     double *WG_RESTRICT tau_d_qd) {
     for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9, tau_d_qd + row * 9);
+        ambler_rrp_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
     }
 }
 
@@ -2549,6 +2550,7 @@ void ambler_rrp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, double *WG_RESTRICT tau) {
     for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, foot_forces + row * 3, tau + row * 9);
+        ambler_rrp_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9,
+            foot_forces + row * 3, tau + row * 9);
     }
 }

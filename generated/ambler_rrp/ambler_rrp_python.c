@@ -16,8 +16,9 @@ static const walkgen_port ambler_rrp_leg_foot_position_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void ambler_rrp_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_position((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -35,8 +36,9 @@ static const walkgen_port ambler_rrp_leg_foot_rotation_ports[] = {
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void ambler_rrp_leg_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_rotation((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -54,8 +56,9 @@ static const walkgen_port ambler_rrp_leg_foot_pose_ports[] = {
     {8, 1, 24, 2, {4, 4}},
 };
 
-static void ambler_rrp_leg_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_pose((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -73,8 +76,9 @@ static const walkgen_port ambler_rrp_leg_foot_jacobian_ports[] = {
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void ambler_rrp_leg_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -93,8 +97,9 @@ static const walkgen_port ambler_rrp_leg_foot_position_jacobian_ports[] = {
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void ambler_rrp_leg_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_position_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -115,8 +120,9 @@ static const walkgen_port ambler_rrp_leg_foot_spatial_jacobian_ports[] = {
     {8, 1, 24, 2, {6, 3}},
 };
 
-static void ambler_rrp_leg_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_spatial_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -134,8 +140,9 @@ static const walkgen_port ambler_rrp_leg_foot_hessian_ports[] = {
     {8, 1, 24, 3, {3, 3, 3}},
 };
 
-static void ambler_rrp_leg_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_hessian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -154,8 +161,9 @@ static const walkgen_port ambler_rrp_leg_foot_velocity_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void ambler_rrp_leg_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_velocity(
             (const double *)(a[0] + at * step[0]),
@@ -178,8 +186,9 @@ static const walkgen_port ambler_rrp_leg_foot_acceleration_ports[] = {
     {8, 1, 72, 1, {3}},
 };
 
-static void ambler_rrp_leg_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -202,8 +211,9 @@ static const walkgen_port ambler_rrp_leg_foot_bias_acceleration_ports[] = {
     {8, 1, 48, 1, {6}},
 };
 
-static void ambler_rrp_leg_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_bias_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -225,8 +235,9 @@ static const walkgen_port ambler_rrp_leg_foot_torque_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void ambler_rrp_leg_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_foot_torque(
             (const double *)(a[0] + at * step[0]),
@@ -247,8 +258,9 @@ static const walkgen_port ambler_rrp_leg_joint_frames_ports[] = {
     {8, 1, 24, 3, {4, 4, 4}},
 };
 
-static void ambler_rrp_leg_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_joint_frames((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -267,8 +279,9 @@ static const walkgen_port ambler_rrp_leg_inverse_ports[] = {
     {4, 1, 120, 1, {4}},
 };
 
-static void ambler_rrp_leg_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         (void)ambler_rrp_leg_inverse(
             (const double *)(a[0] + at * step[0]),
@@ -291,8 +304,9 @@ static const walkgen_port ambler_rrp_leg_inverse_branch_ports[] = {
     {4, 1, 56, 0, {1}},
 };
 
-static void ambler_rrp_leg_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = ambler_rrp_leg_inverse_branch(
             (const double *)(a[0] + at * step[0]),
@@ -315,8 +329,9 @@ static const walkgen_port ambler_rrp_leg_inverse_near_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void ambler_rrp_leg_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = ambler_rrp_leg_inverse_near(
             (const double *)(a[0] + at * step[0]),
@@ -338,8 +353,9 @@ static const walkgen_port ambler_rrp_leg_inverse_admissible_ports[] = {
     {4, 1, 48, 0, {1}},
 };
 
-static void ambler_rrp_leg_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[2] + at * step[2]) = ambler_rrp_leg_inverse_admissible(
             (const double *)(a[0] + at * step[0]),
@@ -359,8 +375,9 @@ static const walkgen_port ambler_rrp_leg_inverse_distance_ports[] = {
     {8, 1, 24, 1, {4}},
 };
 
-static void ambler_rrp_leg_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -378,8 +395,9 @@ static const walkgen_port ambler_rrp_leg_within_limits_ports[] = {
     {4, 1, 24, 0, {1}},
 };
 
-static void ambler_rrp_leg_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[1] + at * step[1]) = ambler_rrp_leg_within_limits((const double *)(a[0] + at * step[0]));
     }
@@ -399,8 +417,9 @@ static const walkgen_port ambler_rrp_leg_inverse_velocity_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void ambler_rrp_leg_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = ambler_rrp_leg_inverse_velocity(
             (const double *)(a[0] + at * step[0]),
@@ -424,8 +443,9 @@ static const walkgen_port ambler_rrp_leg_inverse_acceleration_ports[] = {
     {4, 1, 96, 0, {1}},
 };
 
-static void ambler_rrp_leg_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[4] + at * step[4]) = ambler_rrp_leg_inverse_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -450,8 +470,9 @@ static const walkgen_port ambler_rrp_leg_inverse_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void ambler_rrp_leg_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_inverse_dynamics(
             (const double *)(a[0] + at * step[0]),
@@ -477,8 +498,9 @@ static const walkgen_port ambler_rrp_leg_forward_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void ambler_rrp_leg_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_forward_dynamics(
             (const double *)(a[0] + at * step[0]),
@@ -501,8 +523,9 @@ static const walkgen_port ambler_rrp_leg_mass_matrix_ports[] = {
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void ambler_rrp_leg_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -521,8 +544,9 @@ static const walkgen_port ambler_rrp_leg_bias_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void ambler_rrp_leg_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_bias_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_bias(
             (const double *)(a[0] + at * step[0]),
@@ -543,8 +567,9 @@ static const walkgen_port ambler_rrp_leg_gravity_torque_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void ambler_rrp_leg_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -563,8 +588,9 @@ static const walkgen_port ambler_rrp_leg_coriolis_matrix_ports[] = {
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void ambler_rrp_leg_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_coriolis_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -586,8 +612,9 @@ static const walkgen_port ambler_rrp_leg_kinetic_energy_ports[] = {
     {8, 1, 48, 0, {1}},
 };
 
-static void ambler_rrp_leg_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_kinetic_energy(
             (const double *)(a[0] + at * step[0]),
@@ -608,8 +635,9 @@ static const walkgen_port ambler_rrp_leg_potential_energy_ports[] = {
     {8, 1, 24, 0, {1}},
 };
 
-static void ambler_rrp_leg_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -630,8 +658,9 @@ static const walkgen_port ambler_rrp_leg_inverse_dynamics_derivatives_ports[] = 
     {8, 1, 144, 2, {3, 3}},
 };
 
-static void ambler_rrp_leg_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_inverse_dynamics_derivatives(
             (const double *)(a[0] + at * step[0]),
@@ -656,8 +685,9 @@ static const walkgen_port ambler_rrp_leg_regressor_ports[] = {
     {8, 1, 72, 2, {3, 30}},
 };
 
-static void ambler_rrp_leg_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_regressor(
             (const double *)(a[0] + at * step[0]),
@@ -682,8 +712,9 @@ static const walkgen_port ambler_rrp_leg_base_parameters_ports[] = {
     {8, 1, 192, 1, {5}},
 };
 
-static void ambler_rrp_leg_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_leg_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_leg_base_parameters(
             (const double *)(a[0] + at * step[0]),
@@ -706,8 +737,9 @@ static const walkgen_port ambler_rrp_platform_poses_ports[] = {
     {8, 1, 24, 3, {1, 4, 4}},
 };
 
-static void ambler_rrp_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_platform_poses((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -725,8 +757,9 @@ static const walkgen_port ambler_rrp_foot_positions_ports[] = {
     {8, 1, 24, 2, {1, 3}},
 };
 
-static void ambler_rrp_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_foot_positions((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -744,8 +777,9 @@ static const walkgen_port ambler_rrp_foot_jacobians_ports[] = {
     {8, 1, 24, 3, {1, 3, 3}},
 };
 
-static void ambler_rrp_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_foot_jacobians((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -764,8 +798,9 @@ static const walkgen_port ambler_rrp_com_ports[] = {
     {8, 1, 152, 1, {3}},
 };
 
-static void ambler_rrp_com_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_com_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_com(
             (const double *)(a[0] + at * step[0]),
@@ -787,8 +822,9 @@ static const walkgen_port ambler_rrp_com_jacobian_ports[] = {
     {8, 1, 152, 2, {3, 9}},
 };
 
-static void ambler_rrp_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_com_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -810,8 +846,9 @@ static const walkgen_port ambler_rrp_centroidal_momentum_matrix_ports[] = {
     {8, 1, 152, 2, {6, 9}},
 };
 
-static void ambler_rrp_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_centroidal_momentum_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -834,8 +871,9 @@ static const walkgen_port ambler_rrp_momentum_ports[] = {
     {8, 1, 224, 1, {6}},
 };
 
-static void ambler_rrp_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_momentum(
             (const double *)(a[0] + at * step[0]),
@@ -860,8 +898,9 @@ static const walkgen_port ambler_rrp_momentum_rate_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void ambler_rrp_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_momentum_rate(
             (const double *)(a[0] + at * step[0]),
@@ -887,8 +926,9 @@ static const walkgen_port ambler_rrp_demanded_wrench_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void ambler_rrp_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_demanded_wrench(
             (const double *)(a[0] + at * step[0]),
@@ -912,8 +952,9 @@ static const walkgen_port ambler_rrp_floating_mass_matrix_ports[] = {
     {8, 1, 152, 2, {9, 9}},
 };
 
-static void ambler_rrp_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_floating_mass_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -938,8 +979,9 @@ static const walkgen_port ambler_rrp_floating_inverse_dynamics_ports[] = {
     {8, 1, 320, 1, {9}},
 };
 
-static void ambler_rrp_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void ambler_rrp_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rrp_floating_inverse_dynamics(
             (const double *)(a[0] + at * step[0]),

@@ -22,7 +22,8 @@
 #define WALKGEN_MAX_PORTS 32
 #define WALKGEN_MAX_RANK 6
 
-/* One argument: size of an element, whether the kernel writes it, where its dense copy starts in the buffer, its shape. */
+/* One argument: size of an element, whether the kernel writes it, where its dense copy starts in the buffer, its shape, where -i stands for
+ * NumPy's i-th dimension. */
 typedef struct {
     intptr_t item;
     int output;
@@ -31,8 +32,20 @@ typedef struct {
     intptr_t shape[WALKGEN_MAX_RANK];
 } walkgen_port;
 
-/* A kernel run over rows whose core dimensions are dense; `steps` are the bytes from row to row. */
-typedef void (*walkgen_rows)(intptr_t rows, char *const *arguments, const intptr_t *steps);
+/* A kernel run over rows whose core dimensions are dense; `steps` are the bytes from row to row, `dimensions` NumPy's. */
+typedef void (*walkgen_rows)(intptr_t rows, char *const *arguments, const intptr_t *steps, const intptr_t *dimensions);
+
+/* The table with the sizes of this call. */
+static inline void walkgen_sized(const walkgen_port *ports, int count, const intptr_t *dimensions, walkgen_port *sized) {
+    int port, axis;
+    for (port = 0; port < count; port++) {
+        sized[port] = ports[port];
+        for (axis = 0; axis < ports[port].rank; axis++) {
+            const intptr_t size = ports[port].shape[axis];
+            sized[port].shape[axis] = size < 0 ? dimensions[-size] : size;
+        }
+    }
+}
 
 /* What C code takes for an integer: a value out of its range becomes -1, which is never valid. */
 static inline int32_t walkgen_integer(const char *value) {
@@ -94,7 +107,7 @@ WALKGEN_SHARED void walkgen_gather(walkgen_rows run, const walkgen_port *ports, 
                 walkgen_copy(&ports[port], data, core, row[port]);
             }
         }
-        run(1, row, steps);
+        run(1, row, steps, dimensions);
         core = steps + count;
         for (port = 0; port < count; core += ports[port].rank, port++) {
             if (!dense[port] && ports[port].output) {
@@ -116,7 +129,7 @@ WALKGEN_SHARED void walkgen_loop(walkgen_rows run, const walkgen_port *ports, in
         all &= dense[port];
     }
     if (all) {
-        run(dimensions[0], arguments, steps);
+        run(dimensions[0], arguments, steps, dimensions);
     } else {
         walkgen_gather(run, ports, count, dense, buffer, arguments, dimensions, steps);
     }

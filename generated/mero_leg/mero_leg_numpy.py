@@ -79,6 +79,14 @@ def _checked(name, array, core):
     return array, array.shape[:lead], prod(core)
 
 
+def _count(name, value, rank, axis):
+    """A size that the caller chooses, read off one of its arrays."""
+    shape = np.shape(value)
+    if len(shape) < rank:
+        raise ValueError(f"{name} has shape {shape}; at least {rank} dimensions are needed")
+    return shape[len(shape) - rank + axis]
+
+
 def _real(name, value, core):
     return _checked(name, np.asarray(value, np.float64), core)
 

@@ -21,7 +21,7 @@ struct WG_NAME(wg_search) {
     struct WG_NAME(wg_box) box;
     WG_REAL seed[WG_MOST_JOINTS], apart;
     int reached;
-    struct WG_NAME(wg_stance) best;
+    struct WG_NAME(wg_arm_state) best;
 };
 
 /* Greatest and squared difference of joint values to the seed, modulo full turns. */
@@ -41,7 +41,7 @@ static inline WG_REAL WG_NAME(wg_from_seed)(const struct WG_NAME(wg_search) * se
 /* Descend from q, brought into the box, and keep what is better than before. */
 static inline void WG_NAME(wg_attempt)(struct WG_NAME(wg_search) * search, const WG_REAL *q) {
     const struct WG_NAME(wg_serial) *arm = search->arm;
-    struct WG_NAME(wg_stance) at;
+    struct WG_NAME(wg_arm_state) at;
     WG_REAL apart;
     int j, reached;
     for (j = 0; j < arm->n; ++j) {

@@ -33,7 +33,7 @@ struct WG_NAME(wg_serial) {
 };
 
 /* Joint values and what follows: columns of the Jacobian (rotations times `length`), directions of the axes that turn, the error. */
-struct WG_NAME(wg_stance) {
+struct WG_NAME(wg_arm_state) {
     WG_REAL q[WG_MOST_JOINTS], column[WG_MOST_JOINTS][6], turning[WG_MOST_JOINTS][3], error[6], gap;
 };
 
@@ -94,7 +94,7 @@ static inline void WG_NAME(wg_rotation_vector)(const WG_REAL M[9], WG_REAL vecto
 
 /* What the foot, and the chain's turn R, lack. */
 static inline void WG_NAME(wg_serial_error)(const struct WG_NAME(wg_serial) * arm, const WG_REAL foot[3], const WG_REAL R[9],
-                                            struct WG_NAME(wg_stance) * at) {
+                                            struct WG_NAME(wg_arm_state) * at) {
     WG_REAL square = WG_C(0.0), M[9];
     int i;
     WG_NAME(wg_add)(foot, WG_C(-1.0), arm->target, at->error);
@@ -110,7 +110,7 @@ static inline void WG_NAME(wg_serial_error)(const struct WG_NAME(wg_serial) * ar
 }
 
 /* Everything at the stance's q. */
-static inline void WG_NAME(wg_serial_at)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_stance) * at) {
+static inline void WG_NAME(wg_serial_at)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_arm_state) * at) {
     WG_REAL R[9] = {WG_C(1.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(1.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(1.0)};
     WG_REAL origin[WG_MOST_JOINTS][3], x[3], arm_of[3];
     int i, j;
@@ -143,7 +143,7 @@ static inline void WG_NAME(wg_serial_at)(const struct WG_NAME(wg_serial) * arm, 
 }
 
 /* Whether the foot, and its rotation, are where they are wanted but for roundings. */
-static inline int WG_NAME(wg_serial_reaches)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_stance) * at) {
+static inline int WG_NAME(wg_serial_reaches)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at) {
     return WG_NAME(wg_norm)(at->error) <= arm->tolerance &&
            (arm->rows == 3 || WG_NAME(wg_norm)(at->error + 3) <= WG_TOLERANCE * arm->length);
 }

@@ -354,6 +354,8 @@ static void mero_leg_param_leg_acceleration_jacobian_kernel(const double *WG_RES
     rest[2] = wanted_z;
 }
 
+#if !defined(WALKGEN_PART) || WALKGEN_PART == 1
+
 void mero_leg_param_leg_foot_position(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
     const double cos_yaw = WG_COS(q[0]);
@@ -1922,7 +1924,8 @@ void mero_leg_param_leg_inverse_dynamics_d_param_batch(size_t rows, const double
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
     const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_d_param(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param, tau_d_param + row * 6);
+        mero_leg_param_leg_inverse_dynamics_d_param(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param,
+            tau_d_param + row * 6);
     }
 }
 
@@ -2135,7 +2138,8 @@ void mero_leg_param_leg_forward_dynamics_d_param_batch(size_t rows, const double
     const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
     const double *WG_RESTRICT param, double *WG_RESTRICT qdd_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_forward_dynamics_d_param(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param, qdd_d_param + row * 6);
+        mero_leg_param_leg_forward_dynamics_d_param(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param,
+            qdd_d_param + row * 6);
     }
 }
 
@@ -2780,7 +2784,8 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_batch(size_t rows, const do
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q + row * 9, tau_d_qd + row * 9);
+        mero_leg_param_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
     }
 }
 
@@ -2892,7 +2897,8 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_batch(size_t rows, 
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT tau_d_q_d_param, double *WG_RESTRICT tau_d_qd_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_derivatives_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q_d_param + row * 18, tau_d_qd_d_param + row * 18);
+        mero_leg_param_leg_inverse_dynamics_derivatives_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param,
+            tau_d_q_d_param + row * 18, tau_d_qd_d_param + row * 18);
     }
 }
 
@@ -3368,6 +3374,10 @@ void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RE
     }
 }
 
+#endif
+
+#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
+
 void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
     Y[0] = qdd[0];
@@ -3665,7 +3675,8 @@ void mero_leg_param_leg_base_parameters_d_param_batch(size_t rows, const double 
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT Y_d_param, double *WG_RESTRICT p_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_base_parameters_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 90, p_d_param + row * 30);
+        mero_leg_param_leg_base_parameters_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 90,
+            p_d_param + row * 30);
     }
 }
 
@@ -5164,7 +5175,8 @@ void mero_leg_param_momentum_rate_d_param_batch(size_t rows, const double *WG_RE
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT param, double *WG_RESTRICT hd_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum_rate_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, hd_d_param + row * 12);
+        mero_leg_param_momentum_rate_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
+            hd_d_param + row * 12);
     }
 }
 
@@ -5455,7 +5467,8 @@ void mero_leg_param_demanded_wrench_d_param_batch(size_t rows, const double *WG_
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT param, double *WG_RESTRICT w_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_demanded_wrench_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, w_d_param + row * 12);
+        mero_leg_param_demanded_wrench_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
+            w_d_param + row * 12);
     }
 }
 
@@ -6030,7 +6043,8 @@ void mero_leg_param_floating_inverse_dynamics_batch(size_t rows, const double *W
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, foot_forces + row * 3, param, tau + row * 9);
+        mero_leg_param_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9,
+            foot_forces + row * 3, param, tau + row * 9);
     }
 }
 
@@ -6163,6 +6177,9 @@ void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const d
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
     for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_inverse_dynamics_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, foot_forces + row * 3, param, tau_d_param + row * 18);
+        mero_leg_param_floating_inverse_dynamics_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9,
+            foot_forces + row * 3, param, tau_d_param + row * 18);
     }
 }
+
+#endif

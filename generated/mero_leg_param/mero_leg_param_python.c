@@ -17,8 +17,9 @@ static const walkgen_port mero_leg_param_leg_foot_position_ports[] = {
     {8, 1, 40, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_position(
             (const double *)(a[0] + at * step[0]),
@@ -40,8 +41,9 @@ static const walkgen_port mero_leg_param_leg_foot_position_d_param_ports[] = {
     {8, 1, 40, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_position_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_position_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_position_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -63,8 +65,9 @@ static const walkgen_port mero_leg_param_leg_foot_rotation_ports[] = {
     {8, 1, 40, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_rotation(
             (const double *)(a[0] + at * step[0]),
@@ -86,8 +89,9 @@ static const walkgen_port mero_leg_param_leg_foot_rotation_d_param_ports[] = {
     {8, 1, 40, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_rotation_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_rotation_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_rotation_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -109,8 +113,9 @@ static const walkgen_port mero_leg_param_leg_foot_pose_ports[] = {
     {8, 1, 40, 2, {4, 4}},
 };
 
-static void mero_leg_param_leg_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_pose(
             (const double *)(a[0] + at * step[0]),
@@ -132,8 +137,9 @@ static const walkgen_port mero_leg_param_leg_foot_pose_d_param_ports[] = {
     {8, 1, 40, 3, {4, 4, 2}},
 };
 
-static void mero_leg_param_leg_foot_pose_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_pose_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_pose_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -155,8 +161,9 @@ static const walkgen_port mero_leg_param_leg_foot_jacobian_ports[] = {
     {8, 1, 40, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -178,8 +185,9 @@ static const walkgen_port mero_leg_param_leg_foot_jacobian_d_param_ports[] = {
     {8, 1, 40, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_jacobian_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -202,8 +210,9 @@ static const walkgen_port mero_leg_param_leg_foot_position_jacobian_ports[] = {
     {8, 1, 64, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_position_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -227,8 +236,9 @@ static const walkgen_port mero_leg_param_leg_foot_position_jacobian_d_param_port
     {8, 1, 88, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_position_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_position_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_position_jacobian_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -251,8 +261,9 @@ static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_ports[] = {
     {8, 1, 40, 2, {6, 3}},
 };
 
-static void mero_leg_param_leg_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_spatial_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -274,8 +285,9 @@ static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_d_param_ports
     {8, 1, 40, 3, {6, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_spatial_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_spatial_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_spatial_jacobian_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -297,8 +309,9 @@ static const walkgen_port mero_leg_param_leg_foot_hessian_ports[] = {
     {8, 1, 40, 3, {3, 3, 3}},
 };
 
-static void mero_leg_param_leg_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_hessian(
             (const double *)(a[0] + at * step[0]),
@@ -320,8 +333,9 @@ static const walkgen_port mero_leg_param_leg_foot_hessian_d_param_ports[] = {
     {8, 1, 40, 4, {3, 3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_hessian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_hessian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_hessian_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -344,8 +358,9 @@ static const walkgen_port mero_leg_param_leg_foot_velocity_ports[] = {
     {8, 1, 64, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_velocity(
             (const double *)(a[0] + at * step[0]),
@@ -369,8 +384,9 @@ static const walkgen_port mero_leg_param_leg_foot_velocity_d_param_ports[] = {
     {8, 1, 64, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_velocity_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_velocity_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_velocity_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -395,8 +411,9 @@ static const walkgen_port mero_leg_param_leg_foot_acceleration_ports[] = {
     {8, 1, 88, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -422,8 +439,9 @@ static const walkgen_port mero_leg_param_leg_foot_acceleration_d_param_ports[] =
     {8, 1, 88, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_acceleration_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_acceleration_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_acceleration_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -448,8 +466,9 @@ static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_ports[] = {
     {8, 1, 64, 1, {6}},
 };
 
-static void mero_leg_param_leg_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_bias_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -473,8 +492,9 @@ static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_d_param_port
     {8, 1, 64, 2, {6, 2}},
 };
 
-static void mero_leg_param_leg_foot_bias_acceleration_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_bias_acceleration_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_bias_acceleration_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -498,8 +518,9 @@ static const walkgen_port mero_leg_param_leg_foot_torque_ports[] = {
     {8, 1, 64, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_torque(
             (const double *)(a[0] + at * step[0]),
@@ -523,8 +544,9 @@ static const walkgen_port mero_leg_param_leg_foot_torque_d_param_ports[] = {
     {8, 1, 64, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_torque_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_foot_torque_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_foot_torque_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -547,8 +569,9 @@ static const walkgen_port mero_leg_param_leg_joint_frames_ports[] = {
     {8, 1, 40, 3, {4, 4, 4}},
 };
 
-static void mero_leg_param_leg_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_joint_frames(
             (const double *)(a[0] + at * step[0]),
@@ -570,8 +593,9 @@ static const walkgen_port mero_leg_param_leg_joint_frames_d_param_ports[] = {
     {8, 1, 40, 4, {4, 4, 4, 2}},
 };
 
-static void mero_leg_param_leg_joint_frames_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_joint_frames_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_joint_frames_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -594,8 +618,9 @@ static const walkgen_port mero_leg_param_leg_inverse_ports[] = {
     {4, 1, 136, 1, {4}},
 };
 
-static void mero_leg_param_leg_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         (void)mero_leg_param_leg_inverse(
             (const double *)(a[0] + at * step[0]),
@@ -620,8 +645,9 @@ static const walkgen_port mero_leg_param_leg_inverse_branch_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[4] + at * step[4]) = mero_leg_param_leg_inverse_branch(
             (const double *)(a[0] + at * step[0]),
@@ -646,8 +672,9 @@ static const walkgen_port mero_leg_param_leg_inverse_near_ports[] = {
     {4, 1, 88, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[4] + at * step[4]) = mero_leg_param_leg_inverse_near(
             (const double *)(a[0] + at * step[0]),
@@ -671,8 +698,9 @@ static const walkgen_port mero_leg_param_leg_inverse_admissible_ports[] = {
     {4, 1, 64, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = mero_leg_param_leg_inverse_admissible(
             (const double *)(a[0] + at * step[0]),
@@ -694,8 +722,9 @@ static const walkgen_port mero_leg_param_leg_inverse_distance_ports[] = {
     {8, 1, 40, 1, {4}},
 };
 
-static void mero_leg_param_leg_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_inverse_distance(
             (const double *)(a[0] + at * step[0]),
@@ -717,8 +746,9 @@ static const walkgen_port mero_leg_param_leg_within_limits_ports[] = {
     {4, 1, 40, 0, {1}},
 };
 
-static void mero_leg_param_leg_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[2] + at * step[2]) = mero_leg_param_leg_within_limits(
             (const double *)(a[0] + at * step[0]),
@@ -739,8 +769,9 @@ static const walkgen_port mero_leg_param_leg_within_limits_d_param_ports[] = {
     {4, 1, 40, 1, {2}},
 };
 
-static void mero_leg_param_leg_within_limits_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_within_limits_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_within_limits_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -764,8 +795,9 @@ static const walkgen_port mero_leg_param_leg_inverse_velocity_ports[] = {
     {4, 1, 88, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[4] + at * step[4]) = mero_leg_param_leg_inverse_velocity(
             (const double *)(a[0] + at * step[0]),
@@ -791,8 +823,9 @@ static const walkgen_port mero_leg_param_leg_inverse_acceleration_ports[] = {
     {4, 1, 112, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[5] + at * step[5]) = mero_leg_param_leg_inverse_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -819,8 +852,9 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_ports[] = {
     {8, 1, 112, 1, {3}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_inverse_dynamics(
             (const double *)(a[0] + at * step[0]),
@@ -848,8 +882,9 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = 
     {8, 1, 112, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_inverse_dynamics_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -877,8 +912,9 @@ static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
     {8, 1, 112, 1, {3}},
 };
 
-static void mero_leg_param_leg_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_forward_dynamics(
             (const double *)(a[0] + at * step[0]),
@@ -906,8 +942,9 @@ static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = 
     {8, 1, 112, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_forward_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_forward_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_forward_dynamics_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -932,8 +969,9 @@ static const walkgen_port mero_leg_param_leg_mass_matrix_ports[] = {
     {8, 1, 40, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_mass_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -955,8 +993,9 @@ static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
     {8, 1, 40, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_mass_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_mass_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_mass_matrix_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -979,8 +1018,9 @@ static const walkgen_port mero_leg_param_leg_bias_ports[] = {
     {8, 1, 64, 1, {3}},
 };
 
-static void mero_leg_param_leg_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_bias_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_bias(
             (const double *)(a[0] + at * step[0]),
@@ -1004,8 +1044,9 @@ static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
     {8, 1, 64, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_bias_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_bias_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_bias_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1028,8 +1069,9 @@ static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
     {8, 1, 40, 1, {3}},
 };
 
-static void mero_leg_param_leg_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_gravity_torque(
             (const double *)(a[0] + at * step[0]),
@@ -1051,8 +1093,9 @@ static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
     {8, 1, 40, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_gravity_torque_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_gravity_torque_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_gravity_torque_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1075,8 +1118,9 @@ static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
     {8, 1, 64, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_coriolis_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -1100,8 +1144,9 @@ static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
     {8, 1, 64, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_coriolis_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_coriolis_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_coriolis_matrix_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1125,8 +1170,9 @@ static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
     {8, 1, 64, 0, {1}},
 };
 
-static void mero_leg_param_leg_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_kinetic_energy(
             (const double *)(a[0] + at * step[0]),
@@ -1150,8 +1196,9 @@ static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
     {8, 1, 64, 1, {2}},
 };
 
-static void mero_leg_param_leg_kinetic_energy_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_kinetic_energy_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_kinetic_energy_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1174,8 +1221,9 @@ static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
     {8, 1, 40, 0, {1}},
 };
 
-static void mero_leg_param_leg_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_potential_energy(
             (const double *)(a[0] + at * step[0]),
@@ -1197,8 +1245,9 @@ static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = 
     {8, 1, 40, 1, {2}},
 };
 
-static void mero_leg_param_leg_potential_energy_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_potential_energy_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_potential_energy_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1223,8 +1272,9 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[
     {8, 1, 160, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_inverse_dynamics_derivatives(
             (const double *)(a[0] + at * step[0]),
@@ -1252,8 +1302,9 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_d_para
     {8, 1, 232, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_inverse_dynamics_derivatives_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1280,8 +1331,9 @@ static const walkgen_port mero_leg_param_leg_regressor_ports[] = {
     {8, 1, 88, 2, {3, 30}},
 };
 
-static void mero_leg_param_leg_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_regressor(
             (const double *)(a[0] + at * step[0]),
@@ -1307,8 +1359,9 @@ static const walkgen_port mero_leg_param_leg_regressor_d_param_ports[] = {
     {8, 1, 88, 3, {3, 30, 2}},
 };
 
-static void mero_leg_param_leg_regressor_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_regressor_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_regressor_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1335,8 +1388,9 @@ static const walkgen_port mero_leg_param_leg_base_parameters_ports[] = {
     {8, 1, 448, 1, {15}},
 };
 
-static void mero_leg_param_leg_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_base_parameters(
             (const double *)(a[0] + at * step[0]),
@@ -1364,8 +1418,9 @@ static const walkgen_port mero_leg_param_leg_base_parameters_d_param_ports[] = {
     {8, 1, 808, 2, {15, 2}},
 };
 
-static void mero_leg_param_leg_base_parameters_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_leg_base_parameters_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_leg_base_parameters_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1390,8 +1445,9 @@ static const walkgen_port mero_leg_param_platform_poses_ports[] = {
     {8, 1, 40, 3, {1, 4, 4}},
 };
 
-static void mero_leg_param_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_platform_poses(
             (const double *)(a[0] + at * step[0]),
@@ -1413,8 +1469,9 @@ static const walkgen_port mero_leg_param_platform_poses_d_param_ports[] = {
     {8, 1, 40, 4, {1, 4, 4, 2}},
 };
 
-static void mero_leg_param_platform_poses_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_platform_poses_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_platform_poses_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1436,8 +1493,9 @@ static const walkgen_port mero_leg_param_foot_positions_ports[] = {
     {8, 1, 40, 2, {1, 3}},
 };
 
-static void mero_leg_param_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_foot_positions(
             (const double *)(a[0] + at * step[0]),
@@ -1459,8 +1517,9 @@ static const walkgen_port mero_leg_param_foot_positions_d_param_ports[] = {
     {8, 1, 40, 3, {1, 3, 2}},
 };
 
-static void mero_leg_param_foot_positions_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_foot_positions_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_foot_positions_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1482,8 +1541,9 @@ static const walkgen_port mero_leg_param_foot_jacobians_ports[] = {
     {8, 1, 40, 3, {1, 3, 3}},
 };
 
-static void mero_leg_param_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_foot_jacobians(
             (const double *)(a[0] + at * step[0]),
@@ -1505,8 +1565,9 @@ static const walkgen_port mero_leg_param_foot_jacobians_d_param_ports[] = {
     {8, 1, 40, 4, {1, 3, 3, 2}},
 };
 
-static void mero_leg_param_foot_jacobians_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_foot_jacobians_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_foot_jacobians_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1529,8 +1590,9 @@ static const walkgen_port mero_leg_param_com_ports[] = {
     {8, 1, 168, 1, {3}},
 };
 
-static void mero_leg_param_com_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_com_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_com(
             (const double *)(a[0] + at * step[0]),
@@ -1554,8 +1616,9 @@ static const walkgen_port mero_leg_param_com_d_param_ports[] = {
     {8, 1, 168, 2, {3, 2}},
 };
 
-static void mero_leg_param_com_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_com_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_com_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1579,8 +1642,9 @@ static const walkgen_port mero_leg_param_com_jacobian_ports[] = {
     {8, 1, 168, 2, {3, 9}},
 };
 
-static void mero_leg_param_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_com_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -1604,8 +1668,9 @@ static const walkgen_port mero_leg_param_com_jacobian_d_param_ports[] = {
     {8, 1, 168, 3, {3, 9, 2}},
 };
 
-static void mero_leg_param_com_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_com_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_com_jacobian_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1629,8 +1694,9 @@ static const walkgen_port mero_leg_param_centroidal_momentum_matrix_ports[] = {
     {8, 1, 168, 2, {6, 9}},
 };
 
-static void mero_leg_param_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_centroidal_momentum_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -1654,8 +1720,9 @@ static const walkgen_port mero_leg_param_centroidal_momentum_matrix_d_param_port
     {8, 1, 168, 3, {6, 9, 2}},
 };
 
-static void mero_leg_param_centroidal_momentum_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_centroidal_momentum_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_centroidal_momentum_matrix_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1680,8 +1747,9 @@ static const walkgen_port mero_leg_param_momentum_ports[] = {
     {8, 1, 240, 1, {6}},
 };
 
-static void mero_leg_param_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_momentum(
             (const double *)(a[0] + at * step[0]),
@@ -1707,8 +1775,9 @@ static const walkgen_port mero_leg_param_momentum_d_param_ports[] = {
     {8, 1, 240, 2, {6, 2}},
 };
 
-static void mero_leg_param_momentum_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_momentum_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_momentum_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1735,8 +1804,9 @@ static const walkgen_port mero_leg_param_momentum_rate_ports[] = {
     {8, 1, 312, 1, {6}},
 };
 
-static void mero_leg_param_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_momentum_rate(
             (const double *)(a[0] + at * step[0]),
@@ -1764,8 +1834,9 @@ static const walkgen_port mero_leg_param_momentum_rate_d_param_ports[] = {
     {8, 1, 312, 2, {6, 2}},
 };
 
-static void mero_leg_param_momentum_rate_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_momentum_rate_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_momentum_rate_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1793,8 +1864,9 @@ static const walkgen_port mero_leg_param_demanded_wrench_ports[] = {
     {8, 1, 312, 1, {6}},
 };
 
-static void mero_leg_param_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_demanded_wrench(
             (const double *)(a[0] + at * step[0]),
@@ -1822,8 +1894,9 @@ static const walkgen_port mero_leg_param_demanded_wrench_d_param_ports[] = {
     {8, 1, 312, 2, {6, 2}},
 };
 
-static void mero_leg_param_demanded_wrench_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_demanded_wrench_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_demanded_wrench_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1849,8 +1922,9 @@ static const walkgen_port mero_leg_param_floating_mass_matrix_ports[] = {
     {8, 1, 168, 2, {9, 9}},
 };
 
-static void mero_leg_param_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_floating_mass_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -1874,8 +1948,9 @@ static const walkgen_port mero_leg_param_floating_mass_matrix_d_param_ports[] = 
     {8, 1, 168, 3, {9, 9, 2}},
 };
 
-static void mero_leg_param_floating_mass_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_floating_mass_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_floating_mass_matrix_d_param(
             (const double *)(a[0] + at * step[0]),
@@ -1902,8 +1977,9 @@ static const walkgen_port mero_leg_param_floating_inverse_dynamics_ports[] = {
     {8, 1, 336, 1, {9}},
 };
 
-static void mero_leg_param_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_floating_inverse_dynamics(
             (const double *)(a[0] + at * step[0]),
@@ -1933,8 +2009,9 @@ static const walkgen_port mero_leg_param_floating_inverse_dynamics_d_param_ports
     {8, 1, 336, 2, {9, 2}},
 };
 
-static void mero_leg_param_floating_inverse_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void mero_leg_param_floating_inverse_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         mero_leg_param_floating_inverse_dynamics_d_param(
             (const double *)(a[0] + at * step[0]),

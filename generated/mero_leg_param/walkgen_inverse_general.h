@@ -69,7 +69,7 @@ static inline int WG_NAME(wg_can_move)(const struct WG_NAME(wg_chain) * chain, c
 }
 
 /* OK; DUPLICATE where two solutions meet in q; SINGULAR where q is not isolated, and its free joint becomes 0. */
-static inline int WG_NAME(wg_settle)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3], WG_REAL tolerance, WG_REAL q[3]) {
+static inline int WG_NAME(wg_state_of)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3], WG_REAL tolerance, WG_REAL q[3]) {
     struct WG_NAME(wg_motion) at;
     WG_REAL gram[3][3], V[3][3], aside[3], direction[3], least, most, longest = WG_C(0.0);
     int i, j, weakest = 0, freest = -1;
@@ -125,7 +125,7 @@ static inline int WG_NAME(wg_before)(const struct WG_NAME(wg_chain) * chain, con
 static inline void WG_NAME(wg_fill_slots)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3], WG_REAL tolerance,
                                           const struct WG_NAME(wg_poses) * poses, int slots, WG_REAL rows[4][3], int32_t *status) {
     WG_REAL least, limit, q[3];
-    int i, j, k, count = 0, order[WG_MOST]; /* best first: of poses that are one, the sharpest is kept */
+    int i, j, k, count = 0, order[WG_MOST_POSES]; /* best first: of poses that are one, the sharpest is kept */
     for (i = 0; i < poses->count; ++i) {
         for (k = i; k > 0 && poses->gap[i] < poses->gap[order[k - 1]]; --k) {
             order[k] = order[k - 1];
@@ -133,7 +133,7 @@ static inline void WG_NAME(wg_fill_slots)(const struct WG_NAME(wg_chain) * chain
         order[k] = i;
     }
     least = poses->gap[order[0]];
-    limit = WG_MAX(least, tolerance);
+    limit = least <= tolerance ? tolerance : least + WG_C(0.01) * tolerance; /* rounding does not choose between mirror images */
     for (j = 0; j < poses->count && count < slots; ++j) {
         int32_t state = WALKGEN_UNREACHABLE;
         const WG_REAL *pose = poses->q[order[j]];
@@ -147,7 +147,7 @@ static inline void WG_NAME(wg_fill_slots)(const struct WG_NAME(wg_chain) * chain
             continue;
         }
         if (least <= tolerance) {
-            state = WG_NAME(wg_settle)(chain, target, tolerance, q);
+            state = WG_NAME(wg_state_of)(chain, target, tolerance, q);
             for (k = 0; k < count && WG_NAME(wg_apart)(chain, q, rows[k]) > WG_SAME; ++k) {
             }
             if (k < count) {

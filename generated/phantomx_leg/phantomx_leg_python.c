@@ -16,8 +16,9 @@ static const walkgen_port phantomx_leg_right_front_foot_position_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_position(
             (const double *)(a[0] + at * step[0]),
@@ -37,8 +38,9 @@ static const walkgen_port phantomx_leg_right_front_foot_rotation_ports[] = {
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_rotation(
             (const double *)(a[0] + at * step[0]),
@@ -58,8 +60,9 @@ static const walkgen_port phantomx_leg_right_front_foot_pose_ports[] = {
     {8, 1, 24, 2, {4, 4}},
 };
 
-static void phantomx_leg_right_front_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_pose((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -77,8 +80,9 @@ static const walkgen_port phantomx_leg_right_front_foot_jacobian_ports[] = {
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -99,8 +103,9 @@ static const walkgen_port phantomx_leg_right_front_foot_position_jacobian_ports[
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_position_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -121,8 +126,9 @@ static const walkgen_port phantomx_leg_right_front_foot_spatial_jacobian_ports[]
     {8, 1, 24, 2, {6, 3}},
 };
 
-static void phantomx_leg_right_front_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_spatial_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -142,8 +148,9 @@ static const walkgen_port phantomx_leg_right_front_foot_hessian_ports[] = {
     {8, 1, 24, 3, {3, 3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_hessian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -162,8 +169,9 @@ static const walkgen_port phantomx_leg_right_front_foot_velocity_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_velocity(
             (const double *)(a[0] + at * step[0]),
@@ -186,8 +194,9 @@ static const walkgen_port phantomx_leg_right_front_foot_acceleration_ports[] = {
     {8, 1, 72, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -210,8 +219,9 @@ static const walkgen_port phantomx_leg_right_front_foot_bias_acceleration_ports[
     {8, 1, 48, 1, {6}},
 };
 
-static void phantomx_leg_right_front_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_bias_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -233,8 +243,9 @@ static const walkgen_port phantomx_leg_right_front_foot_torque_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_torque(
             (const double *)(a[0] + at * step[0]),
@@ -255,8 +266,9 @@ static const walkgen_port phantomx_leg_right_front_joint_frames_ports[] = {
     {8, 1, 24, 3, {4, 4, 4}},
 };
 
-static void phantomx_leg_right_front_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_joint_frames((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -275,8 +287,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_ports[] = {
     {4, 1, 120, 1, {4}},
 };
 
-static void phantomx_leg_right_front_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         (void)phantomx_leg_right_front_inverse(
             (const double *)(a[0] + at * step[0]),
@@ -299,8 +312,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_branch_ports[] = {
     {4, 1, 56, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = phantomx_leg_right_front_inverse_branch(
             (const double *)(a[0] + at * step[0]),
@@ -323,8 +337,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_near_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = phantomx_leg_right_front_inverse_near(
             (const double *)(a[0] + at * step[0]),
@@ -346,8 +361,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_admissible_ports[] = 
     {4, 1, 48, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[2] + at * step[2]) = phantomx_leg_right_front_inverse_admissible(
             (const double *)(a[0] + at * step[0]),
@@ -367,8 +383,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_distance_ports[] = {
     {8, 1, 24, 1, {4}},
 };
 
-static void phantomx_leg_right_front_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_inverse_distance(
             (const double *)(a[0] + at * step[0]),
@@ -388,8 +405,9 @@ static const walkgen_port phantomx_leg_right_front_within_limits_ports[] = {
     {4, 1, 24, 0, {1}},
 };
 
-static void phantomx_leg_right_front_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[1] + at * step[1]) = phantomx_leg_right_front_within_limits(
             (const double *)(a[0] + at * step[0]));
@@ -410,8 +428,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_velocity_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[3] + at * step[3]) = phantomx_leg_right_front_inverse_velocity(
             (const double *)(a[0] + at * step[0]),
@@ -435,8 +454,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_acceleration_ports[] 
     {4, 1, 96, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[4] + at * step[4]) = phantomx_leg_right_front_inverse_acceleration(
             (const double *)(a[0] + at * step[0]),
@@ -461,8 +481,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void phantomx_leg_right_front_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_inverse_dynamics(
             (const double *)(a[0] + at * step[0]),
@@ -488,8 +509,9 @@ static const walkgen_port phantomx_leg_right_front_forward_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void phantomx_leg_right_front_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_forward_dynamics(
             (const double *)(a[0] + at * step[0]),
@@ -512,8 +534,9 @@ static const walkgen_port phantomx_leg_right_front_mass_matrix_ports[] = {
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -532,8 +555,9 @@ static const walkgen_port phantomx_leg_right_front_bias_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void phantomx_leg_right_front_bias_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_bias_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_bias(
             (const double *)(a[0] + at * step[0]),
@@ -554,8 +578,9 @@ static const walkgen_port phantomx_leg_right_front_gravity_torque_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void phantomx_leg_right_front_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_gravity_torque(
             (const double *)(a[0] + at * step[0]),
@@ -576,8 +601,9 @@ static const walkgen_port phantomx_leg_right_front_coriolis_matrix_ports[] = {
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_coriolis_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -599,8 +625,9 @@ static const walkgen_port phantomx_leg_right_front_kinetic_energy_ports[] = {
     {8, 1, 48, 0, {1}},
 };
 
-static void phantomx_leg_right_front_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_kinetic_energy(
             (const double *)(a[0] + at * step[0]),
@@ -621,8 +648,9 @@ static const walkgen_port phantomx_leg_right_front_potential_energy_ports[] = {
     {8, 1, 24, 0, {1}},
 };
 
-static void phantomx_leg_right_front_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_potential_energy(
             (const double *)(a[0] + at * step[0]),
@@ -645,8 +673,9 @@ static const walkgen_port phantomx_leg_right_front_inverse_dynamics_derivatives_
     {8, 1, 144, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_inverse_dynamics_derivatives(
             (const double *)(a[0] + at * step[0]),
@@ -671,8 +700,9 @@ static const walkgen_port phantomx_leg_right_front_regressor_ports[] = {
     {8, 1, 72, 2, {3, 30}},
 };
 
-static void phantomx_leg_right_front_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_regressor(
             (const double *)(a[0] + at * step[0]),
@@ -697,8 +727,9 @@ static const walkgen_port phantomx_leg_right_front_base_parameters_ports[] = {
     {8, 1, 432, 1, {15}},
 };
 
-static void phantomx_leg_right_front_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_right_front_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_base_parameters(
             (const double *)(a[0] + at * step[0]),
@@ -721,8 +752,9 @@ static const walkgen_port phantomx_leg_platform_poses_ports[] = {
     {8, 1, 24, 3, {1, 4, 4}},
 };
 
-static void phantomx_leg_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_platform_poses((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -740,8 +772,9 @@ static const walkgen_port phantomx_leg_foot_positions_ports[] = {
     {8, 1, 24, 2, {1, 3}},
 };
 
-static void phantomx_leg_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_foot_positions((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -759,8 +792,9 @@ static const walkgen_port phantomx_leg_foot_jacobians_ports[] = {
     {8, 1, 24, 3, {1, 3, 3}},
 };
 
-static void phantomx_leg_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_foot_jacobians((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
@@ -779,8 +813,9 @@ static const walkgen_port phantomx_leg_com_ports[] = {
     {8, 1, 152, 1, {3}},
 };
 
-static void phantomx_leg_com_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_com_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_com(
             (const double *)(a[0] + at * step[0]),
@@ -802,8 +837,9 @@ static const walkgen_port phantomx_leg_com_jacobian_ports[] = {
     {8, 1, 152, 2, {3, 9}},
 };
 
-static void phantomx_leg_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_com_jacobian(
             (const double *)(a[0] + at * step[0]),
@@ -825,8 +861,9 @@ static const walkgen_port phantomx_leg_centroidal_momentum_matrix_ports[] = {
     {8, 1, 152, 2, {6, 9}},
 };
 
-static void phantomx_leg_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_centroidal_momentum_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -849,8 +886,9 @@ static const walkgen_port phantomx_leg_momentum_ports[] = {
     {8, 1, 224, 1, {6}},
 };
 
-static void phantomx_leg_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_momentum(
             (const double *)(a[0] + at * step[0]),
@@ -875,8 +913,9 @@ static const walkgen_port phantomx_leg_momentum_rate_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void phantomx_leg_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_momentum_rate(
             (const double *)(a[0] + at * step[0]),
@@ -902,8 +941,9 @@ static const walkgen_port phantomx_leg_demanded_wrench_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void phantomx_leg_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_demanded_wrench(
             (const double *)(a[0] + at * step[0]),
@@ -927,8 +967,9 @@ static const walkgen_port phantomx_leg_floating_mass_matrix_ports[] = {
     {8, 1, 152, 2, {9, 9}},
 };
 
-static void phantomx_leg_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_floating_mass_matrix(
             (const double *)(a[0] + at * step[0]),
@@ -953,8 +994,9 @@ static const walkgen_port phantomx_leg_floating_inverse_dynamics_ports[] = {
     {8, 1, 320, 1, {9}},
 };
 
-static void phantomx_leg_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step) {
+static void phantomx_leg_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
     intptr_t at;
+    (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_floating_inverse_dynamics(
             (const double *)(a[0] + at * step[0]),

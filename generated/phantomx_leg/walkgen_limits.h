@@ -73,7 +73,7 @@ static inline int WG_NAME(wg_bounding)(const struct WG_NAME(wg_serial) * arm, co
 
 /* q and status in the caller's scale. */
 static inline void WG_NAME(wg_write_arm)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * limits,
-                                         const WG_REAL *seed, const struct WG_NAME(wg_stance) * at, int32_t state, WG_REAL *q,
+                                         const WG_REAL *seed, const struct WG_NAME(wg_arm_state) * at, int32_t state, WG_REAL *q,
                                          int32_t *status) {
     int j, fine = isfinite(at->gap);
     for (j = 0; j < arm->n; ++j) {

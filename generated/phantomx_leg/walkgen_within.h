@@ -32,7 +32,7 @@ static inline void WG_NAME(wg_grid_values)(const struct WG_NAME(wg_grid) * grid,
 /* The grid over the box; where a joint has no bound, over a turn or over lengths twice the reach. */
 static inline void WG_NAME(wg_survey)(const struct WG_NAME(wg_search) * search, struct WG_NAME(wg_grid) * grid) {
     const struct WG_NAME(wg_serial) *arm = search->arm;
-    struct WG_NAME(wg_stance) at;
+    struct WG_NAME(wg_arm_state) at;
     int i, j;
     grid->along = arm->n == 3 ? 10 : arm->n == 2 ? 24 : 64;
     grid->points = 1;
@@ -81,8 +81,8 @@ static inline int WG_NAME(wg_valleys)(const struct WG_NAME(wg_grid) * grid, int 
 
 /* Descend from q to rest and keep what is closest; whether that is at rest. */
 static inline int WG_NAME(wg_attempt_rest)(struct WG_NAME(wg_search) * search, const WG_REAL *q, int rests) {
-    const struct WG_NAME(wg_stance) before = search->best;
-    struct WG_NAME(wg_stance) found;
+    const struct WG_NAME(wg_arm_state) before = search->best;
+    struct WG_NAME(wg_arm_state) found;
     int rested;
     search->best.gap = WG_INFINITY;
     WG_NAME(wg_attempt)(search, q);

@@ -75,11 +75,17 @@ def generate(path: Path, options: BuildOptions = BuildOptions(), progress: Progr
     """Everything up to the printers: the robot's programs."""
     progress("read")
     spec = read(path)
-    mechanism = assemble(spec)
+    mechanism = assemble(spec, path.parent)
     functions = shared(tuple(_bodies(spec, mechanism, options, progress)))
     targets = options.targets or tuple(spec.generate.targets)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    digest = _digest(path, spec)
     return RobotCode(mechanism, functions, digest, targets, options.fma, options.float32)
+
+
+def _digest(path: Path, spec: RobotSpec) -> str:
+    """sha256 of the spec, followed by its height maps."""
+    maps = (path.parent / patch.file for patch in spec.terrain if patch.file is not None)
+    return hashlib.sha256(b"".join(file.read_bytes() for file in (path, *maps))).hexdigest()
 
 
 def _bodies(spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress) -> Iterator[Program | Composite]:
@@ -141,13 +147,13 @@ def spec_of(path: Path) -> RobotSpec:
 
 def mechanism_of(path: Path) -> Mechanism:
     """The robot, SI and exact."""
-    return assemble(read(path))
+    return assemble(read(path), path.parent)
 
 
 def functions_of(path: Path) -> tuple[Derivation, ...]:
     """The derivations of all functions that the spec asks for."""
     spec = read(path)
-    return tuple(derive(assemble(spec), _names(spec)))
+    return tuple(derive(assemble(spec, path.parent), _names(spec)))
 
 
 def programs_of(path: Path) -> tuple[Program | Composite, ...]:

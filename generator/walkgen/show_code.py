@@ -101,7 +101,7 @@ def _elements(ports: Iterable[Port]) -> tuple[str, ...]:
     return tuple(
         f"{port.name}{list(index) if index else ''}".replace(" ", "")
         for port in ports
-        for index in product(*(range(size) for size in port.shape))
+        for index in product(*(range(size) for size in port.sizes))
     )
 
 

@@ -1,10 +1,18 @@
 """Names, shapes and units of a generated function: the one vocabulary that generator and runtime share."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from math import prod
+from types import MappingProxyType
 from typing import Literal
 
 Kind = Literal["real", "integer", "truth"]
+Dimension = int | str
+"""A size, or the name of one that every call chooses."""
+
+COUNTS: Mapping[str, int] = MappingProxyType({"k": 16, "r": 96})
+"""Counts that a call chooses, and the most that C has room for: feet in contact (WALKGEN_MAX_FEET) and rows of joint limits."""
 
 STATUSES = ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "NO_CONVERGENCE", "INFEASIBLE", "DUPLICATE")
 
@@ -13,19 +21,40 @@ STATUSES = ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "NO_CONVERGENCE", "INF
 class Port:
     """One named argument: a row-major array of `shape` (empty for a scalar) in `unit`; a truth is 0 or 1 in C, a bool in Python.
 
+    A shape may name a count, such as the feet in contact ("k", 3): C takes it as an argument, Python reads it off the arrays.
     `default` holds the elements that Python fills in where the caller leaves out this input; C takes every input.
     """
 
     name: str
-    shape: tuple[int, ...] = ()
+    shape: tuple[Dimension, ...] = ()
     unit: str = "1"
     kind: Kind = "real"
     default: tuple[float, ...] = ()
 
     @property
+    def sizes(self) -> tuple[int, ...]:
+        """The shape of a port that names no count."""
+        sizes = tuple(dimension for dimension in self.shape if isinstance(dimension, int))
+        assert len(sizes) == len(self.shape), self.name
+        return sizes
+
+    @property
     def size(self) -> int:
-        """How many elements the port has."""
-        return prod(self.shape)
+        """How many elements the port has; it must name no count."""
+        return prod(self.sizes)
+
+    def sized(self, counts: Mapping[str, int]) -> "Port":
+        """The port with its counts replaced by sizes."""
+        return replace(self, shape=tuple(counts[size] if isinstance(size, str) else size for size in self.shape))
+
+
+@dataclass(frozen=True)
+class Table:
+    """Constant numbers under a full name; `columns` only lays them out."""
+
+    name: str
+    values: tuple[Decimal, ...] = field(hash=False, repr=False)  # long, and the name tells tables apart
+    columns: int = 8
 
 
 @dataclass(frozen=True)
@@ -33,7 +62,8 @@ class Signature:
     """A generated function: `<robot>_<owner>_<name>`; `owner` is a leg, chain or route, or empty for the robot.
 
     An output port `status` (kind integer) of shape () is C's return value, and so is a truth that is the only output;
-    a status of shape (b,) is an argument and C returns the number of OK entries.
+    a status of shape (b,) is an argument and C returns the number of OK entries. C takes `counts` before all inputs, and
+    before the outputs a pointer to the caller's `workspace` (a struct of csupport), where the function has one.
     """
 
     robot: str
@@ -43,6 +73,12 @@ class Signature:
     outputs: tuple[Port, ...]
     doc: str = ""
     source: str = ""
+    workspace: str = ""
+
+    @property
+    def counts(self) -> tuple[str, ...]:
+        """Names of the sizes that every call chooses, as they first occur."""
+        return tuple(dict.fromkeys(size for port in self.inputs for size in port.shape if isinstance(size, str)))
 
     @property
     def full_name(self) -> str:

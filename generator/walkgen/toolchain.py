@@ -11,7 +11,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -234,11 +234,21 @@ def build_program(folder: Path, sources: Sequence[str], program: Path, flags: Se
 
 
 def _compile(compiler: Compiler, folder: Path, sources: Sequence[str], work: Path, flags: Sequence[str]) -> tuple[Path, ...]:
-    units = {source: work / f"{Path(source).stem}.o" for source in sources if source.endswith(".c")}
-    commands = [(*compiler.command, *flags, "-c", source, "-o", str(product)) for source, product in units.items()]
+    units = [unit for source in sources if source.endswith(".c") for unit in _units(folder, source, work)]
+    commands = [(*compiler.command, *flags, *chosen, "-c", source, "-o", str(product)) for source, chosen, product in units]
     with ThreadPoolExecutor(_PROCESSES) as pool:
         tuple(pool.map(lambda command: _insist(compiler, command, folder), commands))
-    return tuple(units.values())
+    return tuple(product for _, _, product in units)
+
+
+def _units(folder: Path, source: str, work: Path) -> Iterator[tuple[str, tuple[str, ...], Path]]:
+    """The source, or each of the parts into which the generator divided a large one: flags that choose it, and its product."""
+    stem = Path(source).stem
+    parts = dict.fromkeys(re.findall(r"WALKGEN_PART == (\d+)", (folder / source).read_text(encoding="utf-8")))
+    if not parts:
+        yield source, (), work / f"{stem}.o"
+    for part in parts:
+        yield source, (f"-DWALKGEN_PART={part}",), work / f"{stem}_{part}.o"
 
 
 def _link(compiler: Compiler, objects: Sequence[Path], product: Path, flags: Sequence[str]) -> None:

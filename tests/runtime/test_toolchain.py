@@ -67,6 +67,15 @@ def test_program(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "cache") == ["one.c", "program", "two.c"]
 
 
+def test_parts_of_a_large_source_are_compiled_apart(tmp_path: Path) -> None:
+    """Each defines what the other calls; a part compiled twice, or left out, would not link."""
+    guards = [f"#if !defined(WALKGEN_PART) || WALKGEN_PART == {part}\n" for part in (1, 2)]
+    halves = ("int two(void);\nint main(void) { return two() - 2; }\n", "int two(void);\nint two(void) { return 2; }\n")
+    (tmp_path / "whole.c").write_text("".join(f"{guard}{half}#endif\n" for guard, half in zip(guards, halves, strict=True)))
+    program = toolchain.build_program(tmp_path, ("whole.c",), tmp_path / "program")
+    assert subprocess.run([program], check=False).returncode == 0
+
+
 def test_every_refusal_is_shown(tmp_path: Path) -> None:
     (tmp_path / "one.c").write_text("#error first\n")
     with pytest.raises(ToolchainError, match=r"(?s)refused the sources.*\$ .*-c one\.c.*first") as error:

@@ -5,6 +5,7 @@ from pathlib import PurePosixPath
 
 from walkgen.graph.program import Composite, Program
 from walkgen.model.mechanism import Mechanism
+from walkgen.signature import Table
 
 Body = Program | Composite
 
@@ -40,3 +41,9 @@ class RobotCode:
     def public(self) -> frozenset[Program]:
         """The functions that are one Program: Composites may call them."""
         return frozenset(body for body in self.functions if isinstance(body, Program))
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The constants that routines read, each once."""
+        composites = (body for body in self.functions if isinstance(body, Composite))
+        return tuple(dict.fromkeys(table for composite in composites for table in composite.tables))

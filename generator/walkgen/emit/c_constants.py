@@ -39,11 +39,20 @@ def _all(code: RobotCode) -> Iterator[Macro]:
     yield Macro(f"{prefix}_NP", str(len(robot.parameters)), "runtime parameters")
     yield Macro(f"{prefix}_PLATFORMS", str(len(robot.platforms)), "the first is the root")
     yield Macro(f"{prefix}_FEET", str(len(robot.legs)), "in the order of the legs")
+    yield from _terrain(robot, prefix)
     yield from _parameters(robot, prefix)
     for platform in robot.platforms:
         yield from _mass(robot, f"{prefix}_PLATFORM_{words(platform.name)}", platform.body)
     for limb in robot.limbs:
         yield from _limb(robot, f"{prefix}_{words(limb_owner(robot, limb))}", limb)
+
+
+def _terrain(robot: Mechanism, prefix: str) -> Iterator[Macro]:
+    patches = robot.terrain.patches if robot.terrain else ()
+    if patches:
+        yield Macro(f"{prefix}_TERRAIN_PATCHES", str(len(patches)), "the first that holds a point counts")
+    for index, patch in enumerate(patches):
+        yield Macro(f"{prefix}_TERRAIN_PATCH_{words(patch.name)}", str(index), "index of the patch")
 
 
 def limb_owner(robot: Mechanism, limb: Limb) -> str:

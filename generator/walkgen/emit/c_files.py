@@ -1,13 +1,16 @@
 """The C files of a robot: headers, kernels, self-test, build files and the support headers copied beside them."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from bisect import bisect
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path, PurePosixPath
 
 from walkgen import __version__
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_constants import macros
-from walkgen.emit.c_function import CFunction, batch_function, composite_function, function_name, kernel, program_function
+from walkgen.emit.c_function import CFunction, batch_function, composite_function, function_name, kernel, program_function, table_lines
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
@@ -15,7 +18,19 @@ from walkgen.graph.program import Composite, Program
 
 _SUPPORT = Path(__file__).parent / "csupport"
 _INCLUDE = re.compile(r'^#include "(walkgen_\w+\.h)"', re.MULTILINE)
+_LARGE = 4000
+"""Lines of functions from which on compiling takes more than a few seconds."""
+
 _ALWAYS = ("walkgen_status.h", "walkgen_math.h", "walkgen_trig.h")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Functions that are compiled together, between the lines of a guard."""
+
+    opening: tuple[str, ...]
+    functions: tuple[CFunction, ...]
+    closing: tuple[str, ...]
 
 
 def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
@@ -36,7 +51,7 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
     """Names of the csupport headers that the robot's sources include."""
-    named = (*_ALWAYS, *(precision.header for precision in _precisions(code)), *_routine_headers(code))
+    named = (*_ALWAYS, *(precision.header for precision in _precisions(code)), *_workspaces(code), *_routine_headers(code))
     return tuple(dict.fromkeys(_with_included(named)))
 
 
@@ -55,6 +70,11 @@ def _routine_headers(code: RobotCode) -> list[str]:
     return [header for body in code.functions if isinstance(body, Composite) for header in body.headers]
 
 
+def _workspaces(code: RobotCode) -> tuple[str, ...]:
+    """The headers of what callers keep between calls."""
+    return tuple(dict.fromkeys(f"{body.signature.workspace}.h" for body in code.functions if body.signature.workspace))
+
+
 def _support(name: str) -> Artifact:
     return Artifact(PurePosixPath(name), (_SUPPORT / name).read_text(encoding="utf-8"))
 
@@ -70,7 +90,7 @@ def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFuncti
         f"{stem}.h",
         banner=banner(code, f"Functions in {precision.real}; arrays are row-major, SI units, radians."),
         guard=f"WALKGEN_{words(stem)}_H",
-        include="walkgen_status.h" if precision is DOUBLE else f"{code.mechanism.name}.h",
+        includes=("walkgen_status.h", *_workspaces(code)) if precision is DOUBLE else (f"{code.mechanism.name}.h",),
         macros=macros(code) if precision is DOUBLE else (),
         functions=functions,
     )
@@ -78,14 +98,32 @@ def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFuncti
 
 def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], functions: list[tuple[CFunction, CFunction]]) -> Artifact:
     stem = _stem(code, precision)
+    public = [function for pair in functions for function in pair]
     return lay_out(
         "robot.c.jinja",
         f"{stem}.c",
         banner=banner(code, f"Straight-line code in {precision.real}."),
         defines=() if code.fma else ("WALKGEN_NO_FMA",),
         includes=(f"{stem}.h", precision.header, *dict.fromkeys(_routine_headers(code))),
-        functions=[*kernels, *(function for pair in functions for function in pair)],
+        tables=[table_lines(table, CPrinter(precision, code.fma)) for table in code.tables],
+        kernels=kernels,
+        parts=_parts(public),
     )
+
+
+def _parts(functions: Sequence[CFunction]) -> tuple[Part, ...]:
+    """All in one, or in halves that two compilers can share where it is worth it."""
+    ends = list(accumulate(len(function.lines) for function in functions))
+    if not ends or ends[-1] < _LARGE:
+        return (Part((), tuple(functions), ()),)
+    middle = bisect(ends, ends[-1] // 2)
+    halves = (functions[:middle], functions[middle:])
+    return tuple(Part(("", guard(part)), tuple(half), ("", "#endif")) for part, half in enumerate(halves, 1))
+
+
+def guard(part: int) -> str:
+    """What keeps a part out of the others' compilers; all parts are compiled where none is chosen."""
+    return f"#if !defined(WALKGEN_PART) || WALKGEN_PART == {part}"
 
 
 def _public(body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:

@@ -1,9 +1,11 @@
 """Programs and Composites as C functions: declaration, body, batch variant and the comment above them."""
 
+import textwrap
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from math import prod
 
 from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_text import comment
@@ -11,7 +13,7 @@ from walkgen.emit.manifest import operations
 from walkgen.emit.walker import Body, live, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES
-from walkgen.signature import Port, Signature
+from walkgen.signature import Port, Signature, Table
 
 _INDENT = "    "
 _COLUMNS = 116
@@ -64,7 +66,8 @@ def composite_function(composite: Composite, kernels: Mapping[Program, CFunction
     lines += [f"{_INDENT}return {returned.name};"] if returned else []
     deepest = max((kernels[call.callee].locals_size for call in composite.calls if isinstance(call.callee, Program)), default=0)
     own = sum(_size(port, printer.precision) for port in composite.locals)
-    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + deepest)
+    copied = max((sum(_size(port, printer.precision) for port in _copied(call, composite)) for call in composite.calls), default=0)
+    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + copied + deepest)
 
 
 def batch_function(signature: Signature, precision: Precision) -> CFunction:
@@ -73,10 +76,11 @@ def batch_function(signature: Signature, precision: Precision) -> CFunction:
     returned = signature.returned
     inputs = [_batch_parameter(port, "const ", precision) for port in signature.inputs]
     outputs = [_batch_parameter(port, "", precision) for port in signature.outputs]
-    head = _declared(f"{'size_t' if signature.status else 'void'} {single}_batch", ["size_t rows", *inputs, *outputs])
-    arguments = [_row(port, by_value=not port.shape) for port in signature.inputs]
+    chosen, work = _count_parameters(signature), _workspace(signature, precision)
+    head = _declared(f"{'size_t' if signature.status else 'void'} {single}_batch", ["size_t rows", *chosen, *inputs, *work, *outputs])
+    arguments = [*signature.counts, *(_row(port, by_value=not port.shape) for port in signature.inputs), *(["work"] if work else [])]
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
-    step = f"{single}({', '.join(arguments)})"
+    step = _declared(single, arguments).replace("\n", f"\n{_INDENT * 2}")
     return CFunction(f"{single}_batch", head, tuple(_batch_lines(signature, step)))
 
 
@@ -100,7 +104,9 @@ def _row(port: Port, *, by_value: bool) -> str:
         return "param"
     if by_value:
         return f"{port.name}[row]"
-    return f"{port.name} + row" if port.size == 1 else f"{port.name} + row * {port.size}"
+    counts = [f"(size_t){size}" for size in port.shape if isinstance(size, str)]
+    size = prod(size for size in port.shape if isinstance(size, int))
+    return " * ".join([f"{port.name} + row", *([] if size == 1 else [str(size)]), *counts])
 
 
 def _batch_parameter(port: Port, constant: str, precision: Precision) -> str:
@@ -113,6 +119,16 @@ def _type(port: Port, precision: Precision) -> str:
 
 def _size(port: Port, precision: Precision) -> int:
     return port.size * (precision.size if port.kind == "real" else 4)
+
+
+def _count_parameters(signature: Signature) -> list[str]:
+    return [f"int32_t {count}" for count in signature.counts]
+
+
+def _workspace(signature: Signature, precision: Precision) -> list[str]:
+    """The caller's struct, as a parameter; shared by all rows of a batch."""
+    name = "_".join(part for part in (signature.workspace, precision.tag) if part)
+    return [f"struct {name} *WG_RESTRICT work"] if signature.workspace else []
 
 
 def _parameters(inputs: tuple[Port, ...], outputs: tuple[Port, ...], precision: Precision) -> list[str]:
@@ -139,8 +155,9 @@ def _public(body: Program | Composite, precision: Precision, lines: tuple[str, .
     signature = body.signature
     name = function_name(signature, precision)
     returned = signature.returned
-    outputs = tuple(port for port in signature.outputs if port is not returned)
-    head = _declared(f"{'int32_t' if returned or signature.status else 'void'} {name}", _parameters(signature.inputs, outputs, precision))
+    inputs = [*_count_parameters(signature), *_parameters(signature.inputs, (), precision), *_workspace(signature, precision)]
+    outputs = _parameters((), tuple(port for port in signature.outputs if port is not returned), precision)
+    head = _declared(f"{'int32_t' if returned or signature.status else 'void'} {name}", [*inputs, *outputs])
     return CFunction(name, head, lines, _doc(body, stack), stack)
 
 
@@ -224,12 +241,50 @@ def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFun
         name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
     arguments = [_argument(argument, composite, printer, by_address=place >= inputs) for place, argument in enumerate(call.arguments)]
     step = f"{name}({', '.join(arguments)});"
+    if call.repeat > 1 or _copied(call, composite):
+        yield from _repeated_lines(call, composite, name, printer)
+        return
     if call.guard is None:
         yield f"{_INDENT}{step}"
         return
     asked = [_argument(argument, composite, printer, by_address=True) for argument in call.guard[1]]
     guard = f"{_routine_name(call.guard[0], printer.precision)}({', '.join(asked)})"
     yield from (f"{_INDENT}if ({guard}) {{", f"{_INDENT * 2}{step}", f"{_INDENT}}}")
+
+
+def _repeated_lines(call: Call, composite: Composite, name: str, printer: CPrinter) -> Iterator[str]:
+    """A kernel run several times; arguments never overlap, so what it also writes it reads from a copy."""
+    assert isinstance(call.callee, Program)
+    inputs = len(call.callee.signature.inputs)
+    both = _copied(call, composite)
+    copies = {port.name: f"before_{port.name}" for port in both}
+    arguments = [
+        copies.get(str(argument), "") if place < inputs and argument in copies else _argument(argument, composite, printer, by_address=True)
+        for place, argument in enumerate(call.arguments)
+    ]
+    yield f"{_INDENT}for (int wg_turn = 0; wg_turn < {call.repeat}; ++wg_turn) {{"
+    for port in both:
+        yield f"{_INDENT * 2}{_type(port, printer.precision)} {copies[port.name]}[{port.size}];"
+        yield f"{_INDENT * 2}for (int wg_at = 0; wg_at < {port.size}; ++wg_at) {{"
+        yield f"{_INDENT * 3}{copies[port.name]}[wg_at] = {port.name}[wg_at];"
+        yield f"{_INDENT * 2}}}"
+    yield f"{_INDENT * 2}{name}({', '.join(arguments)});"
+    yield f"{_INDENT}}}"
+
+
+def _copied(call: Call, composite: Composite) -> tuple[Port, ...]:
+    """The locals that a kernel reads and writes."""
+    inputs = len(call.callee.signature.inputs) if isinstance(call.callee, Program) else len(call.arguments)
+    read, written = call.arguments[:inputs], call.arguments[inputs:]
+    return tuple(port for port in composite.locals if port.name in read and port.name in written)
+
+
+def table_lines(table: Table, printer: CPrinter) -> tuple[str, ...]:
+    """A table as a constant array of the file."""
+    items = [f"{printer.constant(value).text}," for value in table.values]
+    rows = (" ".join(items[start : start + table.columns]) for start in range(0, len(items), table.columns))
+    wrapped = (line for row in rows for line in textwrap.wrap(row, _COLUMNS, break_long_words=False))
+    return (f"static const {printer.precision.real} {table.name}[{len(items)}] = {{", *(f"{_INDENT}{line}" for line in wrapped), "};")
 
 
 def _routine_name(name: str, precision: Precision) -> str:

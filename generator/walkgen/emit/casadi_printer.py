@@ -186,5 +186,5 @@ def _output(port: Port, elements: list[str]) -> tuple[str, ...]:
 
 def _matrix(port: Port) -> tuple[int, int]:
     """CasADi's shape: [n] is a column, [first, rest] for more than two dimensions."""
-    rows = port.shape[0] if port.shape else 1
+    rows = port.sizes[0] if port.shape else 1
     return rows, port.size // rows

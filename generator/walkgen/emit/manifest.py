@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable
-from math import isnan
+from math import isfinite, isnan
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -45,6 +45,7 @@ def manifest(code: RobotCode, sources: tuple[Artifact, ...]) -> Artifact:
         "legs": [_leg(leg, robot) for leg in robot.legs],
         "chains": [_chain(chain, robot) for chain in robot.chains],
         "routes": [_route(leg, robot) for leg in robot.legs if robot.ancestors(leg.platform)],
+        **({"terrain": [patch.name for patch in robot.terrain.patches]} if robot.terrain else {}),
         "functions": [_function(body) for body in code.functions],
     }
     return Artifact(PurePosixPath("manifest.json"), json.dumps(content, indent=1, allow_nan=False) + "\n")
@@ -134,5 +135,10 @@ def operations(body: Body) -> int:
 
 
 def _port(port: Port) -> dict[str, Any]:
-    default = {"default": [None if isnan(value) else value for value in port.default]} if port.default else {}
+    default = {"default": [_json(value) for value in port.default]} if port.default else {}
     return {"name": port.name, "shape": list(port.shape), "unit": port.unit, "kind": port.kind, **default}
+
+
+def _json(value: float) -> float | str | None:
+    """JSON has neither NaN, which is written as null, nor infinities, which are written as text."""
+    return None if isnan(value) else value if isfinite(value) else str(value)

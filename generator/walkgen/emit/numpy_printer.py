@@ -12,7 +12,7 @@ from walkgen.emit.python_text import OPERATORS, banner, listing, literal, shape_
 from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES, Routine
-from walkgen.signature import Port
+from walkgen.signature import Port, Signature, Table
 
 _FORMS: Mapping[Code, Form] = {
     **OPERATORS,
@@ -33,7 +33,9 @@ _FORMS: Mapping[Code, Form] = {
     Code.EPSILON: Form("2.220446049250313e-16"),
 }
 _DTYPES: Mapping[str, str] = {"real": "np.float64", "integer": "np.int32", "truth": "np.bool_"}
-_HELPERS = frozenset({"float", "np", "lead", "_least", "_greatest", "_elements", "_arrays", "_array", "_spread", "_real", "_integer"})
+_HELPERS = frozenset(
+    {"float", "np", "lead", "_least", "_greatest", "_elements", "_arrays", "_array", "_spread", "_real", "_integer", "_count"}
+)
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,7 @@ def numpy_artifact(code: RobotCode) -> Artifact:
         banner=banner(code),
         title=title(code, "NumPy"),
         imports=_imports(code),
+        tables=[_table(table) for table in code.tables],
         kernels=[_program(kernel, "_") for kernel in _kernels(code)],
         functions=public,
         names=[short_name(body.signature) for body in code.functions],
@@ -127,14 +130,22 @@ def _program(program: Program, prefix: str = "") -> PythonFunction:
 def _composite(composite: Composite, public: Collection[Program]) -> PythonFunction:
     signature = composite.signature
     arrays = listing(f"lead, {unpacked(port.name for port in signature.inputs)} = _arrays(", map(_given, signature.inputs), ")")
-    steps = tuple(_step(call, public) for call in composite.calls)
+    counts = tuple(f"    {count} = {_counted(signature, count)}" for count in signature.counts)
+    known = {*signature.counts, *(["work"] if signature.workspace else [])}
+    steps = tuple(line for call in composite.calls for line in _step(call, public, known))
     spread = ", ".join(f"_spread(lead, {shape_text(port.shape)}, {_dtype(port)}, {port.name})" for port in signature.outputs)
-    lines = (*arrays, *steps, f"    return {spread}")
+    lines = (*counts, *arrays, *steps, f"    return {spread}")
     return PythonFunction(short_name(signature), _parameters(composite), summary(composite), lines)
 
 
-def _step(call: Call, public: Collection[Program]) -> str:
-    """One call; a guard only saves C the work, a routine leaves alone the rows that do not need it."""
+def _counted(signature: Signature, count: str) -> str:
+    """A count, read off the first input that has it."""
+    port = next(port for port in signature.inputs if count in port.shape)
+    return f'_count("{port.name}", {port.name}, {len(port.shape)}, {port.shape.index(count)})'
+
+
+def _step(call: Call, public: Collection[Program], known: Collection[str]) -> tuple[str, ...]:
+    """One call; a guard only saves C the work, a routine leaves alone the rows that do not need it, and reads counts off its arrays."""
     if isinstance(call.callee, Program):
         prefix = "" if call.callee in public else "_"
         name, taken = f"{prefix}{short_name(call.callee.signature)}", len(call.callee.signature.inputs)
@@ -142,14 +153,24 @@ def _step(call: Call, public: Collection[Program]) -> str:
     else:
         routine = ROUTINES[call.callee]
         name, taken, written = routine.name, routine.taken, routine.inputs
-    arguments = [_argument(argument) for argument in call.arguments]
-    return f"    {', '.join(arguments[written:])} = {name}({', '.join(arguments[:taken])})"
+    counted = isinstance(call.callee, str) and isinstance(call.arguments[0], int)
+    given, results = (
+        [_argument(argument) for argument in arguments if argument not in known]
+        for arguments in (call.arguments[counted:taken], call.arguments[written:])
+    )
+    step = f"    {', '.join(results)} = {name}({', '.join(given)})"
+    return (f"    for _ in range({call.repeat}):", f"    {step}") if call.repeat > 1 else (step,)
 
 
 def _argument(argument: str | Decimal | int) -> str:
     if isinstance(argument, Decimal):
         return literal(argument).text
     return str(argument)
+
+
+def _table(table: Table) -> tuple[str, ...]:
+    rows = (literal(value).text for value in table.values)
+    return listing(f"{table.name} = np.array((", rows, "))", indent="")
 
 
 def _parameters(body: Body) -> str:
@@ -170,4 +191,4 @@ def _output(port: Port, elements: list[str]) -> tuple[str, ...]:
 
 def _element_names(port: Port) -> tuple[str, ...]:
     """`q_0`, `T_0_1`; a scalar is known by its port's name."""
-    return tuple("_".join((port.name, *map(str, place))) for place in product(*map(range, port.shape)))
+    return tuple("_".join((port.name, *map(str, place))) for place in product(*map(range, port.sizes)))

@@ -39,6 +39,15 @@ class Family:
     attributes: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Part:
+    """What a robot has one of: its class of the stub."""
+
+    name: str
+    attributes: tuple[str, ...]
+    methods: tuple[Method, ...]
+
+
 _FUNCTIONS = "functions: Mapping[str, Callable[..., Any]]"
 _LIMB = ("joints: tuple[str, ...]", "slice: builtins.slice", "limits: NDArray[np.float64]", _FUNCTIONS)
 _ATTRIBUTES = {
@@ -46,6 +55,7 @@ _ATTRIBUTES = {
     "Chain": ("name: str", "parent: str", "child: str", *_LIMB),
     "Route": ("name: str", "owner: str", "indices: NDArray[np.intp]", _FUNCTIONS),
 }
+_TERRAIN = ("name: str", "patches: tuple[str, ...]", _FUNCTIONS)
 _ROBOT = (
     "name: str",
     "description: str",
@@ -71,13 +81,22 @@ def package_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
     robot = code.mechanism
     common = {"banner": banner(code), "title": title(code, "Python")}
     routed = tuple(leg.name for leg in robot.legs if robot.ancestors(leg.platform))
+    terrain = robot.terrain is not None
+    parts = (Part("_Terrain", _TERRAIN, _methods(code, "terrain")),) if terrain else ()
+    attributes = (*_ROBOT, "terrain: _Terrain") if terrain else _ROBOT
     families = (
         _family(code, "Leg", {leg.name: leg.name for leg in robot.legs}),
         _family(code, "Chain", {chain.name: chain.name for chain in robot.chains}),
         _family(code, "Route", {name: f"root_to_{name}" for name in routed}),
     )
     real = "np.floating[Any]" if code.float32 else "np.float64"
-    own = {"families": families, "attributes": _ROBOT, "methods": _methods(code, ""), "functions": _methods(code, "", "    ")}
+    own = {
+        "families": families,
+        "parts": parts,
+        "attributes": attributes,
+        "methods": _methods(code, ""),
+        "functions": _methods(code, "", "    "),
+    }
     stub = lay_out("package.pyi.jinja", "__init__.pyi", **common, **own, real=real)
     return lay_out("package.py.jinja", "__init__.py", **common, robot=robot.name), stub
 

@@ -9,7 +9,7 @@ from walkgen.emit.c_function import function_name
 from walkgen.emit.c_printer import DOUBLE, FLOAT, Precision
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out
-from walkgen.signature import Port, Signature
+from walkgen.signature import COUNTS, Port, Signature
 
 _WORD = 8
 """Bytes that a core buffer's entries are aligned to; also the size of NumPy's integers here (int64 in, int32 out)."""
@@ -21,12 +21,14 @@ _MOST_PORTS, _HIGHEST_RANK = 32, 6
 
 @dataclass(frozen=True)
 class Loop:
-    """One loop, ready to be laid out: entries of its port table and the lines that run one row."""
+    """One loop, ready to be laid out: entries of its port table, the table of a call, and the lines that run one row."""
 
     name: str
     real: str
     buffer: int
     ports: tuple[str, ...]
+    table: str
+    opening: tuple[str, ...]
     lines: tuple[str, ...]
 
 
@@ -59,23 +61,43 @@ def has_loop(signature: Signature) -> bool:
     walkgen_loops.h has room for; NumPy code serves the others.
     """
     ports = signature.inputs + signature.outputs
-    return bool(signature.inputs) and len(ports) <= _MOST_PORTS and all(port.size and len(port.shape) <= _HIGHEST_RANK for port in ports)
+    return (
+        bool(signature.inputs)
+        and len(ports) <= _MOST_PORTS
+        and all(0 not in port.shape and len(port.shape) <= _HIGHEST_RANK for port in ports)
+    )
 
 
 def _loop(signature: Signature, precision: Precision) -> Loop:
     name = function_name(signature, precision)
     ports = tuple(_entries(signature, precision))
-    size = sum(_bytes(port, precision) for port in signature.inputs + signature.outputs)
-    return Loop(name, precision.real, size // precision.size, ports, tuple(_lines(signature, name, precision)))
+    size = sum(_bytes(port, precision) for port in signature.inputs + signature.outputs) // precision.size
+    table, opening = ("sized", tuple(_sizing(signature, name, len(ports)))) if signature.counts else (f"{name}_ports", ())
+    return Loop(name, precision.real, size, ports, table, opening, tuple(_lines(signature, name, precision)))
 
 
 def _entries(signature: Signature, precision: Precision) -> Iterator[str]:
     offset = 0
     for index, port in enumerate(signature.inputs + signature.outputs):
         output = index >= len(signature.inputs)
-        shape = ", ".join(map(str, port.shape)) or "1"
+        shape = ", ".join(str(-_dimension(signature, size) if isinstance(size, str) else size) for size in port.shape) or "1"
         yield f"{{{_item(port, output, precision)}, {int(output)}, {offset}, {len(port.shape)}, {{{shape}}}}}"
         offset += _bytes(port, precision)
+
+
+def _dimension(signature: Signature, size: int | str) -> int:
+    """Where NumPy keeps a core dimension: after the rows, each once, as they first occur."""
+    sizes = dict.fromkeys(size for port in signature.inputs + signature.outputs for size in port.shape)
+    return 1 + list(sizes).index(size)
+
+
+def _sizing(signature: Signature, name: str, ports: int) -> Iterator[str]:
+    """The port table of this call; the caller has seen to it that no count exceeds its buffer."""
+    yield f"walkgen_port sized[{ports}];"
+    exceeded = [f"dimensions[{_dimension(signature, count)}] > {COUNTS[count]}" for count in signature.counts]
+    yield f"if ({' || '.join(exceeded)}) {{"
+    yield from ("    return;", "}")
+    yield f"walkgen_sized({name}_ports, {ports}, dimensions, sized);"
 
 
 def _item(port: Port, output: bool, precision: Precision) -> int:
@@ -84,18 +106,21 @@ def _item(port: Port, output: bool, precision: Precision) -> int:
 
 def _bytes(port: Port, precision: Precision) -> int:
     """Room for the port in the buffer, rounded up so that every port starts aligned."""
-    return -(-port.size * (precision.size if port.kind == "real" else _WORD) // _WORD) * _WORD
+    return -(-port.sized(COUNTS).size * (precision.size if port.kind == "real" else _WORD) // _WORD) * _WORD
 
 
 def _lines(signature: Signature, name: str, precision: Precision) -> Iterator[str]:
-    """The statements of one row: integers narrowed first, then the call."""
-    arguments = []
+    """The statements of one row: integers narrowed first, then the call, with a workspace that knows of no other row."""
+    arguments = [f"(int32_t)dimensions[{_dimension(signature, count)}]" for count in signature.counts]
+    if signature.workspace:
+        yield f"struct {'_'.join(part for part in (signature.workspace, precision.tag) if part)} work = {{0}};"
     for index, port in enumerate(signature.inputs):
         place = f"a[{index}] + at * step[{index}]"
         if port.kind == "integer" and port.shape:
             yield f"int32_t {port.name}_{index}[{port.size}];"
             yield f"walkgen_integers({port.size}, {place}, {port.name}_{index});"
         arguments.append(_input(port, f"{port.name}_{index}", place, precision))
+    arguments += ["&work"] if signature.workspace else []
     returned = ""
     for index, port in enumerate(signature.outputs, len(signature.inputs)):
         place = f"({precision.real if port.kind == 'real' else 'int32_t'} *)(a[{index}] + at * step[{index}])"

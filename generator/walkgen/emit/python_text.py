@@ -1,6 +1,6 @@
 """What every generated Python file shares: its banner, escaped text, literals and lists."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from itertools import chain
 from math import isfinite
@@ -99,9 +99,9 @@ def _filled(text: str) -> list[str]:
     return wrap(printable(text), _WIDEST, break_long_words=False, break_on_hyphens=False)
 
 
-def shape_text(shape: Iterable[int]) -> str:
-    """A shape as a Python tuple."""
-    return repr(tuple(shape))
+def shape_text(shape: Sequence[int | str]) -> str:
+    """A shape as a Python tuple; counts are variables."""
+    return f"({', '.join(map(str, shape))}{',' * (len(shape) == 1)})"
 
 
 def unpacked(names: Iterable[str]) -> str:

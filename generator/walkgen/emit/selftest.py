@@ -123,7 +123,7 @@ def _call(signature: Signature, outputs: Sequence[str], **replaced: str) -> str:
 def _inverse(signature: Signature, samples: Sequence[Sample]) -> Check:
     """The foot's joint values are among the branches."""
     tables = (_table("p", [s.position for s in samples]), _table("q_expected", [s.q for s in samples]))
-    branches, joints = signature.outputs[0].shape
+    branches, joints = signature.outputs[0].sizes
     lines = (
         f"double q[{branches * joints}];",
         f"int32_t status[{branches}];",

@@ -59,7 +59,7 @@ def _composite(solve: Solve, fma: bool) -> Composite:
     routines = [name for call in calls for name in (call.callee, call.guard[0] if call.guard else None) if isinstance(name, str)]
     headers = tuple(dict.fromkeys(ROUTINES[name].header for name in routines))
     closed_form = lower(solve.closed_form, fma) if solve.closed_form else None
-    return Composite(solve.signature, solve.locals, calls, headers, closed_form)
+    return Composite(solve.signature, solve.locals, calls, headers, closed_form, solve.tables)
 
 
 class _Lowering:

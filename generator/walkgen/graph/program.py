@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
 
-from walkgen.signature import Port, Signature
+from walkgen.signature import Port, Signature, Table
 
 
 class Code(Enum):
@@ -89,9 +89,9 @@ class Program:
 class Call:
     """One step of a Composite: a Program (emitted as a static kernel) or a support routine by its name.
 
-    `arguments` name the Composite's inputs, locals or outputs, in the callee's order, inputs first; a Decimal is a literal.
-    With `guard` (a support routine's name and its arguments, returning truth in C) the step runs only where it holds;
-    a closed form may `repeat` it.
+    `arguments` name the Composite's inputs, locals, outputs or tables, in the callee's order, inputs first; a Decimal is a literal.
+    With `guard` (a support routine's name and its arguments, returning truth in C) the step runs only where it holds.
+    A Program may read what it writes, and `repeat` runs it that often.
     """
 
     callee: Program | str
@@ -105,7 +105,7 @@ class Composite:
     """A function of several calls in order, joined by `locals`; some may be support routines.
 
     `headers` are the csupport files the routines live in; `closed_form` stands in where routines do not exist (CasADi):
-    a Program, or a Composite that calls Programs alone.
+    a Program, or a Composite that calls Programs alone. `tables` are constants that routines read.
     """
 
     signature: Signature
@@ -113,3 +113,4 @@ class Composite:
     calls: tuple[Call, ...]
     headers: tuple[str, ...]
     closed_form: "Program | Composite | None" = None
+    tables: tuple[Table, ...] = ()

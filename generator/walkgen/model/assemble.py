@@ -1,5 +1,8 @@
 """From the validated spec to the Mechanism: designs mounted, parameters resolved, mirrored legs reflected."""
 
+from pathlib import Path
+
+from walkgen.model.ground import ground
 from walkgen.model.limbs import body_of, chain_limb, leg_limb, mirrored_limb
 from walkgen.model.mechanism import Limb, Mechanism, Parameter, Platform, Section
 from walkgen.model.values import Values
@@ -10,11 +13,12 @@ _LIMIT_WEIGHT, _NORMAL_WEIGHT, _CLEARANCE_WEIGHT = 1, 4, 20
 """Those of the theory's example."""
 
 
-def assemble(spec: RobotSpec) -> Mechanism:
+def assemble(spec: RobotSpec, folder: Path = Path()) -> Mechanism:
     """The robot that the spec describes.
 
     Args:
         spec: validated; its names, shapes and references are trusted here.
+        folder: the spec's, where its height maps are.
     """
     values = Values.of(spec.parameters)
     names = [platform.name for platform in spec.platforms]
@@ -29,6 +33,7 @@ def assemble(spec: RobotSpec) -> Mechanism:
         parameters=_parameters(spec, values),
         sections=_sections(spec, values),
         adapt_weights=_adapt_weights(spec, values),
+        terrain=ground(spec, folder, values),
     )
 
 

@@ -2,6 +2,6 @@
 
 from walkgen.runtime.absent import MissingFunction
 from walkgen.runtime.loading import load
-from walkgen.runtime.robot import Chain, Leg, Robot, Route
+from walkgen.runtime.robot import Chain, Leg, Robot, Route, Terrain
 
-__all__ = ["Chain", "Leg", "MissingFunction", "Robot", "Route", "load"]
+__all__ = ["Chain", "Leg", "MissingFunction", "Robot", "Route", "Terrain", "load"]

@@ -1,4 +1,4 @@
-"""Says why a robot, leg, chain or route has no function of a name, so that a user learns more than that it is not there."""
+"""Says why a robot, leg, chain, route or terrain has no function of a name, so that a user learns more than that it is not there."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -20,15 +20,24 @@ _LEG = (
 _ROBOT = (
     "platform_poses foot_positions foot_jacobians adapt adapt_velocity com com_jacobian centroidal_momentum_matrix momentum momentum_rate "
     "demanded_wrench floating_mass_matrix floating_inverse_dynamics contact_forces friction_needed slip settle chain_reactions "
-    "stability_margins terrain"
+    "stance_compliance load_misfit stability_margins terrain"
 )
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
     "chain": frozenset({"pose", "jacobian", "frames"}),
+    "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "patch", "project"}),
     "route": frozenset(f"{_FORWARD} {_SEEDED}".split()),
     "robot": frozenset(_ROBOT.split()),
 }
 """Names that walkgen knows for each kind of owner; not every mechanism has them all."""
+
+
+_SECTIONS = {
+    "foot_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of the leg",
+    "stance_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of all legs",
+    "load_misfit": "no chain is elastic: name one of [sections] as section in the links of chains, and of all legs",
+    "chain_reactions": "it has no connecting chains",
+}
 
 
 class MissingFunction(UnsupportedMechanism, AttributeError):
@@ -39,7 +48,7 @@ def absent(kind: str, owner: str, name: str, built: Iterable[str], *, joints: in
     """What to raise for a name that `owner` does not have.
 
     Args:
-        kind: leg, chain, route or robot.
+        kind: leg, chain, route, terrain or robot.
         owner: its name.
         name: what was asked for.
         built: the names it does have.
@@ -62,4 +71,8 @@ def _reason(name: str, joints: int) -> str:
         return f"{joints} joints reach a position in infinitely many ways; inverse_near and inverse_pose start from a seed"
     if name == "inverse_pose" and 0 < joints <= _BRANCHED_JOINTS:
         return f"{joints} joints cannot give the foot every pose; inverse reaches positions"
+    if name in _SECTIONS:
+        return f"{_SECTIONS[name]}, or [generate] functions leaves it out"
+    if name == "terrain":
+        return "its spec describes no ground: [[terrain]] does"
     return "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from walkgen.runtime.counted import Counted
 from walkgen.signature import Port, Signature
 
 Function = Callable[..., Any]
@@ -118,7 +119,7 @@ def _filled(place: Any, result: Any) -> Any:
 
 
 def as_called(function: Function, signature: Signature, parameters: tuple[float, ...], float32: bool) -> Function:
-    """The function as users call it: with defaults for the inputs that have them, with a bool for a truth; else unchanged.
+    """The function as users call it: with defaults for the inputs that have them, with a bool for a truth, with counts; else unchanged.
 
     Args:
         function: the bare one, which takes every input by position.
@@ -126,8 +127,10 @@ def as_called(function: Function, signature: Signature, parameters: tuple[float,
         parameters: the spec's values of the runtime parameters.
         float32: whether the robot has a float library.
     """
+    if signature.counts:
+        return Counted(function, signature, parameters)
     inputs = {port.name: parameters if port.name == "param" else port.default for port in signature.inputs}
-    shapes = {port.name: port.shape for port in signature.inputs}
+    shapes = {port.name: port.sizes for port in signature.inputs}
     defaults = {name: np.array(value).reshape(shapes[name]) for name, value in inputs.items() if value}
     single = {name: value.astype(np.float32) for name, value in defaults.items()} if float32 else {}
     for value in (*defaults.values(), *single.values()):

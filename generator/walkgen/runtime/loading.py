@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from walkgen.errors import Problem, ToolchainError
+from walkgen.runtime import contact
 from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
-from walkgen.runtime.robot import Chain, Leg, Robot, Route
+from walkgen.runtime.robot import Chain, Leg, Robot, Route, Terrain
 from walkgen.runtime.ufuncs import make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
@@ -127,6 +128,7 @@ def _robot(folder: Path, manifest: Manifest, backend: _Backend) -> Robot:
         legs=MappingProxyType({leg["name"]: _leg(leg, limits, owned.get(leg["name"], _NONE)) for leg in manifest.legs}),
         chains=MappingProxyType({chain["name"]: _chain(chain, limits, owned.get(chain["name"], _NONE)) for chain in manifest.chains}),
         routes=MappingProxyType({route["name"]: _route(route, owned.get(route["owner"], _NONE)) for route in manifest.routes}),
+        terrain=Terrain("terrain", manifest.patches, owned.get("terrain", _NONE)) if manifest.patches else None,
         functions=MappingProxyType(functions),
         backend=backend.name,
         backend_reason=backend.reason,
@@ -137,8 +139,16 @@ def _robot(folder: Path, manifest: Manifest, backend: _Backend) -> Robot:
 def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]) -> dict[str, Function]:
     single = manifest.float32 and backend.name == "c"
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
-    functions = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
-    return {name: as_called(function, signatures[name], defaults, single) for name, function in functions}
+    bare = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
+    functions = {name: as_called(function, signatures[name], defaults, single) for name, function in bare}
+    return functions | _solves(manifest.robot, functions)
+
+
+def _solves(robot: str, functions: Mapping[str, Function]) -> dict[str, Function]:
+    """The one `contact_forces` in front of the solves of that name."""
+    start = f"{robot}_{contact.NAME}"
+    solves = {name.removeprefix(f"{robot}_"): function for name, function in functions.items() if name.startswith(start)}
+    return {start: contact.ContactForces(solves)} if start in functions else {}
 
 
 def _by_owner(manifest: Manifest, functions: Mapping[str, Function]) -> dict[str, dict[str, Function]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from walkgen.errors import Problem, ToolchainError
-from walkgen.signature import Port, Signature
+from walkgen.signature import COUNTS, Port, Signature
 
 FORMAT = 1
 _CURE = "build the robot again with this walkgen: walkgen build specs/<robot>.toml"
@@ -24,7 +24,7 @@ class FunctionEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """manifest.json, typed; `legs`, `chains`, `routes` and `parameters` keep the file's keys."""
+    """manifest.json, typed; `legs`, `chains`, `routes` and `parameters` keep the file's keys, `patches` are those of the ground."""
 
     robot: str
     description: str
@@ -39,6 +39,7 @@ class Manifest:
     legs: tuple[dict[str, Any], ...]
     chains: tuple[dict[str, Any], ...]
     routes: tuple[dict[str, Any], ...]
+    patches: tuple[str, ...]
     functions: tuple[FunctionEntry, ...]
 
 
@@ -81,6 +82,7 @@ def _manifest(content: dict[str, Any]) -> Manifest:
         legs=_tables(content["legs"]),
         chains=_tables(content["chains"]),
         routes=_tables(content["routes"]),
+        patches=_texts(content.get("terrain", [])),
         functions=tuple(_function(entry, robot) for entry in content["functions"]),
     )
 
@@ -101,4 +103,4 @@ def _function(entry: dict[str, Any], robot: str) -> FunctionEntry:
 
 def _port(port: dict[str, Any]) -> Port:
     default = tuple(math.nan if value is None else float(value) for value in port.get("default", ()))
-    return Port(port["name"], tuple(map(int, port["shape"])), port["unit"], port["kind"], default)
+    return Port(port["name"], tuple(size if size in COUNTS else int(size) for size in port["shape"]), port["unit"], port["kind"], default)

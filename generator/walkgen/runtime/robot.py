@@ -1,4 +1,4 @@
-"""What `load` gives: a robot, its legs, chains and routes, with the generated functions as attributes."""
+"""What `load` gives: a robot, its legs, chains, routes and ground, with the generated functions as attributes."""
 
 import builtins
 from collections.abc import Callable, Mapping
@@ -87,12 +87,27 @@ class Route(_Owner):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Terrain(_Owner):
+    """The ground that the spec describes, in the world frame; its functions take points [3] and are also attributes.
+
+    `patches` are the patches' names: what `patch` gives is an index into them, or -1 off every patch.
+    """
+
+    name: str
+    patches: tuple[str, ...]
+    functions: Mapping[str, Function]
+
+    def __repr__(self) -> str:
+        return f"<terrain: {', '.join(self.patches)}; {len(self.functions)} functions>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A loaded robot; functions take array-likes with leading batch dimensions and broadcast as ufuncs do.
 
     `functions` has every function by its full name; the robot's own (`foot_positions`, ...) are also attributes.
     `backend` is "c" or "numpy" and `backend_reason` says why; `limits` [nq,2] are infinite where the spec gives none;
-    `parameters` are the runtime parameters' default values.
+    `parameters` are the runtime parameters' default values; `terrain` is there where the spec describes the ground.
     """
 
     name: str
@@ -105,6 +120,7 @@ class Robot:
     legs: Mapping[str, Leg]
     chains: Mapping[str, Chain]
     routes: Mapping[str, Route]
+    terrain: Terrain | None
     functions: Mapping[str, Function]
     backend: str
     backend_reason: str
@@ -112,6 +128,8 @@ class Robot:
 
     def __post_init__(self) -> None:
         self.__dict__.update(self._own())
+        if self.terrain is None:
+            del self.__dict__["terrain"]  # so that asking for it says why there is none
 
     def _own(self) -> dict[str, Function]:
         signatures = [entry.signature for entry in self.entries if not entry.signature.owner]

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TypeVar
 
-from walkgen.spec.functions import CHAIN_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, ROUTE_FUNCTIONS
+from walkgen.spec.functions import CHAIN_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, ROUTE_FUNCTIONS, TERRAIN_FUNCTIONS
 from walkgen.spec.names import PATTERN, RESERVED, is_own_prefix, suggestion
 from walkgen.spec.problems import Finding, shown
 from walkgen.spec.schema import ChainDesign, Design, LegDesign, LegSpec, PlatformSpec, RobotSpec
@@ -102,6 +102,7 @@ def _function_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     """Where each generated function's owner is named, and the function's full name."""
     robot = spec.robot.name
     yield from ((("robot", "name"), f"{robot}_{function}") for function in ROBOT_FUNCTIONS)
+    yield from ((("terrain",), f"{robot}_terrain_{function}") for function in TERRAIN_FUNCTIONS if spec.terrain)
     for index, platform in _first(spec.platforms)[1:]:
         yield from ((("platforms", index, "name"), f"{robot}_{platform.name}_{function}") for function in CHAIN_FUNCTIONS)
     for index, leg in _first(spec.legs):

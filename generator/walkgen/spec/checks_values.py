@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations
 
+from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
 from walkgen.spec.problems import Finding, did_you_mean, shown
@@ -29,15 +30,6 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
 }
 _PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")
 _DIRECTIONS: Mapping[type[Table], str] = {JointRow: "axis", TerrainPatch: "normal"}
-_COORDINATES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
-    "explicit": {"height": ("x", "y")},
-    "implicit": {"f": ("x", "y", "z")},
-    "parametric": {"x": ("u", "v"), "y": ("u", "v"), "z": ("u", "v")},
-    "plane": {"point": (), "normal": ()},
-    "heightmap": {"file": (), "spacing": ()},
-}
-_SURFACE_KEYS = ("height", "f", "x", "y", "z", "point", "normal", "file", "spacing")
-
 Value = Fraction | float
 
 
@@ -65,7 +57,7 @@ def _free(path: Path, spec: RobotSpec) -> tuple[str, ...]:
     """Coordinates that the expression may use besides parameters."""
     if path[0] != "terrain" or not isinstance(path[1], int):
         return ()
-    return _COORDINATES[spec.terrain[path[1]].surface].get(str(path[2]), ())
+    return VARIABLES[spec.terrain[path[1]].surface].get(str(path[2]), ())
 
 
 def check_ranges(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
@@ -170,16 +162,3 @@ def _minor(matrix: Sequence[Sequence[Value]], rows: tuple[int, ...]) -> Value:
         return matrix[first][first] * matrix[second][second] - matrix[first][second] * matrix[second][first]
     a, b, c = matrix
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-
-
-def check_terrain(spec: RobotSpec) -> Iterator[Finding]:
-    """Every patch has the keys of its kind of surface and no others."""
-    for index, patch in enumerate(spec.terrain):
-        needed = _COORDINATES[patch.surface]
-        for key in _SURFACE_KEYS:
-            given = getattr(patch, key) is not None
-            if key in needed and not given:
-                yield Finding("WG111", ("terrain", index, key), f'missing key "{key}" of a surface "{patch.surface}"', f"write {key} = ...")
-            elif given and key not in needed:
-                cure = f"a {patch.surface} surface has: {', '.join(needed)}"
-                yield Finding("WG124", ("terrain", index, key), f'{key} does not belong to a surface "{patch.surface}"', cure)

@@ -47,6 +47,9 @@ DYNAMICS_FUNCTIONS: Final = (
 )
 """Of every leg; `forward_dynamics` where every joint moves some mass."""
 
+STANCE_FUNCTIONS: Final = ("stance_compliance", "load_misfit", "chain_reactions")
+"""Of the robot: where its legs' links have sections, where those of chains do as well, where it has chains."""
+
 FLOATING_FUNCTIONS: Final = (
     "com",
     "com_jacobian",
@@ -59,7 +62,28 @@ FLOATING_FUNCTIONS: Final = (
 )
 """Of the robot; those of the centre of mass where it has any mass."""
 
-LEG_FUNCTIONS: Final = FORWARD_FUNCTIONS + INVERSE_FUNCTIONS + DYNAMICS_FUNCTIONS
+CONTACT_FUNCTIONS: Final = (
+    "contact_forces",
+    "contact_forces_limited",
+    "contact_forces_stiffness",
+    "contact_forces_coupled",
+    "contact_forces_vertical",
+    "grasp_map",
+    "friction_needed",
+    "friction_share",
+    "load_margin",
+    "foot_admissible",
+    "slip",
+)
+"""Of robots with feet to share a load, for any number of feet in contact."""
+
+LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTIONS, "foot_compliance")
+"""`foot_compliance` where the links have sections."""
+
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
-ROBOT_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity", *FLOATING_FUNCTIONS)
-FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS
+KINEMATIC_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity")
+ROBOT_FUNCTIONS: Final = (*KINEMATIC_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUNCTIONS, *CONTACT_FUNCTIONS)
+TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "patch", "project")
+"""Of the ground, where the spec has any."""
+
+FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS + TERRAIN_FUNCTIONS

@@ -9,8 +9,9 @@ from pydantic import ValidationError
 from walkgen.errors import Problem, SpecError, UnsupportedMechanism
 from walkgen.spec.checks_joints import check_joints, check_units
 from walkgen.spec.checks_names import check_joined_names, check_names, check_texts
+from walkgen.spec.checks_terrain import check_height_maps, check_terrain
 from walkgen.spec.checks_tree import check_references, check_tree
-from walkgen.spec.checks_values import check_expressions, check_inertias, check_ranges, check_terrain
+from walkgen.spec.checks_values import check_expressions, check_inertias, check_ranges
 from walkgen.spec.document import Document, open_document
 from walkgen.spec.evaluate import numbers_of
 from walkgen.spec.positions import Positions
@@ -35,14 +36,14 @@ def read(path: Path) -> RobotSpec:
         spec = RobotSpec.model_validate(document.tables)
     except ValidationError:
         raise _error(document, _broken(document)) from None
-    findings = tuple(findings_of(spec))
+    findings = tuple(findings_of(spec, path.parent))
     if findings:
         raise _error(document, findings)
     return spec
 
 
-def findings_of(spec: RobotSpec) -> Iterator[Finding]:
-    """Every rule that a well-formed spec breaks."""
+def findings_of(spec: RobotSpec, folder: Path) -> Iterator[Finding]:
+    """Every rule that a well-formed spec breaks; `folder` is where its height maps are."""
     numbers, parameters = numbers_of(spec.parameters)
     return chain(
         parameters,
@@ -56,14 +57,15 @@ def findings_of(spec: RobotSpec) -> Iterator[Finding]:
         check_expressions(spec, numbers),
         check_ranges(spec, numbers),
         check_inertias(spec, numbers),
-        check_terrain(spec),
+        check_terrain(spec, numbers),
+        check_height_maps(spec, numbers, folder),
     )
 
 
 def _broken(document: Document) -> tuple[Finding, ...]:
     """What has the wrong shape, and what else is wrong with the rest; consequences of a wrong shape are left out."""
     rest, shapes, blamed = salvage(document.tables)
-    others = findings_of(rest) if rest is not None else iter(())
+    others = findings_of(rest, Path(document.file).parent) if rest is not None else iter(())
     return (*shapes, *(finding for finding in others if not _follows(finding, blamed)))
 
 

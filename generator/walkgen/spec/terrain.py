@@ -6,9 +6,12 @@ from pydantic import StrictStr
 
 from walkgen.spec.table import Number, Pair, Table, Triple
 
+COORDINATES = ("x", "y", "z", "u", "v")
+"""Names that expressions of surfaces may use besides parameters."""
+
 
 class Domain(Table):
-    """Where a terrain patch holds."""
+    """Where a terrain patch holds: x and y (m), of a parametric surface u and v; everywhere where left out."""
 
     x: Pair | None = None
     y: Pair | None = None
@@ -34,9 +37,11 @@ class TerrainPatch(Table):
     normal: Triple | None = None
     """plane: its normal."""
     file: StrictStr | None = None
-    """heightmap: file beside the spec."""
+    """heightmap: file beside the spec, a row of numbers (m) a line, y growing from line to line, x from column to column."""
     spacing: Number | None = None
     """heightmap: distance of its points (m)."""
+    interpolation: Literal["bilinear", "bicubic"] | None = None
+    """heightmap: between its points; bicubic (slopes are continuous) where left out."""
     domain: Domain | None = None
     mu: Number | None = None
     """Coefficient of friction."""

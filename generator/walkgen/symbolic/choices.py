@@ -2,7 +2,7 @@
 
 import sympy
 
-from walkgen.symbolic.function import Both, Either, Finite, Less, LessEqual, Select
+from walkgen.symbolic.function import Both, Either, Finite, Less, LessEqual, Same, Select
 from walkgen.symbolic.tape import constant
 
 
@@ -16,6 +16,12 @@ def at_most(left: sympy.Expr | int, right: sympy.Expr | int) -> sympy.Basic:
     """left <= right."""
     difference = _known(left, right)
     return LessEqual(left, right) if difference is None else sympy.sympify(bool(difference <= 0))
+
+
+def same(left: sympy.Expr | int, right: sympy.Expr | int) -> sympy.Basic:
+    """left == right."""
+    difference = _known(left, right)
+    return Same(left, right) if difference is None else sympy.sympify(bool(difference == 0))
 
 
 def finite(number: sympy.Expr | int) -> sympy.Basic:

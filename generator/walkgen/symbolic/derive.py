@@ -1,11 +1,15 @@
-"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own."""
+"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own and the ground's."""
 
 from collections.abc import Callable, Iterable, Iterator
 
 from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.spec.branches import BRANCHED_JOINTS
+from walkgen.spec.functions import TERRAIN_FUNCTIONS
 from walkgen.symbolic.adapt import adapt_functions
+from walkgen.symbolic.chain_reactions import chain_reactions
+from walkgen.symbolic.compliance import StanceCompliance, foot_compliance
+from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
@@ -15,6 +19,8 @@ from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
+from walkgen.symbolic.stance import stance_functions
+from walkgen.symbolic.terrain import TerrainFunctions
 
 LegBuilder = Callable[[Mechanism, Limb], Derivation]
 PathBuilder = Callable[[Mechanism, Route], Derivation]
@@ -52,6 +58,8 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
         yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
         yield from _leg_inverse(mechanism, leg, wanted)
         yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
+        if wanted("foot_compliance"):
+            yield from _existing([foot_compliance(mechanism, leg)])
     for limb in mechanism.chains:
         yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
     for route in routes(mechanism):
@@ -63,11 +71,21 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
             yield getattr(robot, name)()
     yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
     yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
+    stood = (
+        contact_functions(mechanism) | stance_functions(mechanism) | StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
+    )
+    yield from (build() for name, build in stood.items() if wanted(name))
+    if mechanism.terrain:
+        ground = TerrainFunctions(mechanism, mechanism.terrain)
+        yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
     """Without what the mechanism cannot have."""
-    derived = (build(name) for name in names if wanted(name))
+    return _existing(build(name) for name in names if wanted(name))
+
+
+def _existing(derived: Iterable[Derivation | None]) -> Iterator[Derivation]:
     return (function for function in derived if function is not None)
 
 

@@ -5,7 +5,7 @@ from decimal import Decimal
 
 import sympy
 
-from walkgen.signature import Port, Signature
+from walkgen.signature import Port, Signature, Table
 
 
 class Truth(sympy.Function):
@@ -116,7 +116,7 @@ class Function:
 class Step:
     """A call inside a Solve: of a Function, or of a support routine by name; with `guard` only where it holds.
 
-    With `repeat` it runs that often (closed forms only: what it writes it may also read).
+    A Function may read what it writes, and with `repeat` it runs that often.
     """
 
     callee: Function | str
@@ -130,12 +130,14 @@ class Solve:
     """A function of several steps in order, joined by `locals`; steps may be support routines.
 
     `closed_form` computes the same map without routines, for targets that have none: a Function, or a Solve of Functions alone.
+    `tables` are constants that routines read, named among a step's arguments.
     """
 
     signature: Signature
     locals: tuple[Port, ...]
     steps: tuple[Step, ...]
     closed_form: "Function | Solve | None" = None
+    tables: tuple[Table, ...] = ()
 
 
 Derivation = Function | Solve

@@ -69,7 +69,7 @@ static inline WG_REAL WG_NAME(wg_along)(int rows, const WG_REAL a[6], const WG_R
 
 /* The joints that may move downhill; how steep that is, as a vector's length. */
 static inline WG_REAL WG_NAME(wg_free_joints)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
-                                              const struct WG_NAME(wg_stance) * at, struct WG_NAME(wg_normal) * normal) {
+                                              const struct WG_NAME(wg_arm_state) * at, struct WG_NAME(wg_normal) * normal) {
     WG_REAL square = WG_C(0.0);
     int j;
     normal->count = 0;
@@ -84,7 +84,7 @@ static inline WG_REAL WG_NAME(wg_free_joints)(const struct WG_NAME(wg_serial) * 
 }
 
 /* The damped step of the free joints that makes up for an error best and shortest, by the smaller of the two normal equations. */
-static inline int WG_NAME(wg_gauss_step)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_stance) * at,
+static inline int WG_NAME(wg_gauss_step)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at,
                                          struct WG_NAME(wg_normal) * normal, const WG_REAL error[6], WG_REAL damping,
                                          WG_REAL step[WG_MOST_JOINTS]) {
     const int rows = arm->rows, few = normal->count < rows, k = few ? normal->count : rows, *free = normal->free;
@@ -125,7 +125,7 @@ static inline WG_REAL WG_NAME(wg_stepped)(const struct WG_NAME(wg_serial) * arm,
 
 /* q after a damped step inside the box: its longest part; 1 where there is none and q stays. Joints that would cross a bound stop there. */
 static inline WG_REAL WG_NAME(wg_boxed_step)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
-                                             const struct WG_NAME(wg_stance) * at, struct WG_NAME(wg_normal) * normal, WG_REAL damping,
+                                             const struct WG_NAME(wg_arm_state) * at, struct WG_NAME(wg_normal) * normal, WG_REAL damping,
                                              WG_REAL *after) {
     WG_REAL error[6], step[WG_MOST_JOINTS];
     int i, j, kept, crossing = 1;
@@ -162,8 +162,8 @@ static inline WG_REAL WG_NAME(wg_boxed_step)(const struct WG_NAME(wg_serial) * a
 /* Lead at->q, which is inside the box, to the target or to rest; whether the target is reached, and then to its roundings.
  * A descent ends after 60 steps, one that came near the target after 300; earlier where eight steps gain less than a twentieth. */
 static inline int WG_NAME(wg_boxed_descent)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
-                                            struct WG_NAME(wg_stance) * at) {
-    struct WG_NAME(wg_stance) after;
+                                            struct WG_NAME(wg_arm_state) * at) {
+    struct WG_NAME(wg_arm_state) after;
     struct WG_NAME(wg_normal) normal;
     WG_REAL factor = WG_C(0.1), before = WG_INFINITY;
     int i, reached = 0, ended = 0;

@@ -8,6 +8,7 @@
  * All feet at once, component by component and without a jump, so that compilers use vector instructions; a row of numbers has room for
  * WALKGEN_MAX_FEET, a multiple of 4, and feet that fill up a group of 4 have no friction and no ease.
  */
+#include "walkgen_contact_work.h"
 #include "walkgen_spatial.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_CONTACT_CONES_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_CONTACT_CONES_F32))
@@ -17,9 +18,6 @@
 #else
 #define WALKGEN_CONTACT_CONES_F32
 #define WG_NOTHING WG_C(1e-9)
-#endif
-#ifndef WALKGEN_MAX_FEET
-#define WALKGEN_MAX_FEET 16
 #endif
 #ifndef WG_CONTACT_STICK
 #define WG_CONTACT_STICK 0
@@ -171,7 +169,7 @@ static inline void WG_NAME(wg_contact_within_circles)(const struct WG_NAME(wg_co
 }
 
 /* The nearest forces to vectors. */
-static inline void WG_NAME(wg_contact_nearest)(const struct WG_NAME(wg_contact_cones) * cones, WG_REAL z[3][WALKGEN_MAX_FEET],
+WG_CALLED void WG_NAME(wg_contact_nearest)(const struct WG_NAME(wg_contact_cones) * cones, WG_REAL z[3][WALKGEN_MAX_FEET],
                                                struct WG_NAME(wg_contact_images) * images) {
     if (cones->facets == 0) {
         WG_NAME(wg_contact_within_circles)(cones, z, images);

@@ -104,7 +104,7 @@ static inline void WG_NAME(wg_contact_evaluate)(const struct WG_NAME(wg_contact_
 }
 
 /* Minus the second derivative; its diagonal raised by `damping` of that of A A'. */
-static inline void WG_NAME(wg_contact_curvature)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
+WG_CALLED void WG_NAME(wg_contact_curvature)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
                                                  WG_REAL damping, struct WG_NAME(wg_contact_matrix) * H) {
     int i, j, m;
     for (j = 0; j < 6; ++j) {
@@ -183,7 +183,7 @@ WG_INLINE int WG_NAME(wg_contact_solve_blocks)(const struct WG_NAME(wg_contact_m
 }
 
 /* step = H^-1 slope by L D L'; a pivot that rounding made nothing counts as large: nothing moves there. */
-static inline void WG_NAME(wg_contact_solve)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_matrix) * H,
+WG_CALLED void WG_NAME(wg_contact_solve)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_matrix) * H,
                                              const WG_REAL slope[6], WG_REAL step[6]) {
     static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     WG_REAL L[6][6], inverse[6], scaled[6];

@@ -37,7 +37,7 @@ static inline WG_REAL WG_NAME(wg_contact_imbalance)(const struct WG_NAME(wg_cont
 }
 
 /* The forces of dual, moved least along their cones' boundaries as found until they balance: large multipliers do not blur them then. */
-static inline void WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
+WG_CALLED void WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
                                               WG_REAL f[3][WALKGEN_MAX_FEET]) {
     struct WG_NAME(wg_contact_matrix) H;
     WG_REAL rest[6], step[6], z[3][WALKGEN_MAX_FEET], next[3][WALKGEN_MAX_FEET], least, now;
@@ -74,7 +74,7 @@ static inline void WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_st
 }
 
 /* Forces of the inside to the inputs' frame and unit. A foot slides if its force is inside its cone by no more than a few roundings. */
-static inline void WG_NAME(wg_contact_hand_over)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET],
+WG_CALLED void WG_NAME(wg_contact_hand_over)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET],
                                                  WG_REAL *out, int32_t *state) {
     struct WG_NAME(wg_contact_images) images;
     WG_REAL outwards[3][WALKGEN_MAX_FEET];

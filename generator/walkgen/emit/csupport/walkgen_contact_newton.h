@@ -32,16 +32,13 @@
 #define WG_CONTACT_OPEN 2
 #endif
 
-/* What y proves: y . b less the most that forces give, 0 where forces without bound give more than `allowed` of that. `strictly`: the more
- * than rounding could hide. */
-static inline WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL strictly,
-                                                WG_REAL allowed) {
-    const struct WG_NAME(wg_contact_cones) *cones = &stance->cones;
-    const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
-    WG_REAL gain = whole, z[3][WALKGEN_MAX_FEET], c, s;
+/* What multipliers prove whose products with the feet's forces are z and with the load `whole`: `whole` less the most that forces give, 0
+ * where forces without bound give more than `allowed` of it. `strictly`: the more than rounding could hide. */
+static inline WG_REAL WG_NAME(wg_contact_excess)(const struct WG_NAME(wg_contact_cones) * cones, int32_t feet, WG_REAL z[3][WALKGEN_MAX_FEET],
+                                                 WG_REAL whole, WG_REAL strictly, WG_REAL allowed) {
+    WG_REAL gain = whole, c, s;
     int i, j;
-    WG_NAME(wg_contact_pull)(stance, y, z);
-    for (i = 0; i < stance->feet; ++i) {
+    for (i = 0; i < feet; ++i) {
         WG_REAL N = WG_C(0.0), a = WG_C(0.0), b = WG_C(0.0), square = WG_C(0.0), part[3], most;
         for (j = 0; j < 3; ++j) {
             N += cones->n[j][i] * z[j][i];
@@ -67,6 +64,15 @@ static inline WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_
     return gain > allowed * whole ? gain : WG_C(0.0);
 }
 
+/* The same of y. */
+WG_CALLED WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL strictly,
+                                                WG_REAL allowed) {
+    const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
+    WG_REAL z[3][WALKGEN_MAX_FEET];
+    WG_NAME(wg_contact_pull)(stance, y, z);
+    return WG_NAME(wg_contact_excess)(&stance->cones, stance->feet, z, whole, strictly, allowed);
+}
+
 /* Whether dual's forces show that y may be a proof: all feet without bound are free, and rounding of y does not hide its gain. */
 static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual) {
     WG_REAL gain = WG_NAME(wg_contact_product)(stance->b, dual->y);
@@ -83,7 +89,7 @@ static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_st
 }
 
 /* dual moved along a step to where the slope along it is small: at once if the step's end is such a place. `seeking` ends at a proof. */
-static inline void WG_NAME(wg_contact_search)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL step[6], int seeking,
+WG_CALLED void WG_NAME(wg_contact_search)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL step[6], int seeking,
                                               struct WG_NAME(wg_contact_dual) * dual) {
     const WG_REAL first = WG_NAME(wg_contact_product)(dual->slope, step);
     WG_REAL from[6], low = WG_C(0.0), high = -WG_C(1.0), rising = first, falling = WG_C(0.0), t = WG_C(1.0), along;
@@ -132,7 +138,7 @@ WG_INLINE WG_REAL WG_NAME(wg_contact_lacking)(const struct WG_NAME(wg_contact_du
 }
 
 /* From dual->y, evaluated, to the maximum: WG_CONTACT_FOUND, WG_CONTACT_REFUTED with a proof, or WG_CONTACT_OPEN after `most` steps. */
-static inline int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_stance) * stance, int most, struct WG_NAME(wg_contact_dual) * dual) {
+WG_CALLED int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_stance) * stance, int most, struct WG_NAME(wg_contact_dual) * dual) {
     struct WG_NAME(wg_contact_matrix) H;
     WG_REAL step[6];
     int turn;
@@ -159,7 +165,7 @@ static inline int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_sta
 }
 
 /* The maximum of the bounded problem near enough: Newton until the slope is small beside |y|. */
-static inline void WG_NAME(wg_contact_settle)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
+WG_CALLED void WG_NAME(wg_contact_settle)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
     struct WG_NAME(wg_contact_matrix) H;
     WG_REAL step[6], size;
     int turn;
@@ -200,7 +206,7 @@ static inline void WG_NAME(wg_contact_recentre)(const struct WG_NAME(wg_contact_
 }
 
 /* The least violation: WG_CONTACT_REFUTED with its proof in dual->y, WG_CONTACT_FOUND where it vanishes, else WG_CONTACT_OPEN. */
-static inline int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
+WG_CALLED int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
     WG_REAL centre[3][WALKGEN_MAX_FEET], mu[WALKGEN_MAX_FEET], slack = WG_C(0.1), size, largest;
     int turn, i, answer = WG_CONTACT_OPEN;
     for (i = 0; i < stance->feet; ++i) {
@@ -218,7 +224,7 @@ static inline int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) 
         size = WG_SQRT(WG_NAME(wg_contact_product)(dual->y, dual->y));
         if (size <= WG_C(10.0) * WG_RATHER * largest) {
             answer = WG_CONTACT_FOUND;
-        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + WG_C(8.0) * WG_EPSILON / size) > WG_C(0.0)) {
+        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + (turn < 20 ? WG_C(0.0) : WG_C(8.0) * WG_EPSILON / size)) > WG_C(0.0)) {
             answer = WG_CONTACT_REFUTED;
         }
         WG_NAME(wg_contact_recentre)(stance, dual, 1, centre);
@@ -234,7 +240,7 @@ static inline int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) 
 }
 
 /* The least forces of a load that can be carried, however large: proximal steps of the multipliers, each a bounded problem. */
-static inline int WG_NAME(wg_contact_approach)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
+WG_CALLED int WG_NAME(wg_contact_approach)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
     WG_REAL centre[3][WALKGEN_MAX_FEET], sum[6], slack = WG_C(0.1), lacking = WG_C(1.0), largest;
     int turn, i, answer = WG_CONTACT_OPEN;
     for (i = 0; i < 3 * stance->feet; ++i) {

@@ -56,7 +56,7 @@ static inline int WG_NAME(wg_contact_finite)(const WG_REAL *values, int32_t coun
 /* Whether a stance is one: sizes, unit normals, friction, weights and bounds in their ranges. */
 static inline int WG_NAME(wg_contact_fine)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
                                            const WG_REAL *weight, const WG_REAL *n_max, int32_t facets) {
-    int i, fine = k >= 1 && k <= WALKGEN_MAX_FEET && (facets == 0 || (facets >= 3 && facets <= 1000000));
+    int i, fine = k >= 1 && k <= WALKGEN_MAX_FEET && (facets == 0 || (facets >= 3 && facets <= 1024));
     if (!fine) {
         return 0;
     }
@@ -160,7 +160,7 @@ static inline void WG_NAME(wg_contact_turn)(const struct WG_NAME(wg_contact_stan
 
 /* Everything turned into the principal axes; moments that no force of any foot has are lost. 0 where the load has one above `noise`,
  * and the axis about which it is the largest is `*axis`. */
-static inline int WG_NAME(wg_contact_principal)(WG_REAL noise, struct WG_NAME(wg_contact_stance) * stance, int *axis) {
+WG_CALLED int WG_NAME(wg_contact_principal)(WG_REAL noise, struct WG_NAME(wg_contact_stance) * stance, int *axis) {
     const WG_REAL blur = WG_C(64.0) * WG_EPSILON * (WG_C(1.0) + WG_NAME(wg_norm)(stance->centre)), *I = stance->inertia;
     WG_REAL J[3][3] = {{I[0], I[1], I[2]}, {I[1], I[3], I[4]}, {I[2], I[4], I[5]}};
     int j;

@@ -18,7 +18,7 @@
 #endif
 
 /* Whether the Jacobian has lost rank, by Gram and Schmidt with the longest columns first. */
-static inline int WG_NAME(wg_rank_lost)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_stance) * at) {
+static inline int WG_NAME(wg_rank_lost)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at) {
     const int most = arm->n < arm->rows ? arm->n : arm->rows;
     WG_REAL column[WG_MOST_JOINTS][6], first = WG_C(0.0);
     int i, j, k;

@@ -26,7 +26,7 @@ static inline WG_REAL WG_NAME(wg_bend)(const WG_REAL vector[3], WG_REAL angle, c
 }
 
 /* Second derivative of half the squared error by joints i <= j. */
-static inline WG_REAL WG_NAME(wg_curvature)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_stance) * at, int i, int j) {
+static inline WG_REAL WG_NAME(wg_curvature)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at, int i, int j) {
     const WG_REAL *a = at->turning[i], *b = at->turning[j];
     WG_REAL second[3], vector[3], sum;
     int k;
@@ -44,7 +44,7 @@ static inline WG_REAL WG_NAME(wg_curvature)(const struct WG_NAME(wg_serial) * ar
 }
 
 /* The matrix of second derivatives of the free joints, damped, and downhill. */
-static inline void WG_NAME(wg_second_order)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_stance) * at, WG_REAL damping,
+static inline void WG_NAME(wg_second_order)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at, WG_REAL damping,
                                             struct WG_NAME(wg_normal) * normal) {
     int i, j;
     for (i = 0; i < normal->count; ++i) {
@@ -58,7 +58,7 @@ static inline void WG_NAME(wg_second_order)(const struct WG_NAME(wg_serial) * ar
 
 /* Newton's damped step; whether there is one. */
 static inline int WG_NAME(wg_newton_step)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
-                                          const struct WG_NAME(wg_stance) * at, struct WG_NAME(wg_normal) * normal, WG_REAL damping,
+                                          const struct WG_NAME(wg_arm_state) * at, struct WG_NAME(wg_normal) * normal, WG_REAL damping,
                                           WG_REAL *after) {
     WG_REAL step[WG_MOST_JOINTS];
     int i;
@@ -78,8 +78,8 @@ static inline int WG_NAME(wg_newton_step)(const struct WG_NAME(wg_serial) * arm,
 
 /* Leave a saddle along a direction of negative curvature, as far as that helps; whether at->q is one. */
 static inline int WG_NAME(wg_leave_saddle)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
-                                           struct WG_NAME(wg_stance) * at) {
-    struct WG_NAME(wg_stance) after;
+                                           struct WG_NAME(wg_arm_state) * at) {
+    struct WG_NAME(wg_arm_state) after;
     struct WG_NAME(wg_normal) normal;
     WG_REAL step[WG_MOST_JOINTS], way[WG_MOST_JOINTS], longest = WG_C(1.0);
     int i, j, m;
@@ -117,8 +117,8 @@ static inline int WG_NAME(wg_leave_saddle)(const struct WG_NAME(wg_serial) * arm
 
 /* Lead at->q to where no joint that may move brings the foot nearer, be it a saddle: whether it gets there in 200 steps. */
 static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
-                                           struct WG_NAME(wg_stance) * at) {
-    struct WG_NAME(wg_stance) after;
+                                           struct WG_NAME(wg_arm_state) * at) {
+    struct WG_NAME(wg_arm_state) after;
     struct WG_NAME(wg_normal) normal, next;
     const WG_REAL size = WG_MAX(arm->reach, arm->length), flat = size * (at->gap + size), noise = WG_C(4.0) * WG_EPSILON * (at->gap + size);
     WG_REAL damping = WG_C(0.0), slope = WG_NAME(wg_free_joints)(arm, box, at, &normal), slope_after;
@@ -144,7 +144,7 @@ static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, c
 
 /* Lead at->q to rest where no way leads down, at most three times past a saddle or on from where it is slow: whether it gets there. */
 static inline int WG_NAME(wg_come_to_rest)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
-                                           struct WG_NAME(wg_stance) * at) {
+                                           struct WG_NAME(wg_arm_state) * at) {
     int i, rests = WG_NAME(wg_slow_down)(arm, box, at);
     for (i = 0; i < 3 && !WG_NAME(wg_serial_reaches)(arm, at) && (!rests || WG_NAME(wg_leave_saddle)(arm, box, at)); ++i) {
         rests = WG_NAME(wg_boxed_descent)(arm, box, at) || WG_NAME(wg_slow_down)(arm, box, at);

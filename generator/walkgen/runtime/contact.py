@@ -1,0 +1,101 @@
+"""The one `contact_forces` that users call: it chooses between the generated solves by method and by what is given."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from walkgen.runtime.calls import Function
+from walkgen.signature import STATUSES
+
+Method = Literal["least_squares", "stiffness", "vertical"]
+NAME = "contact_forces"
+_FEWEST_FACETS = 3
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactForces:
+    """Forces of the ground on feet in contact that carry a load; `solves` are the robot's generated functions by their names."""
+
+    solves: Mapping[str, Function]
+
+    def __call__(
+        self,
+        points: Any,
+        normals: Any,
+        mu: Any = None,
+        wrench: Any = None,
+        method: Method = "least_squares",
+        *,
+        cone: Literal["quadratic"] | int = "quadratic",
+        torque_rows: Any = None,
+        **options: Any,
+    ) -> Any:
+        """Everything in one frame; leading dimensions are a batch, one value serves all feet.
+
+        Args:
+            points: where the feet stand [k,3] (m).
+            normals: of the ground, unit, away from it [k,3].
+            mu: coefficients of friction [k]; not needed by "vertical".
+            wrench: load on the robot [6]: force (N), moment about the frame's origin (N m).
+            method: "least_squares": least sum weight |f|^2 within the cones; "stiffness": as elastic legs and ground share the load;
+                "vertical": three feet without friction.
+            cone: "quadratic" for the true cones, or a number of facets of the pyramids inside them; least squares only.
+            torque_rows: with torque_limits [r]: sum_i torque_rows[r,i] . f_i <= torque_limits[r] [r,k,3]; least squares only.
+            options: weight [k], n_max [k] (N), torque_limits [r]; compliance [k,3,3] or [3k,3k] (m/N), misfit [k,3] (m); param [np].
+
+        Returns:
+            f [k,3] (N), status, state [k] (0 sticks, 1 slides, 2 free), certificate [6], violation (N).
+
+        Raises:
+            TypeError: an option that the method does not have, or one that it misses.
+            ValueError: shapes that do not fit, an unknown method or cone.
+        """
+        given = {"points": points, "normals": normals, "mu": mu, "wrench": wrench, **options}
+        if method == "stiffness":
+            return self._stiffness(given)
+        if method == "vertical":
+            return self._vertical(given)
+        if method != "least_squares":
+            raise ValueError(f"{NAME}: {method!r} is not a method; choose least_squares, stiffness or vertical")
+        given["facets"] = _facets(cone)
+        if torque_rows is None:
+            return self._solve(NAME, given)
+        return self._solve(f"{NAME}_limited", given | {"torque_rows": torque_rows})[:5]
+
+    def _stiffness(self, given: dict[str, Any]) -> Any:
+        """Where no forces carry the load, least squares has the proof."""
+        compliance, feet = np.asarray(given.pop("compliance", np.nan)), np.shape(given["points"])[-2]
+        if compliance.shape[-2:] == (3 * feet, 3 * feet):
+            coupled = compliance.reshape(*compliance.shape[:-2], feet, 3, feet, 3)
+            f, status, state, _, violation = self._solve(f"{NAME}_coupled", given | {"compliance": coupled})
+        elif compliance.shape[-3:] == (feet, 3, 3):
+            f, status, state, _, violation = self._solve(f"{NAME}_stiffness", given | {"compliance": compliance})
+        else:
+            wanted = f"[{feet},3,3] or [{3 * feet},{3 * feet}]"
+            raise ValueError(f"{NAME}: compliance has shape {list(compliance.shape)}; stiffness needs {wanted} (m/N)")
+        proof = self._solve(NAME, {name: given[name] for name in ("points", "normals", "mu", "wrench")})[3]
+        infeasible = np.asarray(status == STATUSES.index("INFEASIBLE"))[..., None]
+        return f, status, state, np.where(infeasible, proof, 0.0), violation
+
+    def _vertical(self, given: dict[str, Any]) -> Any:
+        f, status, state, violation = self._solve(f"{NAME}_vertical", {name: given[name] for name in given if name != "mu"})
+        return f, status, state, np.zeros((*np.shape(status), 6)), violation
+
+    def _solve(self, name: str, given: dict[str, Any]) -> Any:
+        if name not in self.solves:
+            raise ValueError(f"{NAME}: this robot was built without {name}; [generate] functions leaves it out")
+        return self.solves[name](**given)
+
+    def __repr__(self) -> str:
+        methods = ", ".join(sorted(self.solves))
+        return f"<function {NAME!r} of any feet: {methods}>"
+
+
+def _facets(cone: Literal["quadratic"] | int) -> int:
+    if cone == "quadratic":
+        return 0
+    if isinstance(cone, bool) or not isinstance(cone, int) or cone < _FEWEST_FACETS:
+        raise ValueError(f'{NAME}: cone is {cone!r}; give "quadratic" or the number of facets, at least {_FEWEST_FACETS}')
+    return cone

@@ -1,0 +1,144 @@
+"""Compliance of locked legs and connecting chains: how far feet yield under forces, and under loads that chains carry (theory 4.3)."""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
+from itertools import chain
+
+import sympy
+
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.signature import Port
+from walkgen.symbolic.beams import Beam, Rows, all_have_sections, beams_of
+from walkgen.symbolic.frames import parameter_symbols
+from walkgen.symbolic.function import Function
+from walkgen.symbolic.path import Kinematics, path_of
+from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.robot import joint_indices
+from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, plus, symbols_of
+
+Exprs = Sequence[sympy.Expr]
+_SOURCE = "theory 4.3: C_i = sum of integrals of m_x m_x'/GJ + m_y m_y'/EIy + m_z m_z'/EIz, + L/EA along; exact Simpson rule"
+_SHARED = "theory 4.3: C_ij over the links shared by the paths to both feet"
+_MISFIT = "theory 4.3: e_i += integral of sum_k m_k M_load,k over the chains"
+
+
+def foot_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
+    """C [3,3] of a leg with locked joints; None where a link of some length has no section."""
+    if not all_have_sections(mechanism, leg):
+        return None
+    q, tape = joint_port("q", leg.joints), Tape()
+    kinematics = Kinematics(path_of((leg,), symbols_of(q), parameter_symbols(mechanism)), tape)
+    (beams,) = beams_of(mechanism, (leg,), kinematics)
+    doc = "How far the foot yields for a unit force on it while the joints are locked and the platform is held; platform's axes."
+    words = signature(mechanism, leg.name, "foot_compliance", [q], [Port("C", (3, 3), "m/N")], doc, _SOURCE)
+    return tape.function(words, list(chain.from_iterable(_summed(beams, kinematics.position, kinematics.position, tape))))
+
+
+def _summed(beams: Sequence[Beam | None], first: Vec, second: Vec, tape: Tape) -> Rows:
+    """Over the links; for one point the matrix is symmetric."""
+    parts = [beam.shared(first, second, tape) for beam in beams if beam is not None]
+    rows = [[tape.let("c", sympy.Add(*(part[row][column] for part in parts))) for column in range(3)] for row in range(3)]
+    if first == second:
+        return [[rows[min(row, column)][max(row, column)] for column in range(3)] for row in range(3)]
+    return rows
+
+
+class StanceCompliance:
+    """The robot's feet on its legs and connecting chains, all joints locked, the first platform held; functions share a tape."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self._mechanism, self._tape = mechanism, Tape()
+        self._q = joint_port("q", [joint for limb in mechanism.limbs for joint in limb.joints])
+        self._routes = [(*mechanism.ancestors(leg.platform), leg) for leg in mechanism.legs]
+
+    def functions(self) -> dict[str, Callable[[], Function]]:
+        """Those that the robot has: sections of all legs; the loads' misfit takes those of chains as well, rigid links left out."""
+        if not all(all_have_sections(self._mechanism, leg) for leg in self._mechanism.legs):
+            return {}
+        found: dict[str, Callable[[], Function]] = {"stance_compliance": self.stance_compliance}
+        if any(joint.section for limb in self._mechanism.chains for joint in limb.joints):
+            found["load_misfit"] = self.load_misfit
+        return found
+
+    @cached_property
+    def _feet(self) -> list[Kinematics]:
+        return [self._kinematics(route) for route in self._routes]
+
+    @cached_property
+    def _beams(self) -> list[dict[int, tuple[Beam | None, ...]]]:
+        """For every foot, the beams of each limb on its route, by the limb's place among the limbs."""
+        found = [beams_of(self._mechanism, route, foot) for route, foot in zip(self._routes, self._feet, strict=True)]
+        places = [map(self._mechanism.limbs.index, route) for route in self._routes]
+        return [dict(zip(limbs, beams, strict=True)) for limbs, beams in zip(places, found, strict=True)]
+
+    def _kinematics(self, limbs: Sequence[Limb]) -> Kinematics:
+        symbols = symbols_of(self._q)
+        indices = chain.from_iterable(joint_indices(self._mechanism, limb) for limb in limbs)
+        return Kinematics(path_of(limbs, [symbols[index] for index in indices], parameter_symbols(self._mechanism)), self._tape)
+
+    def stance_compliance(self) -> Function:
+        """[3F,3F]."""
+        count = len(self._feet)
+        blocks = {(first, second): self._block(first, second) for first in range(count) for second in range(first, count)}
+        entries = [self._entry(blocks, row, column) for row in range(3 * count) for column in range(3 * count)]
+        port = Port("C", (3 * count, 3 * count), "m/N")
+        doc = (
+            "How far the feet yield for unit forces on the feet while the joints are locked and the first platform is held: three rows and "
+            "columns a foot, legs in file order, first platform's axes. Links of chains without a section are rigid."
+        )
+        return self._function("stance_compliance", [self._q], port, entries, doc, _SHARED)
+
+    @staticmethod
+    def _entry(blocks: dict[tuple[int, int], Rows], row: int, column: int) -> sympy.Expr:
+        low, high = sorted((row, column), key=lambda place: place // 3)
+        block = blocks[low // 3, high // 3]
+        return block[low % 3][high % 3]
+
+    def _block(self, first: int, second: int) -> Rows:
+        """C_ij of two feet; of one, over its whole route."""
+        beams = chain.from_iterable(links for limb, links in self._beams[first].items() if limb in self._beams[second])
+        return _summed(tuple(beams), self._feet[first].position, self._feet[second].position, self._tape)
+
+    def load_misfit(self) -> Function:
+        """[F,3]."""
+        loads = Port("loads", (len(self._mechanism.platforms), 6), "N and N m")
+        symbols = symbols_of(loads)
+        wrenches = [(_vec(symbols[start : start + 3]), _vec(symbols[start + 3 : start + 6])) for start in range(0, len(symbols), 6)]
+        moved = [self._moved(foot, wrenches) for foot in range(len(self._feet))]
+        port = Port("e", (len(self._feet), 3), "m")
+        doc = (
+            "How far the feet move under loads on the platforms while the joints are locked and the first platform is held: a row a foot, "
+            "legs in file order; loads are force and moment about the first platform's origin, in its axes."
+        )
+        return self._function("load_misfit", [self._q, loads], port, list(chain.from_iterable(moved)), doc, _MISFIT)
+
+    def _moved(self, foot: int, wrenches: Sequence[tuple[Vec, Vec]]) -> Vec:
+        """By every elastic link of the chains to the foot, under the loads beyond it."""
+        total, point = ZERO_VECTOR, self._feet[foot].position
+        for limb in self._routes[foot][:-1]:
+            force, moment = self._beyond(limb, wrenches)
+            for beam in self._beams[foot][self._mechanism.limbs.index(limb)]:
+                if beam is not None:
+                    total = self._tape.vector("misfit", plus(total, beam.under(point, force, moment, self._tape)))
+        return total
+
+    def _beyond(self, limb: Limb, wrenches: Sequence[tuple[Vec, Vec]]) -> tuple[Vec, Vec]:
+        """The loads on the platforms that a chain carries."""
+        force, moment = ZERO_VECTOR, ZERO_VECTOR
+        for platform in carried_platforms(self._mechanism, limb):
+            force = self._tape.vector("carried_force", plus(force, wrenches[platform][0]))
+            moment = self._tape.vector("carried_moment", plus(moment, wrenches[platform][1]))
+        return force, moment
+
+    def _function(self, name: str, inputs: Sequence[Port], output: Port, outputs: Exprs, doc: str, source: str) -> Function:
+        return self._tape.function(signature(self._mechanism, "", name, inputs, [output], doc, source), outputs)
+
+
+def carried_platforms(mechanism: Mechanism, limb: Limb) -> Iterator[int]:
+    """The platforms beyond a connecting chain."""
+    return (index for index in range(len(mechanism.platforms)) if limb in mechanism.ancestors(index))
+
+
+def _vec(components: Sequence[sympy.Expr]) -> Vec:
+    x, y, z = components
+    return (x, y, z)
