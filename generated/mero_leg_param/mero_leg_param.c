@@ -1750,6 +1750,10 @@ void mero_leg_param_leg_within_limits_d_param_batch(size_t rows, const double *W
     }
 }
 
+#endif
+
+#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
+
 int32_t mero_leg_param_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT param, double *WG_RESTRICT qd) {
     double J[9];
@@ -3373,10 +3377,6 @@ void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RE
         mero_leg_param_leg_regressor_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 180);
     }
 }
-
-#endif
-
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
 
 void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y, double *WG_RESTRICT p) {

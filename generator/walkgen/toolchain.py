@@ -18,7 +18,7 @@ from pathlib import Path
 
 from walkgen.errors import Problem, ToolchainError
 
-FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-fno-tree-slp-vectorize")
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-fno-tree-slp-vectorize")
 """The values of IEEE 754: only errno and exception flags are given up, so that sqrt is one instruction and choices need no jumps;
 gcc's SLP vectoriser slows straight-line kernels."""
 SHARED = ("-fPIC",)

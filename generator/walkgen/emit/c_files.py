@@ -4,6 +4,7 @@ import re
 from bisect import bisect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import accumulate
 from pathlib import Path, PurePosixPath
 
@@ -75,6 +76,7 @@ def _workspaces(code: RobotCode) -> tuple[str, ...]:
     return tuple(dict.fromkeys(f"{body.signature.workspace}.h" for body in code.functions if body.signature.workspace))
 
 
+@cache
 def _support(name: str) -> Artifact:
     return Artifact(PurePosixPath(name), (_SUPPORT / name).read_text(encoding="utf-8"))
 
@@ -98,7 +100,6 @@ def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFuncti
 
 def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], functions: list[tuple[CFunction, CFunction]]) -> Artifact:
     stem = _stem(code, precision)
-    public = [function for pair in functions for function in pair]
     return lay_out(
         "robot.c.jinja",
         f"{stem}.c",
@@ -107,18 +108,31 @@ def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], fun
         includes=(f"{stem}.h", precision.header, *dict.fromkeys(_routine_headers(code))),
         tables=[table_lines(table, CPrinter(precision, code.fma)) for table in code.tables],
         kernels=kernels,
-        parts=_parts(public),
+        parts=_parts(code, functions),
     )
 
 
-def _parts(functions: Sequence[CFunction]) -> tuple[Part, ...]:
-    """All in one, or in halves that two compilers can share where it is worth it."""
-    ends = list(accumulate(len(function.lines) for function in functions))
+def _parts(code: RobotCode, functions: Sequence[tuple[CFunction, CFunction]]) -> tuple[Part, ...]:
+    """All in one, or in two parts of like weight that two compilers can share where it is worth it."""
+    ends = list(accumulate(_weights(code, functions)))
     if not ends or ends[-1] < _LARGE:
-        return (Part((), tuple(functions), ()),)
+        return (Part((), _flat(functions), ()),)
     middle = bisect(ends, ends[-1] // 2)
     halves = (functions[:middle], functions[middle:])
-    return tuple(Part(("", guard(part)), tuple(half), ("", "#endif")) for part, half in enumerate(halves, 1))
+    return tuple(Part(("", guard(part)), _flat(half), ("", "#endif")) for part, half in enumerate(halves, 1))
+
+
+def _flat(functions: Sequence[tuple[CFunction, CFunction]]) -> tuple[CFunction, ...]:
+    return tuple(function for pair in functions for function in pair)
+
+
+def _weights(code: RobotCode, functions: Sequence[tuple[CFunction, CFunction]]) -> Iterator[int]:
+    """Lines of each function, those of the support routines that it is the first to call among them."""
+    met: set[str] = set()
+    for body, pair in zip(code.functions, functions, strict=True):
+        needed = set(_with_included(body.headers)) if isinstance(body, Composite) else set()
+        yield sum(len(function.lines) for function in pair) + sum(_support(name).text.count("\n") for name in needed - met)
+        met |= needed
 
 
 def guard(part: int) -> str:

@@ -120,7 +120,7 @@ def residues_kept(program: Program) -> Program:
             ops += [Op(Code.FINITE, arguments[:1]), Op(Code.CONSTANT), Op(Code.CONSTANT, value=Decimal("NaN"))]
             ops.append(Op(Code.SELECT, tuple(range(len(ops) - 3, len(ops))), name=op.name))
         else:
-            ops.append(replace(op, arguments=arguments))
+            ops.append(op._replace(arguments=arguments))
         position.append(len(ops) - 1)
     return replace(program, ops=tuple(ops), outputs=tuple(position[number] for number in program.outputs))
 

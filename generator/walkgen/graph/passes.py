@@ -21,7 +21,7 @@ def pruned(program: Program) -> Program:
 
 
 def _renumbered(op: Op, position: dict[int, int]) -> Op:
-    return replace(op, arguments=tuple(position[number] for number in op.arguments)) if op.arguments else op
+    return op._replace(arguments=tuple([position[number] for number in op.arguments])) if op.arguments else op
 
 
 def fused(program: Program) -> Program:
@@ -38,7 +38,7 @@ def _fused(op: Op, ops: tuple[Op, ...], uses: Counter[int]) -> Op:
     codes = _FUSED[op.code]
     for product, other, code in ((second, first, codes[1]), (first, second, codes[0])):
         if ops[product].code is Code.MUL and uses[product] == 1:
-            return replace(op, code=code, arguments=(*ops[product].arguments, other))
+            return op._replace(code=code, arguments=(*ops[product].arguments, other))
     return op
 
 

@@ -4,6 +4,8 @@ from collections import Counter
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
+from functools import cached_property
+from typing import NamedTuple
 
 from walkgen.signature import Port, Signature, Table
 
@@ -45,12 +47,13 @@ class Code(Enum):
     INDICATOR = "indicator"
     EPSILON = "epsilon"
 
+    __hash__ = object.__hash__  # Enum hashes its name on every look-up, and programs are looked up by all their operations
+
 
 TRUTH_CODES = frozenset({Code.LESS, Code.LESS_EQUAL, Code.EQUAL, Code.FINITE, Code.AND, Code.OR, Code.NOT})
 
 
-@dataclass(frozen=True)
-class Op:
+class Op(NamedTuple):
     """One value: `arguments` are indices of earlier ops.
 
     `INPUT` carries (port index, row-major element index) in `element`; `CONSTANT` carries its 40-digit `value`.
@@ -74,6 +77,13 @@ class Program:
     signature: Signature
     ops: tuple[Op, ...]
     outputs: tuple[int, ...]
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.signature, self.ops, self.outputs))
 
     def counts(self) -> Counter[str]:
         """How often each operation occurs, by its name."""

@@ -32,5 +32,5 @@ def _key(program: Program) -> Hashable:
     """Everything but names."""
     signature = program.signature
     ports = tuple((port.shape, port.kind) for port in (*signature.inputs, *signature.outputs))
-    nameless = tuple(replace(op, name="") for op in program.ops)
+    nameless = tuple(op._replace(name="") for op in program.ops)
     return len(signature.inputs), ports, nameless, program.outputs
