@@ -99,8 +99,6 @@ static void ambler_rpp_leg_acceleration_jacobian_kernel(const double *WG_RESTRIC
     rest[1] = wanted_y;
 }
 
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 1
-
 void ambler_rpp_leg_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double cos_shoulder = WG_COS(q[0]);
     const double sin_shoulder = WG_SIN(q[0]);
@@ -533,10 +531,6 @@ size_t ambler_rpp_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT 
     }
     return bad;
 }
-
-#endif
-
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
 
 int32_t ambler_rpp_leg_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q) {
     double rows[6];
@@ -2064,5 +2058,3 @@ void ambler_rpp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
             foot_forces + row * 3, tau + row * 9);
     }
 }
-
-#endif

@@ -136,8 +136,6 @@ static void ambler_rrp_leg_acceleration_jacobian_kernel(const double *WG_RESTRIC
     rest[1] = wanted_y;
 }
 
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 1
-
 void ambler_rrp_leg_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double angle_shoulder_elbow = q[0] + q[1];
     const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
@@ -596,10 +594,6 @@ size_t ambler_rrp_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT 
     }
     return bad;
 }
-
-#endif
-
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
 
 int32_t ambler_rrp_leg_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q) {
     double rows[12];
@@ -2560,5 +2554,3 @@ void ambler_rrp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
             foot_forces + row * 3, tau + row * 9);
     }
 }
-
-#endif

@@ -316,8 +316,6 @@ static void mero_leg_leg_acceleration_jacobian_kernel(const double *WG_RESTRICT 
     rest[2] = wanted_z;
 }
 
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 1
-
 void mero_leg_leg_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double cos_yaw = WG_COS(q[0]);
     const double sin_yaw = WG_SIN(q[0]);
@@ -953,10 +951,6 @@ size_t mero_leg_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
     }
     return bad;
 }
-
-#endif
-
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
 
 int32_t mero_leg_leg_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q) {
     double rows[12];
@@ -3175,5 +3169,3 @@ void mero_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_REST
             foot_forces + row * 3, tau + row * 9);
     }
 }
-
-#endif

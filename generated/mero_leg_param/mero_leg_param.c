@@ -354,8 +354,6 @@ static void mero_leg_param_leg_acceleration_jacobian_kernel(const double *WG_RES
     rest[2] = wanted_z;
 }
 
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 1
-
 void mero_leg_param_leg_foot_position(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
     const double cos_yaw = WG_COS(q[0]);
@@ -1749,10 +1747,6 @@ void mero_leg_param_leg_within_limits_d_param_batch(size_t rows, const double *W
         mero_leg_param_leg_within_limits_d_param(q + row * 3, param, within_d_param + row * 2);
     }
 }
-
-#endif
-
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
 
 int32_t mero_leg_param_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT param, double *WG_RESTRICT qd) {
@@ -6181,5 +6175,3 @@ void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const d
             foot_forces + row * 3, param, tau_d_param + row * 18);
     }
 }
-
-#endif

@@ -391,8 +391,6 @@ static void phantomx_leg_right_front_acceleration_jacobian_kernel(const double *
     rest[2] = wanted_z;
 }
 
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 1
-
 void phantomx_leg_right_front_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double turned_coxa = q[0] + 0.7853981633974483;
     const double cos_turned_coxa = WG_COS(turned_coxa);
@@ -1063,10 +1061,6 @@ size_t phantomx_leg_right_front_inverse_near_batch(size_t rows, const double *WG
     }
     return bad;
 }
-
-#endif
-
-#if !defined(WALKGEN_PART) || WALKGEN_PART == 2
 
 int32_t phantomx_leg_right_front_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q) {
     double rows[12];
@@ -3672,5 +3666,3 @@ void phantomx_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_
             foot_forces + row * 3, tau + row * 9);
     }
 }
-
-#endif

@@ -1,7 +1,6 @@
 """Lowering against sympy's own evaluation, and that the names of symbols do not change the Program."""
 
 import math
-from dataclasses import replace
 from decimal import Decimal
 from itertools import pairwise
 
@@ -88,7 +87,7 @@ def test_names_of_intermediates_do_not_order_them():
 
 
 def unnamed(program):
-    return tuple(replace(op, name="") for op in program.ops), program.outputs
+    return tuple(op._replace(name="") for op in program.ops), program.outputs
 
 
 TRUTHS = {
