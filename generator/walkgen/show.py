@@ -1,6 +1,6 @@
 """Any stage's product as text for people: the spec's exact numbers, the mechanism, equations, straight-line programs."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -8,8 +8,10 @@ from pydantic import BaseModel
 
 from walkgen import pipeline
 from walkgen.model.classify import inverse_class
+from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
 from walkgen.show_code import chosen, equations, listing
+from walkgen.spec.assur import SIDES
 from walkgen.spec.scalar import Apply, Exact, Name, Pi, Scalar
 
 _INFIX = {"add": " + ", "sub": " - ", "mul": "*", "div": "/", "pow": "**"}
@@ -129,9 +131,25 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
 def _limb(title: str, limb: Limb) -> Iterator[str]:
     yield title
     yield f"    mount  {_transform(limb.mount)}"
-    for joint in limb.joints:
+    for joint in limb.serial:
         yield f"    {joint.name}  {_joint(joint)}"
-    yield f"    tip  {_transform(limb.tip)}"
+    yield f"    {'plane' if limb.linkage else 'tip'}  {_transform(limb.tip)}"
+    if limb.linkage is not None:
+        yield from _linkage(limb.joints[len(limb.serial) :], limb.linkage)
+
+
+def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:
+    """How many freedoms, the drives, and the dyads with their sides."""
+    names = linkage.structure.names
+    yield f"    linkage of {len(names) - len(linkage.structure.bars)} links, {linkage.structure.mobility} degrees of freedom in its plane"
+    for drive in drives:
+        limits = f"  q in [{', '.join(scalar_text(limit) for limit in drive.limits)}]" if drive.limits else ""
+        yield f"    {drive.name}  {drive.kind} drive{limits}"
+    for group in linkage.forward.groups:
+        sides = SIDES[group.kind]
+        chosen = f", {sides[0 if linkage.side(group) > 0 else 1]} of {' and '.join(sides)}" if sides else ""
+        base, first, second = (names[body] for body in group.bodies)
+        yield f"    dyad {group.name}  {group.kind}: {first} and {second} on {base}{chosen}"
 
 
 def _joint(joint: Joint) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from bad_specs import EXAMPLE, MARK, ONE, Bad
 
-from walkgen.errors import Problem, SpecError, UnsupportedMechanism
+from walkgen.errors import Problem, SpecError
 from walkgen.spec.read import read
 
 DATA = Path(__file__).parent / "data"
@@ -108,12 +108,8 @@ def test_windows_files_have_the_same_places(tmp_path: Path) -> None:
     assert (place.line, place.column) == bad.place
 
 
-def test_a_linkage_is_unsupported_not_misspelt() -> None:
-    with pytest.raises(UnsupportedMechanism) as error:
-        read(DATA / "example_linkage.toml")
-    (problem,) = error.value.problems
-    assert (problem.code, problem.place.line if problem.place else 0) == ("WG150", 12)
-    assert "linkage" in problem.message
+def test_the_example_of_a_linkage_is_read() -> None:
+    assert read(DATA / "example_linkage.toml").leg_designs["hydraulic"].planar
 
 
 def test_messages_escape_what_terminals_obey(tmp_path: Path) -> None:

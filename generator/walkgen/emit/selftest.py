@@ -64,7 +64,7 @@ def _checks(robot: Mechanism, signatures: Sequence[Signature]) -> Iterator[Check
     inverted = {signature.owner for signature in signatures if signature.name in _INVERSES}
     regular = {owner: [sample for sample in samples[owner] if _is_regular(sample)] for owner in sorted(inverted & set(samples))}
     for signature in signatures:
-        if not signature.owner and signature.name in _ROBOT:
+        if not signature.owner and signature.name in _ROBOT and all(leg.linkage is None for leg in robot.legs):
             yield _robot_check(robot, signature)
         elif signature.owner in paths and signature.name in EXPECTED:
             yield _forward(signature, samples[signature.owner])
@@ -73,9 +73,10 @@ def _checks(robot: Mechanism, signatures: Sequence[Signature]) -> Iterator[Check
 
 
 def _paths(robot: Mechanism) -> dict[str, tuple[Limb, ...]]:
-    """The limbs between a function owner's base and tip."""
-    routes = {f"root_to_{leg.name}": (*robot.ancestors(leg.platform), leg) for leg in robot.legs}
-    return routes | {limb_owner(robot, limb): (limb,) for limb in robot.limbs}
+    """The limbs between a function owner's base and tip; the walk knows no closed linkages."""
+    serial = [leg for leg in robot.legs if leg.linkage is None]
+    routes = {f"root_to_{leg.name}": (*robot.ancestors(leg.platform), leg) for leg in serial}
+    return routes | {limb_owner(robot, limb): (limb,) for limb in (*robot.chains, *serial)}
 
 
 def _sample(robot: Mechanism, path: tuple[Limb, ...], index: int) -> Sample:

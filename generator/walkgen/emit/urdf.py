@@ -7,6 +7,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from walkgen.emit.artifact import Artifact
+from walkgen.errors import Problem, UnsupportedMechanism
 from walkgen.model.mechanism import Body, Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, Matrix, along, defaults, moved
 from walkgen.spec.scalar import ZERO, Scalar, evaluate
@@ -18,7 +19,14 @@ def urdf(mechanism: Mechanism) -> Artifact:
     """The robot as one URDF file: a link for each body, platform and foot, a fixed joint before each platform and foot.
 
     Runtime parameters are at their defaults. Numbers are the nearest doubles to a 50-digit walk.
+
+    Raises:
+        UnsupportedMechanism: a leg is a closed linkage, and URDF knows trees alone.
     """
+    closed = [leg.name for leg in mechanism.legs if leg.linkage is not None]
+    if closed:
+        message = f"legs {', '.join(closed)} are closed linkages, and URDF describes trees of joints"
+        raise UnsupportedMechanism(Problem("WG188", message, "export a robot of serial legs"))
     return Artifact(PurePosixPath(f"{mechanism.name}.urdf"), _Writer(mechanism).text())
 
 

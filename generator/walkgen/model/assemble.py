@@ -4,6 +4,7 @@ from pathlib import Path
 
 from walkgen.model.ground import ground
 from walkgen.model.limbs import body_of, chain_limb, leg_limb, mirrored_limb
+from walkgen.model.linkage_limb import linkage_limb
 from walkgen.model.mechanism import Limb, Mechanism, Parameter, Platform, Section
 from walkgen.model.values import Values
 from walkgen.spec.scalar import ZERO, Scalar, exact
@@ -56,7 +57,8 @@ def _leg(leg: LegSpec, entries: dict[str, LegSpec], spec: RobotSpec, platforms: 
     if leg.mirror_of:
         original = _leg(entries[leg.mirror_of], entries, spec, platforms, values)
         return mirrored_limb(original, leg.name, leg.source_names)
-    return leg_limb(leg, spec.leg_designs[leg.design or ""], platforms.index(leg.platform or ""), values)
+    design, platform = spec.leg_designs[leg.design or ""], platforms.index(leg.platform or "")
+    return (linkage_limb if design.planar else leg_limb)(leg, design, platform, values)
 
 
 def _parameters(spec: RobotSpec, values: Values) -> tuple[Parameter, ...]:

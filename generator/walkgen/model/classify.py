@@ -3,11 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
+from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT, along, defaults, joint_axis, limb_frames
+from walkgen.spec.assur import SIDES
 from walkgen.spec.branches import BRANCHED_JOINTS, branch_count
 
 
@@ -21,6 +23,7 @@ class InverseClass:
 
 
 YAW_PITCH_PITCH = "yaw-pitch-pitch"
+LINKAGE = "linkage"
 _YAW_BRANCHES = ("rho_plus_knee_plus", "rho_plus_knee_minus", "rho_minus_knee_plus", "rho_minus_knee_minus")
 _NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 _STRETCHES = (Fraction(1), Fraction(13, 11), Fraction(7, 9))
@@ -38,6 +41,8 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     axis 2, axis 2 parallel to axis 3, exactly and for all values of the runtime parameters (tested at three). Every other
     leg of one to three joints is named after its joints, `general RRP`; longer ones have no class.
     """
+    if leg.linkage is not None:
+        return linkage_class(leg, leg.linkage)
     kinds = "".join(joint.kind[0].upper() for joint in leg.joints)
     if len(kinds) > BRANCHED_JOINTS:
         return InverseClass("", (), f"{len(kinds)} joints leave the foot position redundant: solved by iteration from a seed")
@@ -48,6 +53,25 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     slots = branch_count(kinds)
     names = leg.branches or tuple(f"root_{number}" for number in range(1, slots + 1))
     return InverseClass(f"general {kinds}", names, f"{hindrance}; {_METHODS[slots]}")
+
+
+def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
+    """Of a leg that ends in a linkage: at most one joint turns its plane, two drives place the foot in it, dyad after dyad."""
+    kinds = "".join(joint.kind[0].upper() for joint in leg.serial)
+    if kinds not in ("", "R"):
+        return InverseClass("", (), f"{len(kinds)} joints ({kinds}) before the linkage: one that turns, or none, has a closed form")
+    if linkage.drive_count != 2:
+        return InverseClass("", (), f"{linkage.drive_count} drives do not place the foot in the plane: two do")
+    order = linkage.inverse
+    if len(order.clusters) > 1:
+        stuck = " + ".join(sorted(linkage.structure.names[min(cluster)] for cluster in order.clusters))
+        return InverseClass("", (), f"with the foot held no dyad is left to place: {stuck} form a group of a higher class")
+    words = [(f"{joint.name}_plus", f"{joint.name}_minus") for joint in leg.serial]
+    words += [
+        (f"{group.name}_{SIDES[group.kind][0]}", f"{group.name}_{SIDES[group.kind][1]}") for group in order.groups if SIDES[group.kind]
+    ]
+    names = tuple("_".join(choice) for choice in product(*words)) or ("only",)
+    return InverseClass(LINKAGE, leg.branches or names, "dyads placed one after another from the foot held in the plane")
 
 
 def _not_yaw_pitch_pitch(mechanism: Mechanism, leg: Limb, kinds: str) -> str:

@@ -6,7 +6,7 @@ from decimal import Decimal
 from typing import Literal, cast
 
 from walkgen.model.mechanism import Body, Joint, Limb, Transform
-from walkgen.model.transform import X, Z, align, inverse, mirrored, origin, rotation, translation
+from walkgen.model.transform import HALF_TURN, X, Z, align, inverse, mirrored, origin, rotation, translation
 from walkgen.model.values import Values
 from walkgen.spec.joint_tables import JointRow, Link, Pose, Rotor
 from walkgen.spec.scalar import ONE, ZERO, Scalar, exact, mul, neg, power
@@ -23,15 +23,15 @@ def pose_transform(pose: Pose | None, values: Values) -> Transform:
 
 def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> Limb:
     """A design mounted as one leg."""
-    joints = _joints(leg, design, values)
-    mount, tip = pose_transform(leg.mount, values), pose_transform(design.foot, values)
+    joints = joints_of(leg, design, values)
+    mount, tip = pose_transform(leg.mount, values), pose_transform(cast(Pose | None, design.foot), values)
     damping = _damping(design, joints, tip, values)
     return Limb(leg.name, platform, mount, joints, tip, damping=damping, senses=_signs(leg, design), branches=design.branches or ())
 
 
 def chain_limb(platform: PlatformSpec, design: ChainDesign, parent: int, child: int, values: Values) -> Limb:
     """A chain design between a platform and its parent; the limb bears the child's name."""
-    joints = _joints(platform, design, values)
+    joints = joints_of(platform, design, values)
     mount = pose_transform(platform.root, values)
     end = platform.end
     tip = _level_end(mount, joints, values.vector(platform.si("end_xyz"))) if end == "level" else pose_transform(cast(Pose, end), values)
@@ -39,11 +39,16 @@ def chain_limb(platform: PlatformSpec, design: ChainDesign, parent: int, child: 
 
 
 def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> Limb:
-    """The leg reflected in its platform's plane y = 0, so that the same joint values give the mirrored foot."""
-    sources = source_names or [""] * len(limb.joints)
-    joints = tuple(replace(_mirrored_joint(joint), source_name=source) for joint, source in zip(limb.joints, sources, strict=True))
+    """The leg reflected in its platform's plane y = 0, so that the same joint values give the mirrored foot.
+
+    A linkage stays as it is: its plane is turned over instead, which reflects it as well.
+    """
+    serial, drives = limb.serial, limb.joints[len(limb.serial) :]
+    sources = source_names or [""] * len(serial)
+    joints = tuple(replace(_mirrored_joint(joint), source_name=source) for joint, source in zip(serial, sources, strict=True))
     senses = tuple(-sense if index == 0 else sense for index, sense in enumerate(limb.senses))
-    return replace(limb, name=name, mount=mirrored(limb.mount), joints=joints, tip=mirrored(limb.tip), senses=senses)
+    tip = mirrored(limb.tip) + (rotation(X, HALF_TURN) if limb.linkage else ())
+    return replace(limb, name=name, mount=mirrored(limb.mount), joints=(*joints, *drives), tip=tip, senses=senses)
 
 
 def _mirrored_joint(joint: Joint) -> Joint:
@@ -64,7 +69,8 @@ def _mirrored_body(body: Body) -> Body:
     return Body(body.mass, (x, neg(y), z), (xx, yy, zz, neg(xy), xz, neg(yz)))
 
 
-def _joints(user: LegSpec | PlatformSpec, design: LegDesign | ChainDesign, values: Values) -> tuple[Joint, ...]:
+def joints_of(user: LegSpec | PlatformSpec, design: LegDesign | ChainDesign, values: Values) -> tuple[Joint, ...]:
+    """The design's rows as joints, with the user's signs, zeros and names."""
     count = len(design.joints)
     own = user if isinstance(user, LegSpec) else None
     signs = _signs(own, design)
@@ -96,11 +102,11 @@ def _joint(row: JointRow, convention: str | None, sign: Sign, zero: Scalar, sour
         source_name=source,
         viscous=values.resolve(row.friction.viscous) if row.friction else ZERO,
         coulomb=values.resolve(row.friction.coulomb) if row.friction else ZERO,
-        rotor=_reflected(row.rotor, values),
+        rotor=reflected(row.rotor, values),
     )
 
 
-def _reflected(rotor: Rotor | None, values: Values) -> Scalar:
+def reflected(rotor: Rotor | None, values: Values) -> Scalar:
     """Inertia as the joint feels it: gear^2 times the rotor's own."""
     if rotor is None:
         return ZERO

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from walkgen.model.linkage import Linkage
 from walkgen.model.terrain import Terrain
 from walkgen.spec.scalar import ZERO, Scalar, Vector
 
@@ -76,6 +77,8 @@ class Limb:
     `senses`, one a joint (empty: all 1), say whether q runs with the design's own angle, so that the branches of the inverse keep
     their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
     `branches` are the spec's names of them, empty where it gives none.
+    A leg that ends in a planar linkage has it in `linkage`: `tip` is then the linkage's plane, X and Y its first two axes, and the
+    last joints are the linkage's drives.
     """
 
     name: str
@@ -87,6 +90,12 @@ class Limb:
     damping: tuple[Scalar, Scalar] | None = None
     senses: tuple[Literal[1, -1], ...] = ()
     branches: tuple[str, ...] = ()
+    linkage: Linkage | None = None
+
+    @property
+    def serial(self) -> tuple[Joint, ...]:
+        """The joints in series: all, or those before the linkage."""
+        return self.joints if self.linkage is None else self.joints[: len(self.joints) - self.linkage.drive_count]
 
 
 @dataclass(frozen=True)

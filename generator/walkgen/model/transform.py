@@ -9,7 +9,8 @@ from walkgen.model.mechanism import Motion, Transform
 from walkgen.spec.scalar import Exact, Pi, Scalar, Vector, apply, is_zero, mul, names, neg
 
 X, Y, Z = 0, 1, 2
-_QUARTER = mul(Exact(Fraction(1, 2)), Pi())
+QUARTER_TURN = mul(Exact(Fraction(1, 2)), Pi())
+HALF_TURN = Pi()
 _NEGLIGIBLE = 1e-40
 
 
@@ -38,7 +39,7 @@ def align(axis: Vector, size: Callable[[Scalar], float]) -> tuple[Transform, Lit
     """
     nonzero = [index for index in (X, Y, Z) if names(axis[index]) or abs(size(axis[index])) > _NEGLIGIBLE]
     if len(nonzero) == 1:
-        turn = {X: rotation(Y, _QUARTER), Y: rotation(X, neg(_QUARTER)), Z: ()}[nonzero[0]]
+        turn = {X: rotation(Y, QUARTER_TURN), Y: rotation(X, neg(QUARTER_TURN)), Z: ()}[nonzero[0]]
         return turn, 1 if size(axis[nonzero[0]]) > 0 else -1
     azimuth = apply("atan2", axis[Y], axis[X])
     polar = apply("atan2", apply("hypot", axis[X], axis[Y]), axis[Z])

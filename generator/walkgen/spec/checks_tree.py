@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from walkgen.spec.functions import FUNCTION_NAMES
 from walkgen.spec.joint_tables import JointRow
 from walkgen.spec.problems import Finding, did_you_mean, shown
-from walkgen.spec.schema import LegSpec, PlatformSpec, RobotSpec
+from walkgen.spec.schema import LegDesign, LegSpec, PlatformSpec, RobotSpec
 from walkgen.spec.shapes import STAND_IN_NAME
 from walkgen.spec.table import Path
 from walkgen.spec.tree import mirror_circle, platform_circle
@@ -113,7 +113,7 @@ def _leg(spec: RobotSpec, path: Path, leg: LegSpec) -> Iterator[Finding]:
 def _designs(spec: RobotSpec) -> Iterator[Finding]:
     for key, what in (("leg_designs", "leg"), ("chain_designs", "chain")):
         for name, design in getattr(spec, key).items():
-            if not design.joints:
+            if not design.joints and not (isinstance(design, LegDesign) and design.planar):
                 yield Finding("WG144", (key, name, "joints"), f"the {what} has no joints", f"write [[{key}.{name}.joints]] for every joint")
     uses: tuple[Path, ...] = (("platforms",), *(("platforms", index, "chain") for index in range(len(spec.platforms))))
     used = {platform.chain for platform in spec.platforms}

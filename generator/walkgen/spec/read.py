@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from walkgen.errors import Problem, SpecError, UnsupportedMechanism
 from walkgen.spec.checks_joints import check_joints, check_units
+from walkgen.spec.checks_linkage import check_linkages
 from walkgen.spec.checks_names import check_joined_names, check_names, check_texts
 from walkgen.spec.checks_terrain import check_height_maps, check_terrain
 from walkgen.spec.checks_tree import check_references, check_tree
@@ -53,6 +54,7 @@ def findings_of(spec: RobotSpec, folder: Path) -> Iterator[Finding]:
         check_references(spec),
         check_tree(spec),
         check_joints(spec, numbers),
+        check_linkages(spec, numbers),
         check_units(spec, numbers),
         check_expressions(spec, numbers),
         check_ranges(spec, numbers),

@@ -4,18 +4,18 @@ import json
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
-from pydantic_core import PydanticCustomError
 
 from walkgen.spec.joint_tables import JointRow, Pose
+from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec
 from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
 from walkgen.spec.terrain import TerrainPatch
 
 Target = Literal["c", "casadi", "numpy"]
 
-_LINKAGE_KEYS = ("links", "pins", "cylinders", "sliders", "plane", "assembly")
 _MOST_NAMES = 1000
 _MOST_LIMBS = 100
 _MOST_JOINTS = 64
+_MOST_LINKS = 100
 
 
 class Damping(Table):
@@ -40,23 +40,36 @@ class Design(Table):
     zeros_deg: tuple[Number, ...] | None = None
 
 
+def _foot_kind(value: Any) -> str:
+    return "foot:point" if isinstance(value, str) else "foot:pose"
+
+
+Foot = Annotated[Annotated[StrictStr, Tag("foot:point")] | Annotated[Pose, Tag("foot:pose")], Discriminator(_foot_kind)]
+
+
 class LegDesign(Design):
     """A leg, described once and mounted as often as needed."""
 
-    foot: Pose | None = None
-    """Foot frame in the frame after the last joint; its origin is the foot point."""
+    foot: Foot | None = None
+    """Foot frame in the frame after the last joint, its origin is the foot point; of a linkage a point, as link.point."""
     damping: Damping | None = None
     branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_JOINTS)
     """Names of the inverse's branches, in their fixed order."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _refuse_linkage(cls, table: Any) -> Any:
-        key = next((key for key in table if key in _LINKAGE_KEYS), None) if isinstance(table, dict) else None
-        if key is not None:
-            cure = "describe an open chain of joints, or wait for a version that knows linkages"
-            raise PydanticCustomError("WG150", "this leg is a closed linkage, which is not supported yet", {"cure": cure, "key": key})
-        return table
+    links: dict[StrictStr, PlanarLinkSpec] = Field(default_factory=dict, max_length=_MOST_LINKS)
+    """Of a planar linkage that follows the joints; the link "frame" does not move in its plane."""
+    pins: tuple[PinSpec, ...] = Field(default=(), max_length=_MOST_LINKS)
+    sliders: tuple[SliderSpec, ...] = Field(default=(), max_length=_MOST_LINKS)
+    cylinders: tuple[CylinderSpec, ...] = Field(default=(), max_length=_MOST_LINKS)
+    plane: Pose | None = None
+    """Where the linkage's X (forward) and Y (up) lie in the frame after the joints."""
+    assembly: dict[StrictStr, StrictStr] = Field(default_factory=dict, max_length=_MOST_LINKS)
+    """The side on which each dyad is assembled, by its name; `walkgen show` lists them."""
+
+    @property
+    def planar(self) -> bool:
+        """Whether the leg ends in a linkage."""
+        return bool(self.links or self.pins or self.sliders or self.cylinders)
 
 
 class ChainDesign(Design):
@@ -167,7 +180,7 @@ Functions = Annotated[
     Annotated[Literal["all"], Tag("functions:word")] | Annotated[tuple[StrictStr, ...], Tag("functions:list")],
     Discriminator(_functions_kind),
 ]
-TAGS = frozenset({"end:word", "end:pose", "functions:word", "functions:list"})
+TAGS = frozenset({"end:word", "end:pose", "foot:point", "foot:pose", "functions:word", "functions:list"})
 """Parts of pydantic's error places that are no keys."""
 
 

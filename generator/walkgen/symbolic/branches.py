@@ -13,8 +13,8 @@ from walkgen.symbolic.function import Angle, Both, Either, Epsilon, Finite, Indi
 from walkgen.symbolic.geometry import Geometry, geometry
 from walkgen.symbolic.tape import Tape, Vec, constant, dot, minus
 
-OK, UNREACHABLE, BAD_INPUT, SINGULAR, DUPLICATE = (
-    sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "DUPLICATE")
+OK, UNREACHABLE, BAD_INPUT, SINGULAR, DUPLICATE, INFEASIBLE = (
+    sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "DUPLICATE", "INFEASIBLE")
 )
 _TOLERANCE = sympy.Rational(1, 10**12)
 _PI = constant(sympy.pi)

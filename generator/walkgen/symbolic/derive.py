@@ -15,6 +15,7 @@ from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
 from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
+from walkgen.symbolic.linkage_inverse import linkage_inverse
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
@@ -57,27 +58,30 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
     for leg in mechanism.legs:
         yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
         yield from _leg_inverse(mechanism, leg, wanted)
-        yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
-        if wanted("foot_compliance"):
-            yield from _existing([foot_compliance(mechanism, leg)])
+        yield from _loaded(mechanism, leg, wanted)
     for limb in mechanism.chains:
         yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
     for route in routes(mechanism):
         yield from _path(mechanism, route, FOOT, wanted)
         yield from _path_inverse(mechanism, route, wanted)
     robot = RobotFunctions(mechanism)
-    for name in ("platform_poses", "foot_positions", "foot_jacobians"):
-        if wanted(name):
-            yield getattr(robot, name)()
-    yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-    yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
-    stood = (
-        contact_functions(mechanism) | stance_functions(mechanism) | StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
-    )
+    yield from (getattr(robot, name)() for name in ("platform_poses", "foot_positions", "foot_jacobians") if wanted(name))
+    stood = contact_functions(mechanism) | stance_functions(mechanism)
+    if all(leg.linkage is None for leg in mechanism.legs):
+        yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
+        yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
+        stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
     yield from (build() for name, build in stood.items() if wanted(name))
     if mechanism.terrain:
         ground = TerrainFunctions(mechanism, mechanism.terrain)
         yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
+
+
+def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
+    """Dynamics, and the compliance of a leg of joints in series."""
+    yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
+    if leg.linkage is None and wanted("foot_compliance"):
+        yield from _existing([foot_compliance(mechanism, leg)])
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
@@ -105,7 +109,9 @@ def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted:
 
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
     """All branches where they are known."""
-    if inverse_class(mechanism, leg).name:
+    if leg.linkage is not None:
+        yield from (function for function in linkage_inverse(mechanism, leg) if wanted(function.signature.name))
+    elif inverse_class(mechanism, leg).name:
         yield from (build(mechanism, leg) for name, build in BRANCHED.items() if wanted(name))
     elif wanted("inverse_admissible"):
         yield inverse_admissible(mechanism, leg)
@@ -114,5 +120,6 @@ def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[De
 
 def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:
     """What any path has; the iterated inverse where there are too many joints for branches."""
-    builders = JOINTED | (ITERATED if len(route.joints) > BRANCHED_JOINTS else {})
+    serial = route.limbs[-1].linkage is None
+    builders = JOINTED | (ITERATED if serial and len(route.joints) > BRANCHED_JOINTS else {})
     yield from (build(mechanism, route) for name, build in builders.items() if wanted(name))

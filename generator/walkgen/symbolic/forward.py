@@ -8,11 +8,12 @@ import sympy
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port
+from walkgen.symbolic.driven import DrivenKinematics, kinematics_of
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
-from walkgen.symbolic.path import Kinematics, path_of
+from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.ports import joint_port, joint_unit, signature
-from walkgen.symbolic.tape import ZERO_VECTOR, Columns, Tape, Vec, cross, dot, plus, scaled, symbols_of
+from walkgen.symbolic.tape import Columns, Tape, Vec, dot, plus, symbols_of
 
 Exprs = Sequence[sympy.Expr]
 _POSE_TAIL = (sympy.S.Zero, sympy.S.Zero, sympy.S.Zero, sympy.S.One)
@@ -22,7 +23,7 @@ _POSE_TAIL = (sympy.S.Zero, sympy.S.Zero, sympy.S.Zero, sympy.S.One)
 class Motion:
     """What a builder works with: the path's kinematics and the symbols of the joint rates and accelerations."""
 
-    kinematics: Kinematics
+    kinematics: Kinematics | DrivenKinematics
     qd: Exprs
     qdd: Exprs
     force: Exprs
@@ -65,23 +66,8 @@ def _rates(columns: Sequence[Vec], rates: Exprs) -> Vec:
     return (x, y, z)
 
 
-def bias(motion: Motion) -> tuple[Vec, Vec]:
-    """Jdot qd, linear and angular: sum of (w_i + w_(i-1)) x J_i qd_i and of w_(i-1) x z_i qd_i, w_i the rate through joint i."""
-    tape, kinematics = motion.kinematics.tape, motion.kinematics
-    linear, angular, rate = ZERO_VECTOR, ZERO_VECTOR, ZERO_VECTOR
-    for joint, column, axis, qd in zip(kinematics.path.joints, kinematics.jacobian, kinematics.angular, motion.qd, strict=True):
-        spin = tape.vector(f"spin_{joint.name}", scaled(qd, axis))
-        flow = tape.vector(f"flow_{joint.name}", scaled(qd, column))
-        through = tape.vector(f"rate_{joint.name}", plus(rate, spin))
-        twice = tape.vector(f"rates_{joint.name}", plus(through, rate))
-        linear = tape.vector(f"bias_{joint.name}", plus(linear, cross(twice, flow)))
-        angular = tape.vector(f"turn_{joint.name}", plus(angular, cross(rate, spin)))
-        rate = through
-    return linear, angular
-
-
 def _acceleration(motion: Motion) -> Exprs:
-    return plus(_rates(motion.kinematics.jacobian, motion.qdd), bias(motion)[0])
+    return plus(_rates(motion.kinematics.jacobian, motion.qdd), motion.kinematics.bias(motion.qd)[0])
 
 
 def _frames(motion: Motion) -> Exprs:
@@ -142,7 +128,7 @@ FOOT: dict[str, Entry] = {
     "foot_bias_acceleration": Entry(
         ("q", "qd"),
         _port("a", "m/s^2 and rad/s^2", 6),
-        lambda m: tuple(chain.from_iterable(bias(m))),
+        lambda m: tuple(chain.from_iterable(m.kinematics.bias(m.qd))),
         "Jdot qd of the spatial Jacobian, linear then angular.",
         _EQ_H,
     ),
@@ -200,8 +186,8 @@ class PathFunctions:
         }
         symbols = {name: symbols_of(port) for name, port in self._ports.items()}
         self.tape = Tape()
-        path = path_of(route.limbs, symbols["q"], parameter_symbols(mechanism))
-        self.motion = Motion(Kinematics(path, self.tape), symbols["qd"], symbols["qdd"], symbols["f"])
+        kinematics = kinematics_of(route.limbs, symbols["q"], parameter_symbols(mechanism), self.tape)
+        self.motion = Motion(kinematics, symbols["qd"], symbols["qdd"], symbols["f"])
 
     def function(self, name: str, entry: Entry) -> Function:
         """One entry as a Function of this path."""

@@ -19,6 +19,7 @@ from walkgen.symbolic.inertia import Inertia
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler
 from walkgen.symbolic.ports import joint_port
 from walkgen.symbolic.regressor import regressor_of
+from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tangents import tangents
 from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, constant_vector, dot, scaled, symbols_of
 from walkgen.symbolic.tree import Tree
@@ -34,8 +35,9 @@ _DIFFERENTIATED_JOINTS = 3
 class LegDynamics:
     """What a builder works with: one leg's tree, on a tape of its own."""
 
-    def __init__(self, mechanism: Mechanism, leg: Limb, tree: Tree, tape: Tape) -> None:
+    def __init__(self, mechanism: Mechanism, leg: Limb, tree: Tree, spread: Spread, tape: Tape) -> None:
         self.mechanism, self.leg, self.tree, self.tape = mechanism, leg, tree, tape
+        self.spread = spread.on(tape)
         self.ports = {port.name: port for port in _ports(leg.joints)}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
         self.drives = drives([(joint.name, joint) for joint in leg.joints], mechanism, self.tape)
@@ -45,7 +47,7 @@ class LegDynamics:
     @cached_property
     def turning(self) -> Turning:
         """At q."""
-        return Turning(self.tree, self.tape, self.symbols["q"])
+        return Turning(self.tree, self.tape, self.spread.values)
 
     @property
     def still(self) -> tuple[sympy.Expr, ...]:
@@ -60,12 +62,20 @@ class LegDynamics:
         """Of the links alone."""
         base = Motion(origin=scaled(sympy.S.NegativeOne, gravity))
         forces = [(force[0], force[1], force[2])] if force else []
-        return NewtonEuler(self.turning, rates, accelerations, base, forces).efforts
+        return self.spread.borne(self._pushed(rates, accelerations, base, forces).efforts)
+
+    def _pushed(self, rates: Exprs, accelerations: Exprs, base: Motion, forces: Sequence[Vec] = ()) -> NewtonEuler:
+        return NewtonEuler(self.turning, self.spread.rates(rates), self.spread.accelerations(rates, accelerations), base, forces)
+
+    def held(self, turning: Turning, base: Motion) -> Exprs:
+        """Efforts that keep links at rest on an accelerated base."""
+        still = (_ZERO,) * len(turning.links)
+        return self.spread.borne(NewtonEuler(turning, still, still, base).efforts)
 
     def moving(self) -> NewtonEuler:
         """At qd and qdd."""
         base = Motion(origin=scaled(sympy.S.NegativeOne, self.gravity))
-        return NewtonEuler(self.turning, self.symbols["qd"], self.symbols["qdd"], base)
+        return self._pushed(self.symbols["qd"], self.symbols["qdd"], base)
 
     def newton_euler(self, rates: Exprs, accelerations: Exprs, force: Exprs = ()) -> Exprs:
         """Efforts of the joints, friction and rotors included."""
@@ -76,14 +86,14 @@ class LegDynamics:
     @cached_property
     def mass_matrix(self) -> dict[tuple[int, int], sympy.Expr]:
         """Nonzero entries, rotors included."""
-        entries = {(row, column): value for row, column, value in CompositeBodies(self.turning).joint_entries()}
+        entries = self.spread.matrix({(row, column): value for row, column, value in CompositeBodies(self.turning).joint_entries()})
         for index, drive in enumerate(self.drives):
             entries[index, index] += drive.rotor
         return entries
 
     def velocities(self) -> Velocities:
         """Of the links, at qd."""
-        return Velocities(self.turning, self.symbols["qd"])
+        return Velocities(self.turning, self.spread.rates(self.symbols["qd"]))
 
 
 def inverse_dynamics(leg: LegDynamics) -> Exprs:
@@ -102,8 +112,7 @@ def gravity_torque(leg: LegDynamics) -> Exprs:
     size = sizes[0] if sizes else sympy.S.One
     base = Motion(origin=constant_vector(scaled(-1 / size, leg.gravity)))
     links = tuple(replace(link, inertia=_weighed(link.inertia, size, leg.tape)) for link in leg.tree.links)
-    turning = Turning(replace(leg.tree, links=links), leg.tape, leg.symbols["q"])
-    return NewtonEuler(turning, leg.still, leg.still, base).efforts
+    return leg.held(Turning(replace(leg.tree, links=links), leg.tape, leg.spread.values), base)
 
 
 def _weighed(inertia: Inertia, size: sympy.Expr, tape: Tape) -> Inertia:
@@ -121,7 +130,7 @@ def mass_matrix(leg: LegDynamics) -> Exprs:
 
 def coriolis_matrix(leg: LegDynamics) -> Exprs:
     """Half the slope of C qd by qd where that is cheaper: Christoffel's symbols are symmetric."""
-    if len(leg.still) > _DIFFERENTIATED_JOINTS:
+    if leg.leg.linkage is None and len(leg.still) > _DIFFERENTIATED_JOINTS:
         return _matrix(Coriolis(leg.velocities()).entries(), len(leg.still))
     slopes = tangents(leg.tape, leg.efforts(leg.symbols["qd"], leg.still, ZERO_VECTOR), leg.named("qd"))
     return tuple(slope / 2 for slope in chain.from_iterable(slopes))

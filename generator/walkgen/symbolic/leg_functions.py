@@ -24,10 +24,12 @@ from walkgen.symbolic.leg_dynamics import (
     potential_energy,
     regressor,
 )
+from walkgen.symbolic.linked_tree import spread_leg
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.regroup import regrouped
-from walkgen.symbolic.tape import Tape
-from walkgen.symbolic.tree import Tree, leg_tree
+from walkgen.symbolic.spread import Spread
+from walkgen.symbolic.tape import Tape, symbols_of
+from walkgen.symbolic.tree import Tree
 from walkgen.symbolic.triangular import SingularMatrixError
 
 Exprs = Sequence[sympy.Expr]
@@ -143,6 +145,9 @@ DYNAMICS: dict[str, Entry] = {
     ),
 }
 
+SERIAL_ONLY = ("regressor", "base_parameters")
+"""Of parameters that links of a linkage do not have."""
+
 
 class LegFunctions:
     """Functions of one leg; its tree of links is made once."""
@@ -151,18 +156,20 @@ class LegFunctions:
         self._mechanism, self._leg, self._tape = mechanism, leg, Tape()
 
     @cached_property
-    def _described(self) -> Tree:
-        return leg_tree(self._mechanism, self._leg, self._tape)
+    def _described(self) -> tuple[Tree, Spread]:
+        return spread_leg(self._mechanism, self._leg, symbols_of(joint_port("q", self._leg.joints)), self._tape)
 
     @cached_property
     def _fewest(self) -> Tree:
-        return regrouped(self._described, self._tape, floating=False)
+        return regrouped(self._described[0], self._tape, floating=False)
 
     def function(self, name: str) -> Function | None:
         """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass."""
         entry, joints = DYNAMICS[name], self._leg.joints
-        tree = self._fewest if entry.by_value else regrouped(self._described, self._tape, floating=False, by_value=False)
-        leg = LegDynamics(self._mechanism, self._leg, tree, self._tape.fork())
+        if self._leg.linkage is not None and name in SERIAL_ONLY:
+            return None
+        tree = self._fewest if entry.by_value else regrouped(self._described[0], self._tape, floating=False, by_value=False)
+        leg = LegDynamics(self._mechanism, self._leg, tree, self._described[1], self._tape.fork())
         try:
             built = entry.build(leg)
         except SingularMatrixError:

@@ -212,6 +212,20 @@ class Kinematics:
             return self._in_base(last, (-sign * y, sign * x, sympy.S.Zero), names)
         return self.tape.vector(names, cross(self.axes[first], self.jacobian[last]))
 
+    def bias(self, rates: Sequence[sympy.Expr]) -> tuple[Vec, Vec]:
+        """Jdot qd, linear and angular: sum of (w_i + w_(i-1)) x J_i qd_i and of w_(i-1) x z_i qd_i, w_i the rate through joint i."""
+        tape = self.tape
+        linear, angular, rate = ZERO_VECTOR, ZERO_VECTOR, ZERO_VECTOR
+        for joint, column, axis, qd in zip(self.path.joints, self.jacobian, self.angular, rates, strict=True):
+            spin = tape.vector(f"spin_{joint.name}", scaled(qd, axis))
+            flow = tape.vector(f"flow_{joint.name}", scaled(qd, column))
+            through = tape.vector(f"rate_{joint.name}", plus(rate, spin))
+            twice = tape.vector(f"rates_{joint.name}", plus(through, rate))
+            linear = tape.vector(f"bias_{joint.name}", plus(linear, cross(twice, flow)))
+            angular = tape.vector(f"turn_{joint.name}", plus(angular, cross(rate, spin)))
+            rate = through
+        return linear, angular
+
     @cached_property
     def frames(self) -> tuple[tuple[Columns, Vec], ...]:
         """The mount, then the frame that moves with every joint: axes by columns and origin, in the base's axes."""

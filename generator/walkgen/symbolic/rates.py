@@ -8,7 +8,7 @@ import sympy
 from walkgen.model.mechanism import Mechanism
 from walkgen.model.walk import CONTEXT, number
 from walkgen.signature import Port, Signature
-from walkgen.symbolic.forward import PathFunctions, Route, bias, flat
+from walkgen.symbolic.forward import PathFunctions, Route, flat
 from walkgen.symbolic.function import Function, Solve, Step
 from walkgen.symbolic.ports import joint_port, joint_unit, parameter_ports, signature
 from walkgen.symbolic.rates_closed import Damping, closed_rates
@@ -46,7 +46,7 @@ def inverse_acceleration(mechanism: Mechanism, route: Route) -> Solve:
     """qdd of a wanted foot acceleration at given joint rates; damping is that of the route's leg."""
     acceleration, path = Port("a", (3,), "m/s^2"), PathFunctions(mechanism, route)
     words = _signature(mechanism, route, "inverse_acceleration", acceleration)
-    wanted = path.tape.vector("wanted", minus(_vector(symbols_of(acceleration)), bias(path.motion)[0]))
+    wanted = path.tape.vector("wanted", minus(_vector(symbols_of(acceleration)), path.motion.kinematics.bias(path.motion.qd)[0]))
     jacobian, rest, columns = _jacobian(route), Port("rest", (3,), "m/s^2"), path.motion.kinematics.jacobian
     kernel = path.tape.function(_kernel(words, "acceleration_jacobian", words.inputs, (jacobian, rest)), (*flat(columns), *wanted))
     closed = _closed_form(words, path.tape, columns, wanted, _damping(mechanism, route))

@@ -7,10 +7,11 @@ import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
+from walkgen.symbolic.driven import DrivenKinematics, kinematics_of
 from walkgen.symbolic.forward import flat, pose
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
-from walkgen.symbolic.path import Kinematics, path_of
+from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Tape, Vec, symbols_of
 
@@ -30,10 +31,10 @@ class RobotFunctions:
     def _indices(self, limbs: Sequence[Limb]) -> list[int]:
         return list(chain.from_iterable(joint_indices(self._mechanism, limb) for limb in limbs))
 
-    def _kinematics(self, limbs: Sequence[Limb]) -> Kinematics:
+    def _kinematics(self, limbs: Sequence[Limb]) -> Kinematics | DrivenKinematics:
         symbols = symbols_of(self._q)
         q = [symbols[index] for index in self._indices(limbs)]
-        return Kinematics(path_of(limbs, q, parameter_symbols(self._mechanism)), self._tape)
+        return kinematics_of(limbs, q, parameter_symbols(self._mechanism), self._tape)
 
     def _function(self, name: str, output: Port, outputs: Sequence[sympy.Expr], doc: str, source: str) -> Function:
         return self._tape.function(signature(self._mechanism, "", name, [self._q], [output], doc, source), outputs)
@@ -60,7 +61,7 @@ class RobotFunctions:
         doc = "Jacobian of every foot position by all joints of the robot."
         return self._function("foot_jacobians", port, list(rows), doc, "J_i = D_i p along the foot's route")
 
-    def _jacobian(self, foot: Kinematics, leg: Limb) -> tuple[sympy.Expr, ...]:
+    def _jacobian(self, foot: Kinematics | DrivenKinematics, leg: Limb) -> tuple[sympy.Expr, ...]:
         columns: list[Vec] = [ZERO_VECTOR] * self._q.size
         route = (*self._mechanism.ancestors(leg.platform), leg)
         for index, column in zip(self._indices(route), foot.jacobian, strict=True):

@@ -24,8 +24,8 @@ from walkgen.symbolic.ports import joint_port, joint_unit
 from walkgen.symbolic.tape import Tape, symbols_of
 
 _STATUS = Port("status", kind="integer")
-_OK, _UNREACHABLE, _BAD_INPUT, _DUPLICATE = (
-    sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "DUPLICATE")
+_OK, _UNREACHABLE, _BAD_INPUT, _DUPLICATE, _INFEASIBLE = (
+    sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "DUPLICATE", "INFEASIBLE")
 )
 
 Row = tuple[Sequence[sympy.Expr], sympy.Expr]
@@ -53,7 +53,7 @@ def nearest(mechanism: Mechanism, leg: Limb, slots: int) -> Function:
     port = joint_port("q_seed", leg.joints)
     seed = symbols_of(port)
     tape = Tape()
-    candidates = [_candidate(row, seed, leg.joints, tape) for row in _rows(leg.joints, slots)]
+    candidates = [_candidate(row, seed, leg.joints, tape, leg.linkage is not None) for row in _rows(leg.joints, slots)]
     best = candidates[0]
     for other in candidates[1:]:
         best = _better(best, other, tape)
@@ -73,9 +73,11 @@ class _Candidate:
     apart: sympy.Expr
 
 
-def _candidate(row: Row, seed: Sequence[sympy.Expr], joints: Sequence[Joint], tape: Tape) -> _Candidate:
+def _candidate(row: Row, seed: Sequence[sympy.Expr], joints: Sequence[Joint], tape: Tape, assembled: bool) -> _Candidate:
     values, state = row
-    misses = tape.let("misses", Indicator(Either(Same(state, _UNREACHABLE), Same(state, _BAD_INPUT))))
+    missed = Either(Same(state, _UNREACHABLE), Same(state, _BAD_INPUT))
+    missed = Either(missed, Same(state, _INFEASIBLE)) if assembled else missed
+    misses = tape.let("misses", Indicator(missed))
     apart = sympy.Add(*(_difference(*pair) ** 2 for pair in zip(values, seed, joints, strict=True)))
     return _Candidate(values, state, misses, tape.let("apart", apart))
 
@@ -111,6 +113,6 @@ def _row_ports(joints: Sequence[Joint], slots: int) -> tuple[Port, Port]:
 
 def _words(mechanism: Mechanism, leg: Limb, slots: int, name: str, port: Port) -> Signature:
     """The same kernel serves all legs of these joints."""
-    kinds = "".join(joint.kind[0] for joint in leg.joints)
+    kinds = "".join(joint.kind[0] for joint in leg.joints) + ("_linkage" if leg.linkage else "")
     inputs = (*_row_ports(leg.joints, slots), port)
     return Signature(mechanism.name, "", f"{name}_{slots}_{kinds}", inputs, (joint_port("q", leg.joints), _STATUS))

@@ -80,7 +80,7 @@ class Tree:
 
 
 @dataclass(frozen=True)
-class _Place:
+class Attachment:
     """Where things are attached: a link (or the base) and a frame in the link's frame."""
 
     link: int
@@ -88,7 +88,7 @@ class _Place:
 
 
 @dataclass
-class _Growth:
+class Growth:
     """A tree being grown; `flips` say which links' own z runs against their group's."""
 
     parameters: Parameters
@@ -98,14 +98,14 @@ class _Growth:
     base: Inertia = field(default_factory=Inertia)
     feet: list[Foot] = field(default_factory=list)
 
-    def limb(self, limb: Limb, start: _Place, coordinates: Sequence[int], prefix: str) -> _Place:
+    def limb(self, limb: Limb, start: Attachment, coordinates: Sequence[int], prefix: str) -> Attachment:
         """Add the limb's joints; its tip."""
-        place = _Place(start.link, start.frame * frame_of(limb.mount, self.parameters))
+        place = Attachment(start.link, start.frame * frame_of(limb.mount, self.parameters))
         for joint, coordinate in zip(limb.joints, coordinates, strict=True):
             place = self.joint(joint, place, coordinate, prefix + joint.name)
-        return _Place(place.link, place.frame * frame_of(limb.tip, self.parameters))
+        return Attachment(place.link, place.frame * frame_of(limb.tip, self.parameters))
 
-    def joint(self, joint: Joint, place: _Place, coordinate: int, name: str) -> _Place:
+    def joint(self, joint: Joint, place: Attachment, coordinate: int, name: str) -> Attachment:
         """Add one link."""
         before = self.named(place.frame * frame_of(joint.before, self.parameters), f"{name}_before")
         turn, flip, offset = self.orientation(place.link, before.rotation)
@@ -119,7 +119,7 @@ class _Growth:
         after = self.named(_flipped(flip) * frame_of(joint.after, self.parameters), f"{name}_after")
         self.links.append(Link(name, joint, coordinate, place.link, flip * joint.sign, turn, origin, offset, Inertia(), after))
         self.flips.append(flip)
-        here = _Place(len(self.links) - 1, after)
+        here = Attachment(len(self.links) - 1, after)
         if joint.body:
             self.carry(here, inertia_of(joint.body, self.parameters, self.tape, f"{name}_link"), f"{name}_link")
         return here
@@ -139,7 +139,7 @@ class _Growth:
         turned = yaw_of((quarter, (-quarter[1], quarter[0], sympy.S.Zero), IDENTITY[2]))
         return (rotation, 1, sympy.S.Zero) if turned is None else (axes, 1, turned)
 
-    def carry(self, place: _Place, inertia: Inertia, name: str) -> None:
+    def carry(self, place: Attachment, inertia: Inertia, name: str) -> None:
         """Lump a body, given in the frame of `place`, into the link or the base."""
         moved = placed(inertia, place.frame, self.tape, name)
         if place.link == BASE:
@@ -158,18 +158,10 @@ class _Growth:
         return Tree(tuple(self.links), self.base, tuple(self.feet))
 
 
-def leg_tree(mechanism: Mechanism, leg: Limb, tape: Tape) -> Tree:
-    """One leg on its platform, which is held; coordinates are the leg's own."""
-    growth = _Growth(parameter_symbols(mechanism), tape)
-    tip = growth.limb(leg, _Place(BASE, Frame()), range(len(leg.joints)), "")
-    growth.feet.append(Foot(tip.link, tip.frame.origin))
-    return growth.tree()
-
-
 def robot_tree(mechanism: Mechanism, tape: Tape) -> Tree:
     """The whole robot on its root platform; coordinates are the robot's q, feet in the order of the legs."""
-    growth = _Growth(parameter_symbols(mechanism), tape)
-    places = {0: _Place(BASE, Frame())}
+    growth = Growth(parameter_symbols(mechanism), tape)
+    places = {0: Attachment(BASE, Frame())}
     for index in range(len(mechanism.platforms)):
         for chain in mechanism.ancestors(index):
             assert chain.child is not None

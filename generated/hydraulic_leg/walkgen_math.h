@@ -1,0 +1,100 @@
+/* walkgen_math.h: what generated kernels and support routines share; header only, no symbols.
+ *
+ * Precision. A support routine is written once, over WG_REAL, and compiled for double or float:
+ *
+ *     #include "walkgen_real_f64.h"      sets WG_REAL double, WG_NAME(x) x        (or walkgen_real_f32.h: float, x_f32)
+ *     #include "walkgen_inverse.h"       defines static inline ... WG_NAME(wg_inverse)(const WG_REAL *q, ...)
+ *
+ * Both may be included in one file, one after the other. So a support header guards itself by precision, not by name:
+ *
+ *     #include "walkgen_math.h"
+ *     #include "walkgen_status.h"
+ *     #if (WG_REAL_BITS == 64 && !defined(WALKGEN_INVERSE_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_INVERSE_F32))
+ *     #if WG_REAL_BITS == 64
+ *     #define WALKGEN_INVERSE_F64
+ *     #else
+ *     #define WALKGEN_INVERSE_F32
+ *     #endif
+ *     ...
+ *     #endif
+ *
+ * For the body the precision header gives:
+ *     WG_REAL, WG_REAL_BITS        the type; 64 or 32
+ *     WG_NAME(x)                   x or x_f32; use it to define and to call another support routine
+ *     WG_C(0.5)                    a literal of that type
+ *     WG_EPSILON WG_TINY WG_HUGE WG_PI    unit roundoff times 2, least normal, greatest finite number, pi
+ *     WG_SIN WG_COS WG_ATAN2       walkgen_trig.h, which the precision header includes; the C library's with WALKGEN_LIBM
+ *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
+ *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
+ *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN
+ *     WG_INDICATOR(truth)          1 or 0
+ *     WG_NAN WG_INFINITY           a quiet NaN; the positive infinity
+ *
+ * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, slower. It is implied
+ * where sums are not rounded as written: by -ffast-math and where the compiler keeps intermediate results wider than their type.
+ *
+ * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
+ *
+ * A part of the code that walkgen generates: yours to use under any terms.
+ */
+#ifndef WALKGEN_MATH_H
+#define WALKGEN_MATH_H
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "walkgen_status.h"
+
+#if defined(__FAST_MATH__) && !defined(WALKGEN_ALLOW_FAST_MATH)
+#error "-ffast-math removes the NaN guards of this code; define WALKGEN_ALLOW_FAST_MATH to build it all the same"
+#endif
+
+/* Methods 16 and 32 widen types below float only. */
+#if !defined(WALKGEN_LIBM) && (defined(__FAST_MATH__) || !(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16 || FLT_EVAL_METHOD == 32))
+#define WALKGEN_LIBM
+#endif
+
+/* Small functions that callers share work with once they are inlined; where size counts, they are called. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define WG_INLINE static inline __attribute__((always_inline))
+#else
+#define WG_INLINE static inline
+#endif
+/* Large functions that several others call: one copy each, or compilers write them out again and again. */
+#if defined(__GNUC__)
+#define WG_CALLED static __attribute__((noinline, unused))
+#else
+#define WG_CALLED static inline
+#endif
+#if defined(__GNUC__)
+#define WG_LIKELY(condition) __builtin_expect((condition), 1)
+#else
+#define WG_LIKELY(condition) (condition)
+#endif
+
+/* Fused multiply-add only where it is one instruction: a library call would cost a hundred times as much. */
+#if !defined(WALKGEN_NO_FMA)
+#if defined(FP_FAST_FMA) || defined(__FP_FAST_FMA) || defined(__FMA__) || defined(__AVX512F__) || (defined(__ARM_FEATURE_FMA) && defined(__aarch64__))
+#define WALKGEN_FAST_FMA
+#endif
+#if defined(FP_FAST_FMAF) || defined(__FP_FAST_FMAF) || defined(__FMA__) || defined(__AVX512F__) || defined(__ARM_FEATURE_FMA)
+#define WALKGEN_FAST_FMAF
+#endif
+#endif
+
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+static inline double walkgen_min(double a, double b) { return a < b ? a : b; }
+static inline double walkgen_max(double a, double b) { return a > b ? a : b; }
+static inline float walkgen_min_f32(float a, float b) { return a < b ? a : b; }
+static inline float walkgen_max_f32(float a, float b) { return a > b ? a : b; }
+
+/* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. */
+static inline double walkgen_indicator(int truth) { return (double)truth; }
+static inline float walkgen_indicator_f32(int truth) { return (float)truth; }
+
+#endif

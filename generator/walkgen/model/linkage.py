@@ -1,0 +1,119 @@
+"""A planar linkage: links in a plane, SI and exact. Its structure says how it is solved, its points where its pairs are."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from walkgen.model.values import Values
+from walkgen.spec.assur import SIDES, Group, Order, Structure, order
+from walkgen.spec.planar import End, joined_pairs, link_names, structure_of
+from walkgen.spec.scalar import ZERO, Scalar, add, div, exact, mul, power, sub
+from walkgen.spec.schema import LegDesign
+from walkgen.spec.table import Pair as Coordinates
+
+Point = tuple[Scalar, Scalar]
+
+
+@dataclass(frozen=True)
+class PlanarBody:
+    """Mass (kg), centre of mass (m) and inertia about it, normal to the plane (kg m^2)."""
+
+    mass: Scalar
+    com: Point
+    inertia: Scalar
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """Bodies are the links, the frame first, then one bar for each driven cylinder, pinned at (0, 0) and (q, 0).
+
+    `points` are those of every pair of the structure, one a body, in the body's axes, None for a bar's far end; a slider's are the
+    sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). `drives` are the structure's
+    driven pairs, then its bars: the order of q. `masses` are those of every link, with what cylinders lump at
+    its points. `sides` name how groups are assembled, the first
+    side where they are silent.
+    """
+
+    structure: Structure
+    points: tuple[tuple[Point | None, ...], ...]
+    angles: tuple[Scalar, ...]
+    foot: tuple[int, Point]
+    masses: tuple[PlanarBody | None, ...]
+    sides: tuple[tuple[str, str], ...]
+
+    @property
+    def driven(self) -> tuple[int, ...]:
+        """Indices of the driven pairs, those whose q come first."""
+        return tuple(index for index, pair in enumerate(self.structure.pairs) if pair.driven)
+
+    @property
+    def drive_count(self) -> int:
+        """How many q the linkage has."""
+        return len(self.driven) + len(self.structure.bars)
+
+    @property
+    def forward(self) -> Order:
+        """From the drives to every link."""
+        return order(self.structure)
+
+    @property
+    def inverse(self) -> Order:
+        """From the foot to every link."""
+        return order(self.structure.released(self.foot[0]))
+
+    def side(self, group: Group) -> int:
+        """1 for the first of the group's sides, -1 for the other."""
+        return -1 if dict(self.sides).get(group.name) in SIDES[group.kind][1:] else 1
+
+
+def linkage_of(design: LegDesign, values: Values) -> Linkage:
+    """The linkage of a leg design, whose references and mobility were checked."""
+    structure = structure_of(design)
+    names = link_names(design)
+    link, _, point = str(design.foot).partition(".")
+    angles = [values.resolve(slider.guide.si("angle")) for slider in design.sliders]
+    return Linkage(
+        structure,
+        tuple(tuple(_end(end, values) for end in joined.points) for joined in joined_pairs(design)),
+        (*(ZERO,) * (len(structure.pairs) - len(angles)), *angles),
+        (names.index(link), _point(design.links[link].points[point], values)),
+        tuple(_whole(tuple(_masses(name, design, values))) for name in names),
+        tuple(design.assembly.items()),
+    )
+
+
+def _point(coordinates: Coordinates, values: Values) -> Point:
+    x, y = (values.resolve(entry) for entry in coordinates)
+    return x, y
+
+
+def _end(end: End, values: Values) -> Point | None:
+    return None if end is None else _point(end, values)
+
+
+def _masses(name: str, design: LegDesign, values: Values) -> Iterator[PlanarBody]:
+    """The link's own, then what cylinders lump at its points."""
+    link = design.links[name]
+    if link.mass is not None:
+        yield PlanarBody(values.resolve(link.mass), _point(link.com or (ZERO, ZERO), values), values.resolve(link.inertia))
+    for cylinder in design.cylinders:
+        for text, mass in zip(cylinder.between, (cylinder.masses.at_first, cylinder.masses.at_second), strict=True):
+            owner, _, point = text.partition(".")
+            if owner == name and mass is not None:
+                yield PlanarBody(values.resolve(mass), _point(link.points[point], values), ZERO)
+
+
+def _whole(parts: Sequence[PlanarBody]) -> PlanarBody | None:
+    """All as one body."""
+    if len(parts) < 2:
+        return parts[0] if parts else None
+    mass = _sum(part.mass for part in parts)
+    x, y = (div(_sum(mul(part.mass, part.com[axis]) for part in parts), mass) for axis in range(2))
+    spans = (add(power(sub(part.com[0], x), exact(2)), power(sub(part.com[1], y), exact(2))) for part in parts)
+    return PlanarBody(mass, (x, y), _sum(add(part.inertia, mul(part.mass, span)) for part, span in zip(parts, spans, strict=True)))
+
+
+def _sum(scalars: Iterable[Scalar]) -> Scalar:
+    total: Scalar = ZERO
+    for scalar in scalars:
+        total = add(total, scalar)
+    return total

@@ -1,0 +1,167 @@
+"""Which bodies of a planar linkage can be placed one after another in closed form: Assur groups of class II, found by their pairs alone.
+
+Bodies that are joined pair by pair in a triangle are rigid together: three pins (an RRR dyad on its base), two pins and a slider (RRP,
+RPR) or a pin and two sliders (PRP, RPP). Placing them makes one cluster of three, until the linkage is a single cluster; what is left
+otherwise holds a group of a higher class. Driven pairs join their bodies first, driven cylinders are bodies of a given length.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations, product
+from typing import Literal
+
+GroupKind = Literal["RRR", "RRP", "RPP"]
+_KINDS: dict[str, GroupKind] = {"RRR": "RRR", "PRR": "RRP", "PPR": "RPP"}
+SIDES = {"RRR": ("left", "right"), "RRP": ("ahead", "behind"), "RPP": ()}
+"""How a group may be assembled. left: the inner pin lies left of the ray from the first outer pin to the second; ahead: the slider lies
+further along its guide."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A pin (R) or slider (P) between bodies; a pin may join more than two. A slider's guide is on its second body."""
+
+    kind: Literal["R", "P"]
+    name: str
+    bodies: tuple[int, ...]
+    driven: bool = False
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Bodies by index, 0 the frame; `bars` are those that are driven cylinders."""
+
+    names: tuple[str, ...]
+    pairs: tuple[Pair, ...]
+    bars: frozenset[int] = frozenset()
+
+    @property
+    def mobility(self) -> int:
+        """Degrees of freedom in the plane, 3 (n - 1) - 2 j, a driven cylinder counted as its two links and three pairs."""
+        links = len(self.names) - len(self.bars)
+        joints = sum(len(pair.bodies) - 1 for pair in self.pairs if not self.bars & set(pair.bodies))
+        return 3 * (links - 1) - 2 * joints
+
+    def released(self, foot: int) -> "Structure":
+        """Without drives, the foot's link pinned to the frame: what places the drives for a foot. Pairs keep their indices."""
+        free = tuple(Pair(pair.kind, pair.name, () if self.bars & set(pair.bodies) else pair.bodies) for pair in self.pairs)
+        return Structure(self.names, (*free, Pair("R", "foot", (0, foot))), self.bars)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A driven pair joins two clusters."""
+
+    pair: int
+    base: int
+    moved: int
+
+
+@dataclass(frozen=True)
+class Group:
+    """Three clusters, each by one of its bodies, the first the base; `pairs` join base and first, base and second, first and second.
+
+    `guide` says which of the three bears the guide of an RRP group's slider.
+    """
+
+    kind: GroupKind
+    name: str
+    bodies: tuple[int, int, int]
+    pairs: tuple[int, int, int]
+    guide: int = 0
+
+
+Placement = Drive | Group
+
+
+@dataclass(frozen=True)
+class Order:
+    """Placements in order, and the clusters that they end in, by their bodies: one where the linkage is solved."""
+
+    placements: tuple[Placement, ...]
+    clusters: tuple[frozenset[int], ...]
+
+    @property
+    def groups(self) -> tuple[Group, ...]:
+        """The dyads."""
+        return tuple(placement for placement in self.placements if isinstance(placement, Group))
+
+
+def order(structure: Structure) -> Order:
+    """Place what can be placed, from the frame outwards first."""
+    search = _Search(structure)
+    search.drive()
+    while search.place():
+        pass
+    bars = structure.bars if not any(pair.driven or structure.bars & set(pair.bodies) for pair in structure.pairs) else frozenset()
+    clusters = {cluster for cluster in search.clusters if not cluster <= bars}
+    return Order(tuple(search.placements), tuple(sorted(clusters, key=min)))
+
+
+class _Search:
+    def __init__(self, structure: Structure) -> None:
+        self._structure = structure
+        self.placements: list[Placement] = []
+        self.clusters = [frozenset({body}) for body in range(len(structure.names))]
+        self._used: set[str] = set()
+
+    def drive(self) -> None:
+        """Join across driven pairs."""
+        for index, pair in enumerate(self._structure.pairs):
+            if pair.driven and not self._together(*pair.bodies):
+                base, moved = (pair.bodies[0], pair.bodies[1]) if pair.kind == "R" else (pair.bodies[1], pair.bodies[0])
+                self.placements.append(Drive(index, base, moved))
+                self._join(base, moved)
+
+    def place(self) -> bool:
+        """Place one group if there is any; those on the frame's cluster come first."""
+        ordered = sorted(self.clusters, key=min)
+        for triple in combinations(ordered, 3):
+            group = self._group(*triple)
+            if group is not None:
+                self.placements.append(group)
+                self._join(*group.bodies)
+                return True
+        return False
+
+    def _group(self, base: frozenset[int], first: frozenset[int], second: frozenset[int]) -> Group | None:
+        """Whether the clusters make a group: every two joined, not by three sliders."""
+        for found in product(self._between(base, first), self._between(base, second), self._between(first, second)):
+            kind = _KINDS.get("".join(sorted(self._structure.pairs[pair].kind for pair in found)))
+            if kind is not None and len(set(found)) == 3:
+                bodies, pairs = self._cylinder_first((min(base), min(first), min(second)), found)
+                return Group(kind, self._name(bodies, pairs), bodies, pairs, self._guide(bodies, pairs) if kind == "RRP" else 0)
+        return None
+
+    def _between(self, one: frozenset[int], other: frozenset[int]) -> Iterator[int]:
+        for index, pair in enumerate(self._structure.pairs):
+            if one & set(pair.bodies) and other & set(pair.bodies):
+                yield index
+
+    def _cylinder_first(
+        self, bodies: tuple[int, int, int], pairs: tuple[int, int, int]
+    ) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+        """The cylinder's pin counts as the first outer one; else the pin that the spec names first does."""
+        base, first, second = bodies
+        key = [(body not in self._structure.bars, pair) for body, pair in ((first, pairs[0]), (second, pairs[1]))]
+        return (bodies, pairs) if key[0] <= key[1] else ((base, second, first), (pairs[1], pairs[0], pairs[2]))
+
+    def _guide(self, bodies: tuple[int, int, int], pairs: tuple[int, int, int]) -> int:
+        slider = next(self._structure.pairs[pair] for pair in pairs if self._structure.pairs[pair].kind == "P")
+        return next(index for index, body in enumerate(bodies) if self._together(body, slider.bodies[1]))
+
+    def _name(self, bodies: tuple[int, int, int], pairs: tuple[int, int, int]) -> str:
+        """The cylinder's, else the slider's, else the inner pin's; then with a number where it is taken."""
+        bar = next((self._structure.names[body] for body in bodies if body in self._structure.bars), "")
+        slider = next((self._structure.pairs[pair].name for pair in pairs if self._structure.pairs[pair].kind == "P"), "")
+        name = bar or slider or self._structure.pairs[pairs[2]].name
+        free = next(text for text in (name, *(f"{name}_{number}" for number in range(2, 99))) if text not in self._used)
+        self._used.add(free)
+        return free
+
+    def _together(self, one: int, other: int) -> bool:
+        return any(one in cluster and other in cluster for cluster in self.clusters)
+
+    def _join(self, *bodies: int) -> None:
+        joined = frozenset().union(*(cluster for cluster in self.clusters if cluster & set(bodies)))
+        self.clusters = [cluster for cluster in self.clusters if not cluster & joined] + [joined]

@@ -1,0 +1,176 @@
+"""Rules of planar linkages: points exist, pairs join what can move, all hangs together, and the drives move exactly what is free."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+from walkgen.spec.assur import SIDES, Structure, order
+from walkgen.spec.evaluate import Numbers
+from walkgen.spec.linkage import FRAME, CylinderSpec
+from walkgen.spec.planar import structure_of
+from walkgen.spec.problems import Finding, did_you_mean, shown
+from walkgen.spec.schema import LegDesign, RobotSpec
+from walkgen.spec.table import Path
+
+_OF_LINKAGES = ("plane", "assembly")
+
+
+def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
+    """Every leg design that ends in a linkage; its structure, once its references hold."""
+    for name, design in spec.leg_designs.items():
+        path: Path = ("leg_designs", name)
+        if not design.planar:
+            yield from _no_linkage(path, design)
+            continue
+        broken = list(_references(path, design))
+        yield from broken
+        yield from _cylinders(path, design, numbers)
+        if not broken:
+            yield from _structure(path, design)
+
+
+def _no_linkage(path: Path, design: LegDesign) -> Iterator[Finding]:
+    if isinstance(design.foot, str):
+        yield Finding(
+            "WG180",
+            (*path, "foot"),
+            "the foot is a point of a linkage, and there is none",
+            "give the foot's xyz and rpy_deg, or describe links",
+        )
+    for key in _OF_LINKAGES:
+        if getattr(design, key):
+            yield Finding(
+                "WG180", (*path, key), f"{key} belongs to a linkage, and the leg has none", f"remove {key}, or describe links and pins"
+            )
+
+
+def _references(path: Path, design: LegDesign) -> Iterator[Finding]:
+    if FRAME not in design.links:
+        cure = "write [leg_designs.NAME.links.frame] with the points that do not move"
+        yield Finding("WG111", (*path, "links"), 'missing link "frame"', cure)
+    if not isinstance(design.foot, str):
+        yield Finding("WG180", (*path, "foot"), "the foot of a linkage is one of its points", 'write foot = "link.point"')
+    else:
+        yield from _point((*path, "foot"), design.foot, design)
+    for index, pin in enumerate(design.pins):
+        for place, text in enumerate(pin.joins):
+            yield from _point((*path, "pins", index, "joins", place), text, design)
+        yield from _pin((*path, "pins", index), pin.joins, pin.driven)
+    for index, slider in enumerate(design.sliders):
+        here = (*path, "sliders", index)
+        yield from _point((*here, "link"), slider.link, design)
+        if slider.guide.link not in design.links:
+            cure = did_you_mean(slider.guide.link, design.links, "links")
+            yield Finding("WG180", (*here, "guide", "link"), f'there is no link "{shown(slider.guide.link)}"', cure)
+        elif slider.link.partition(".")[0] == slider.guide.link:
+            yield Finding("WG181", (*here, "guide", "link"), "the slider joins a link to itself", "name the guide of another link")
+    for index, cylinder in enumerate(design.cylinders):
+        for place, text in enumerate(cylinder.between):
+            yield from _point((*path, "cylinders", index, "between", place), text, design)
+
+
+def _point(path: Path, text: str, design: LegDesign) -> Iterator[Finding]:
+    link, dot, point = text.partition(".")
+    if not dot:
+        yield Finding("WG180", path, f'"{shown(text)}" is not a point', "write link.point, such as thigh.K")
+    elif link not in design.links:
+        yield Finding("WG180", path, f'there is no link "{shown(link)}"', did_you_mean(link, design.links, "links"))
+    elif point not in design.links[link].points:
+        cure = did_you_mean(point, design.links[link].points, f"points of {shown(link)}")
+        yield Finding("WG180", path, f'the link "{shown(link)}" has no point "{shown(point)}"', cure)
+
+
+def _pin(path: Path, joins: tuple[str, ...], driven: bool) -> Iterator[Finding]:
+    links = [text.partition(".")[0] for text in joins]
+    if len(set(links)) < len(links):
+        twice = next(link for link in links if links.count(link) > 1)
+        yield Finding("WG181", (*path, "joins"), f'the pin joins the link "{shown(twice)}" to itself', "name points of different links")
+    elif len(links) < 2:
+        yield Finding("WG181", (*path, "joins"), "the pin joins one link to nothing", "name points of two links or more")
+    elif driven and len(links) > 2:
+        yield Finding("WG181", (*path, "joins"), f"a driven pin joins two links, not {len(links)}", "split it into pins of two links each")
+
+
+def _cylinders(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
+    for index, cylinder in enumerate(design.cylinders):
+        here = (*path, "cylinders", index)
+        if cylinder.between[0].partition(".")[0] == cylinder.between[1].partition(".")[0]:
+            yield Finding(
+                "WG185", (*here, "between"), "both ends of the cylinder are on one link, so it moves nothing", "name points of two links"
+            )
+        yield from _length(here, cylinder, numbers)
+
+
+def _length(path: Path, cylinder: CylinderSpec, numbers: Numbers) -> Iterator[Finding]:
+    limits = cylinder.si("limits")
+    least = numbers.number(limits[0]) if limits else None
+    if least is not None and least <= 0:
+        key = "limits" if cylinder.limits is not None else "limits_mm"
+        yield Finding(
+            "WG185",
+            (*path, key),
+            f"the cylinder's least length is {float(least):g}: it would have no direction",
+            "give two lengths above 0",
+        )
+
+
+def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
+    """What counting and ordering tell."""
+    structure = structure_of(design)
+    astray = _disconnected(structure)
+    if astray:
+        names = ", ".join(shown(structure.names[body]) for body in astray)
+        yield Finding("WG182", (*path, "links"), f"nothing joins {names} to the frame", "join every link by pins, sliders or cylinders")
+        return
+    drives = len(structure.bars) + sum(pair.driven for pair in structure.pairs)
+    if structure.mobility != drives:
+        yield Finding("WG183", path, _count(structure, drives), "drive as many pairs as there are freedoms, or mend the pairs")
+        return
+    found = order(structure)
+    if len(found.clusters) > 1:
+        stuck = " + ".join(_cluster(structure, cluster) for cluster in found.clusters)
+        if _tied_twice(structure, found.clusters):
+            yield Finding("WG184", path, f"the drives move one part twice and leave another free: {stuck}", "drive other pairs")
+        else:
+            cure = "solve it by two-link groups: add or move pins and sliders, or drive other pairs"
+            yield Finding("WG150", path, f"the group {stuck} is of a higher class than a dyad, which is not supported yet", cure)
+        return
+    yield from _assembly((*path, "assembly"), design, structure)
+
+
+def _tied_twice(structure: Structure, clusters: tuple[frozenset[int], ...]) -> bool:
+    """Whether two bodies that are each rigid have two pairs between them: more than they can satisfy while moving."""
+    return any(
+        sum(bool(one & set(pair.bodies)) and bool(other & set(pair.bodies)) for pair in structure.pairs) > 1
+        for one, other in combinations(clusters, 2)
+    )
+
+
+def _disconnected(structure: Structure) -> list[int]:
+    reached, grown = set[int](), {0}
+    while grown != reached:
+        reached = grown
+        grown = reached.union(*(pair.bodies for pair in structure.pairs if reached & set(pair.bodies)))
+    return [body for body in range(len(structure.names)) if body not in reached]
+
+
+def _count(structure: Structure, drives: int) -> str:
+    links = len(structure.names) - len(structure.bars)
+    joints = sum(len(pair.bodies) - 1 for pair in structure.pairs if not structure.bars & set(pair.bodies))
+    return (
+        f"the linkage has 3 ({links} - 1) - 2 * {joints} = {structure.mobility} degrees of freedom in its plane, "
+        f"and {drives} driven pairs (cylinders left out of the count of links and pairs)"
+    )
+
+
+def _cluster(structure: Structure, cluster: frozenset[int]) -> str:
+    return "/".join(shown(structure.names[body]) for body in sorted(cluster))
+
+
+def _assembly(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
+    groups = {group.name: SIDES[group.kind] for group in order(structure).groups if SIDES[group.kind]}
+    for name, side in design.assembly.items():
+        if name not in groups:
+            yield Finding("WG187", (*path, name), f'there is no dyad "{shown(name)}"', did_you_mean(name, groups, "dyads"))
+        elif side not in groups[name]:
+            cure = f"write {' or '.join(groups[name])}"
+            yield Finding("WG187", (*path, name), f'the dyad "{shown(name)}" has no side "{shown(side)}"', cure)

@@ -1,0 +1,94 @@
+"""The tables of a leg that is a planar linkage: rigid links with named points, joined by pins, sliders and cylinders."""
+
+from typing import ClassVar
+
+from pydantic import Field, StrictBool, StrictStr
+
+from walkgen.spec.joint_tables import Friction, Rotor
+from walkgen.spec.table import Number, Pair, Table
+
+FRAME = "frame"
+"""Name of the link that does not move in the linkage's plane."""
+_MOST_ENDS = 64
+
+
+class PlanarLinkSpec(Table):
+    """A rigid link, described in axes of its own."""
+
+    points: dict[StrictStr, Pair] = Field(default_factory=dict, max_length=_MOST_ENDS)
+    """Named points (m)."""
+    mass: Number | None = None
+    """kg"""
+    com: Pair | None = None
+    """Centre of mass (m)."""
+    inertia: Number | None = None
+    """About the centre of mass, normal to the plane (kg m^2)."""
+
+
+class PairSpec(Table):
+    """What pins, sliders and cylinders have in common: a pair that may be driven."""
+
+    driven: StrictBool = False
+    """Whether an actuator moves it; its value is then one of the leg's q."""
+    limits: Pair | None = None
+    """Least and largest q (rad or m)."""
+    max_speed: Number | None = None
+    """rad/s or m/s"""
+    max_effort: Number | None = None
+    """N m or N"""
+    friction: Friction | None = None
+    rotor: Rotor | None = None
+
+
+class PinSpec(PairSpec):
+    """A revolute pair between points of two links or more; driven, q is the second link's angle to the first."""
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"limits"})
+
+    name: StrictStr | None = None
+    """The last joined point's name where left out."""
+    joins: tuple[StrictStr, ...] = Field(max_length=_MOST_ENDS)
+    """Points, each as link.point; n of them count n - 1 pairs."""
+    limits_deg: Pair | None = None
+
+
+class Guide(Table):
+    """A straight guide that is part of a link."""
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"angle"})
+
+    link: StrictStr
+    point: Pair
+    """Where q is 0, in the link's axes (m)."""
+    angle: Number | None = None
+    """Direction of growing q in the link's axes (rad)."""
+    angle_deg: Number | None = None
+
+
+class SliderSpec(PairSpec):
+    """A prismatic pair: a point of one link on a guide of another, without relative rotation; q is the way along the guide."""
+
+    name: StrictStr
+    link: StrictStr
+    """The sliding point, as link.point."""
+    guide: Guide
+    limits_mm: Pair | None = None
+
+
+class EndMasses(Table):
+    """Mass of a cylinder, lumped at its ends."""
+
+    at_first: Number | None = None
+    """kg"""
+    at_second: Number | None = None
+    """kg"""
+
+
+class CylinderSpec(PairSpec):
+    """A linear actuator or guide pinned between two points; q is its length."""
+
+    name: StrictStr
+    between: tuple[StrictStr, StrictStr]
+    """Two points, each as link.point."""
+    masses: EndMasses = EndMasses()
+    limits_mm: Pair | None = None

@@ -1,0 +1,73 @@
+"""From the tables of a planar linkage to its structure, and which point of which link every pair joins."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from walkgen.spec.assur import Pair, Structure
+from walkgen.spec.linkage import FRAME
+from walkgen.spec.scalar import ZERO
+from walkgen.spec.schema import LegDesign
+from walkgen.spec.table import Pair as Coordinates
+
+End = Coordinates | None
+"""A point of a body; None is the far end of a bar, at (q, 0)."""
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A pair with the point of each of its bodies."""
+
+    pair: Pair
+    points: tuple[End, ...]
+
+
+def link_names(design: LegDesign) -> tuple[str, ...]:
+    """The frame, then the other links as the spec has them."""
+    return (FRAME, *(name for name in design.links if name != FRAME))
+
+
+def structure_of(design: LegDesign) -> Structure:
+    """Bodies and pairs; every reference is trusted."""
+    links = link_names(design)
+    driven = [cylinder.name for cylinder in design.cylinders if cylinder.driven]
+    pairs = tuple(joined.pair for joined in joined_pairs(design))
+    return Structure((*links, *driven), pairs, frozenset(range(len(links), len(links) + len(driven))))
+
+
+def joined_pairs(design: LegDesign) -> tuple[Joined, ...]:
+    """Pins, ends of driven cylinders, sliders."""
+    return (*_pins(design), *_cylinders(design), *_sliders(design))
+
+
+def pin_name(joins: tuple[str, ...], name: str | None) -> str:
+    """Its own, else that of the last point that it joins."""
+    return name or joins[-1].rpartition(".")[2].lower()
+
+
+def _located(design: LegDesign, text: str) -> tuple[int, Coordinates]:
+    link, _, point = text.partition(".")
+    return link_names(design).index(link), design.links[link].points[point]
+
+
+def _pins(design: LegDesign) -> Iterator[Joined]:
+    for pin in design.pins:
+        ends = [_located(design, text) for text in pin.joins]
+        pair = Pair("R", pin_name(pin.joins, pin.name), tuple(body for body, _ in ends), pin.driven)
+        yield Joined(pair, tuple(point for _, point in ends))
+
+
+def _cylinders(design: LegDesign) -> Iterator[Joined]:
+    bar = len(link_names(design))
+    for cylinder in design.cylinders:
+        if cylinder.driven:
+            for text, far in zip(cylinder.between, ((ZERO, ZERO), None), strict=True):
+                body, point = _located(design, text)
+                yield Joined(Pair("R", cylinder.name, (body, bar)), (point, far))
+            bar += 1
+
+
+def _sliders(design: LegDesign) -> Iterator[Joined]:
+    for slider in design.sliders:
+        body, point = _located(design, slider.link)
+        guide = link_names(design).index(slider.guide.link)
+        yield Joined(Pair("P", slider.name, (body, guide), slider.driven), (point, slider.guide.point))

@@ -1,0 +1,184 @@
+"""All drives that put a linkage's foot on a target: the plane turned to hold it, then dyad after dyad back to the drives."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import sympy
+
+from walkgen.model.classify import InverseClass, inverse_class
+from walkgen.model.linkage import Linkage
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.signature import Port
+from walkgen.spec.assur import SIDES, Group
+from walkgen.spec.scalar import ZERO
+from walkgen.symbolic.branches import BAD_INPUT, DUPLICATE, INFEASIBLE, OK, SINGULAR, UNREACHABLE
+from walkgen.symbolic.choices import less
+from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of, parameter_symbols
+from walkgen.symbolic.function import Angle, Finite, Function, Residue, Select, Solve, Step
+from walkgen.symbolic.placing import Placing
+from walkgen.symbolic.planar import Planar, difference, outer, square
+from walkgen.symbolic.ports import joint_port, joint_unit, signature
+from walkgen.symbolic.rows import TARGET, parameters_of
+from walkgen.symbolic.selection import by_index, nearest
+from walkgen.symbolic.tape import Tape, Vec, dot, minus, symbols_of
+
+_TOLERANCE = sympy.Rational(1, 10**11)
+"""Of a group's margin: what rounding leaves of a target at the edge, 1e-12 of the reach outside it."""
+_SOURCE = "theory 2.3: dyads in closed form, run backwards"
+_STATUS = Port("status", kind="integer")
+
+Exprs = Sequence[sympy.Expr]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A solution for the joint before the linkage: its q, the target in the plane, how far it is from having one, whether any q will do."""
+
+    q: tuple[sympy.Expr, ...]
+    target: Planar
+    misses: sympy.Expr
+    free: sympy.Expr
+
+
+def linkage_inverse(mechanism: Mechanism, leg: Limb) -> tuple[Solve | Function, ...]:
+    """`inverse`, `inverse_branch` and `inverse_near`, where the drives follow from the foot."""
+    found = inverse_class(mechanism, leg)
+    assert leg.linkage is not None
+    if not found.name:
+        return ()
+    results = (Port("q", (len(found.branch_names), len(leg.joints)), joint_unit(leg.joints)), _states("status", found))
+    return (_inverse(mechanism, leg, "inverse", results), *(_picked(mechanism, leg, found, name) for name in _PICKS))
+
+
+_PICKS: dict[str, str] = {
+    "inverse_branch": "The joint values of one branch that reach p.",
+    "inverse_near": "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen.",
+}
+
+
+def _states(name: str, found: InverseClass) -> Port:
+    return Port(name, (len(found.branch_names),), kind="integer")
+
+
+def _picked(mechanism: Mechanism, leg: Limb, found: InverseClass, name: str) -> Solve:
+    """One row of all."""
+    slots = len(found.branch_names)
+    rows = (Port("rows", (slots, len(leg.joints)), joint_unit(leg.joints)), _states("states", found))
+    port = Port("branch", kind="integer") if name == "inverse_branch" else joint_port("q_seed", leg.joints)
+    pick = (by_index if name == "inverse_branch" else nearest)(mechanism, leg, slots)
+    words = signature(mechanism, leg.name, name, [TARGET, port], [joint_port("q", leg.joints), _STATUS], _PICKS[name], _SOURCE)
+    kernel = _inverse(mechanism, leg, "inverse_rows", rows)
+    steps = (
+        Step(kernel, ("p", *parameters_of(mechanism), "rows", "states")),
+        Step(pick, ("rows", "states", port.name, "q", "status")),
+    )
+    return Solve(words, rows, steps, Solve(words, rows, steps))
+
+
+def _inverse(mechanism: Mechanism, leg: Limb, name: str, outputs: tuple[Port, Port]) -> Function:
+    assert leg.linkage is not None
+    tape = Tape()
+    rows = LinkageRows(leg, leg.linkage, symbols_of(TARGET), parameter_symbols(mechanism), tape).all()
+    doc = (
+        "All joint values that reach p, a row a branch; unreachable rows hold the closest configuration of the dyad that cannot close, "
+        "INFEASIBLE ones reach p with a dyad on the other side than the spec's assembly."
+    )
+    words = signature(mechanism, leg.name, name, [TARGET], outputs, doc, _SOURCE)
+    return tape.function(words, [*(value for row, _ in rows for value in row), *(status for _, status in rows)])
+
+
+class LinkageRows:
+    """The branches on one tape."""
+
+    def __init__(self, leg: Limb, linkage: Linkage, p: Exprs, parameters: Parameters, tape: Tape) -> None:
+        self._leg, self._linkage, self._parameters, self._tape = leg, linkage, parameters, tape
+        self._p: Vec = (p[0], p[1], p[2])
+        self._taint = tape.let("taint", sympy.Add(*(Residue(x) for x in (*p, *parameters.values()))))
+
+    def all(self) -> list[tuple[list[sympy.Expr], sympy.Expr]]:
+        """q and status of every branch, in order."""
+        groups = [group for group in self._linkage.inverse.groups if SIDES[group.kind]]
+        rows = []
+        for number, plane in enumerate(self._planes):
+            for signs in product((1, -1), repeat=len(groups)):
+                sides = {group.name: sign for group, sign in zip(groups, signs, strict=True)}
+                rows.append(self._row(plane, sides, bool(number)))
+        return rows
+
+    @cached_property
+    def _planes(self) -> tuple[Plane, ...]:
+        mount = frame_of(self._leg.mount, self._parameters)
+        plane = frame_of(self._leg.tip, self._parameters)
+        if not self._leg.serial:
+            x, y, z = self._local(mount * plane, self._p)
+            return (Plane((), (x, y), self._tape.let("off_plane", z**2), sympy.false),)
+        joint = self._leg.serial[0]
+        base = mount * frame_of(joint.before, self._parameters)
+        self._hung = frame_of(joint.after, self._parameters) * plane
+        w = self._tape.vector("seen", self._local(base, self._p))
+        return tuple(self._turned(w, sign) for sign in (1, -1))
+
+    def _local(self, frame: Frame, point: Vec) -> Vec:
+        offset = minus(point, frame.origin)
+        x, y, z = (dot(column, offset) for column in frame.rotation)
+        return (x, y, z)
+
+    def _turned(self, w: Vec, sign: int) -> Plane:
+        """The joint turns the plane onto the target: A cos t + B sin t = C."""
+        (nx, ny, nz), tape, joint = self._hung.rotation[2], self._tape, self._leg.serial[0]
+        a, b = tape.let("plane_a", nx * w[0] + ny * w[1]), tape.let("plane_b", nx * w[1] - ny * w[0])
+        c = tape.let("plane_c", dot((nx, ny, nz), self._hung.origin) - nz * w[2])
+        size = tape.let("plane_size", a**2 + b**2)
+        inside = tape.let("plane_inside", size - c**2)
+        root = tape.let("plane_root", sign * sympy.sqrt(Select(less(inside, 0), 0, inside)))
+        free = less(size, sympy.Rational(1, 10**24))
+        cosine, sine = tape.let("plane_cos", (a * c - b * root) / size), tape.let("plane_sin", (b * c + a * root) / size)
+        angle = Select(free, 0, Angle(sine, cosine))
+        turn = tape.let("plane_turn", angle)
+        cos, sin = tape.let("plane_cosine", sympy.cos(turn)), tape.let("plane_sine", sympy.sin(turn))
+        back = (cos * w[0] + sin * w[1], cos * w[1] - sin * w[0], w[2])
+        x, y, _ = self._local(self._hung, tape.vector("turned_back", back))
+        value = joint.sign * (turn - expression(joint.zero, self._parameters))
+        if joint.zero != ZERO:
+            value = Angle(sympy.sin(value), sympy.cos(value))
+        misses = tape.let("plane_misses", Select(free, 0, Select(less(inside, 0), -inside, 0)))
+        return Plane((tape.let("turn", value),), (tape.let("target_x", x), tape.let("target_y", y)), misses, free)
+
+    def _row(self, plane: Plane, signs: dict[str, int], second: bool) -> tuple[list[sympy.Expr], sympy.Expr]:
+        tape, order = self._tape, self._linkage.inverse
+        root = lambda square: sympy.sqrt(Select(less(square, 0), 0, square))  # noqa: E731 - a formula
+        placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, plane.target, "", root)
+        bars = sorted(self._linkage.structure.bars)
+        drives = [placing.measured(pair) for pair in self._linkage.driven] + [self._length(placing, bar) for bar in bars]
+        values = [tape.let("drive", value + self._taint) for value in (*plane.q, *drives)]
+        return values, self._status(plane, placing, signs, second)
+
+    def _length(self, placing: Placing, bar: int) -> sympy.Expr:
+        first, second = (placing.joint(index) for index, pair in enumerate(self._linkage.structure.pairs) if bar in pair.bodies)
+        return sympy.sqrt(square(difference(second, first)))
+
+    def _status(self, plane: Plane, placing: Placing, signs: dict[str, int], second: bool) -> sympy.Expr:
+        """The worst of what can be said."""
+        status: sympy.Expr = OK
+        for group in self._linkage.forward.groups:
+            if SIDES[group.kind]:
+                status = Select(less(self._side(group, placing) * self._linkage.side(group), 0), INFEASIBLE, status)
+        for margin in placing.margins:
+            if not SIDES[margin.group.kind]:
+                status = Select(less(margin.value, _TOLERANCE**2), SINGULAR, status)
+            elif signs[margin.group.name] < 0:
+                status = Select(less(margin.value, _TOLERANCE**2), DUPLICATE, status)
+        status = Select(plane.free, SINGULAR if not second else DUPLICATE, status)
+        for margin in placing.margins:
+            status = Select(less(margin.value, -_TOLERANCE), UNREACHABLE, status)
+        status = Select(less(_TOLERANCE**2, plane.misses), UNREACHABLE, status)
+        return Select(Finite(self._taint), status, BAD_INPUT)
+
+    def _side(self, group: Group, placing: Placing) -> sympy.Expr:
+        """Positive where the group is on its first side."""
+        if group.kind == "RRR":
+            p, q, pin = (placing.joint(pair) for pair in group.pairs)
+            return self._tape.let(f"{group.name}_side", outer(difference(q, p), difference(pin, p)))
+        return self._tape.let(f"{group.name}_side", placing.ahead(group))

@@ -1,0 +1,76 @@
+"""Trees of links whose coordinates are not all q: a linkage's links slide and turn in its plane, each on its own, as the drives say.
+
+A link counts as a flat plate: about any axis in its plane through its centre of mass it has half its inertia about the normal, so that
+only where the centre is matters in space, and how fast the link turns.
+"""
+
+from collections.abc import Sequence
+
+import sympy
+
+from walkgen.model.linkage import Linkage, PlanarBody
+from walkgen.model.mechanism import Body, Limb, Mechanism
+from walkgen.spec.scalar import ZERO, div, exact
+from walkgen.symbolic.driven import forward_placing, planar_joints
+from walkgen.symbolic.frames import Frame, frame_of, parameter_symbols
+from walkgen.symbolic.planar import Planar
+from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
+from walkgen.symbolic.spread import Spread
+from walkgen.symbolic.tape import Tape
+from walkgen.symbolic.tree import BASE, Attachment, Foot, Growth, Tree
+
+Exprs = Sequence[sympy.Expr]
+
+
+def spread_leg(mechanism: Mechanism, leg: Limb, q: Exprs, tape: Tape) -> tuple[Tree, Spread]:
+    """One leg on its platform, which is held."""
+    growth, spread = Growth(parameter_symbols(mechanism), tape), Spread(len(q), tape)
+    grow_leg(growth, spread, leg, Attachment(BASE, Frame()), q, range(len(q)), "")
+    return growth.tree(), spread
+
+
+def grow_leg(growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str) -> None:
+    """Add a leg with its foot; `indices` are its joints' in the robot's q."""
+    serial = len(leg.serial)
+    place = Attachment(start.link, start.frame * frame_of(leg.mount, growth.parameters))
+    for joint, index in zip(leg.serial, indices, strict=False):
+        place = growth.joint(joint, place, spread.joint(index, q[index]), prefix + joint.name)
+    place = Attachment(place.link, place.frame * frame_of(leg.tip, growth.parameters))
+    if leg.linkage is not None:
+        drives = indices[serial:]
+        place = _grow_linkage(growth, spread, leg.linkage, place, [q[index] for index in drives], drives, prefix)
+    origin = growth.tape.vector(f"{prefix}foot", place.frame.origin) if prefix else place.frame.origin
+    growth.feet.append(Foot(place.link, origin))
+
+
+def _grow_linkage(
+    growth: Growth, spread: Spread, linkage: Linkage, place: Attachment, drives: Exprs, indices: Sequence[int], prefix: str
+) -> Attachment:
+    """Add every link that has mass, and the foot point without any; where the foot is."""
+    placing = forward_placing(linkage, drives, growth.parameters, growth.tape)
+    parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in enumerate(linkage.masses) if mass and body]
+    coordinates: list[Coordinate] = []
+    for name, body, mass in parts:
+        coordinates += _at(f"{name}", placing.point(body, placing.planar(mass.com)), growth.tape)
+        coordinates.append(Coordinate(f"{name}_angle", rotor=placing.pose(body).rotor))
+    coordinates += _at(f"{prefix}foot", placing.point(linkage.foot[0], placing.planar(linkage.foot[1])), growth.tape)
+    motion = PlanarMotion(growth.tape, drives, coordinates)
+    numbers = iter(spread.driven(indices, [coordinate.value for coordinate in coordinates], motion))
+    for name, _, mass in parts:
+        at = place
+        for joint, number in zip(planar_joints(*_bodies(mass)), numbers, strict=False):
+            at = growth.joint(joint, at, number, f"{name}_{joint.name}")
+    for joint, number in zip(planar_joints()[:2], numbers, strict=True):
+        place = growth.joint(joint, place, number, f"{prefix}foot_{joint.name}")
+    return place
+
+
+def _at(name: str, point: Planar, tape: Tape) -> list[Coordinate]:
+    return [Coordinate(f"{name}_{axis}", tape.let(f"{name}_{axis}", value)) for axis, value in zip("xy", point, strict=True)]
+
+
+def _bodies(mass: PlanarBody) -> tuple[Body, Body]:
+    """What slides with the centre of mass, and what turns as well: the inertia about the normal."""
+    half = div(mass.inertia, exact(2))
+    centre = (ZERO, ZERO, ZERO)
+    return Body(mass.mass, centre, (half, half, ZERO, ZERO, ZERO, ZERO)), Body(ZERO, centre, (ZERO, ZERO, mass.inertia, ZERO, ZERO, ZERO))

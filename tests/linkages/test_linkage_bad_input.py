@@ -1,0 +1,72 @@
+"""What is wrong with a linkage is said with its place, its group, and how to mend it."""
+
+from pathlib import Path
+
+import pytest
+
+from walkgen.errors import SpecError, UnsupportedMechanism
+from walkgen.spec.read import read
+
+TEXT = (Path(__file__).parents[2] / "specs" / "hydraulic_leg.toml").read_text(encoding="utf-8")
+SPARE = """
+[leg_designs.hydraulic.links.spare]
+points = { A = [0.0, 0.0] }
+[[leg_designs.hydraulic.pins]]"""
+TRIAD = """
+walkgen = 1
+robot = { name = "triad", gravity = [0, 0, -9.81] }
+platforms = [{ name = "body" }]
+legs = [{ name = "one", design = "leg", platform = "body" }]
+[leg_designs.leg]
+foot = "plate.A"
+links = { frame = { points = { A = [0, 0], B = [1, 0], C = [0.5, 1] } }, plate = { points = { A = [0, 0], B = [0.2, 0], C = [0.1, 0.2] } } }
+cylinders = [
+    { name = "one", between = ["frame.A", "plate.A"], driven = true },
+    { name = "two", between = ["frame.B", "plate.B"], driven = true },
+    { name = "three", between = ["frame.C", "plate.C"], driven = true },
+]
+"""
+BAD = {
+    "link": ("WG180", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shnk.H"]', "shank"),
+    "point": ("WG180", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shank.h"]', "H"),
+    "no point": ("WG180", 'foot = "shank.P"', 'foot = "shank"', "link.point"),
+    "one link": ("WG181", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H"]', "two links"),
+    "itself": ("WG181", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "thigh.J"]', "thigh"),
+    "disconnected": ("WG182", "\n[[leg_designs.hydraulic.pins]]", SPARE, "spare"),
+    "too many drives": ("WG183", 'joins = ["frame.I", "thigh.I"]', 'joins = ["frame.I", "thigh.I"]\ndriven = true', "2 degrees"),
+    "one cylinder on one link": ("WG185", '["frame.E", "thigh.G"]', '["frame.E", "frame.I"]', "one link"),
+    "no length": ("WG185", "limits = [0.25, 0.45]", "limits = [0.0, 0.45]", "no direction"),
+    "no such dyad": ("WG187", 'knee = "left"', 'kne = "left"', "knee"),
+    "no such side": ("WG187", 'knee = "left"', 'knee = "up"', "left or right"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_problem_has_its_place_and_cure(tmp_path, name):
+    code, old, new, said = BAD[name]
+    assert old in TEXT
+    path = tmp_path / "robot.toml"
+    path.write_text(TEXT.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(SpecError) as error:
+        read(path)
+    found = [problem for problem in error.value.problems if problem.code == code]
+    assert found, error.value
+    assert found[0].place is not None
+    assert said in str(found[0])
+
+
+def test_a_drive_that_moves_a_part_twice(tmp_path):
+    text = TEXT.replace('joins = ["frame.I", "thigh.I"]', 'joins = ["frame.I", "thigh.I"]\ndriven = true', 1)
+    head, _, tail = text.partition('name = "knee"')
+    path = tmp_path / "robot.toml"
+    path.write_text(head + 'name = "knee"' + tail.replace("driven = true", "driven = false", 1), encoding="utf-8")
+    with pytest.raises(SpecError, match="WG184"):
+        read(path)
+
+
+def test_a_group_of_a_higher_class_is_named(tmp_path):
+    path = tmp_path / "robot.toml"
+    path.write_text(TRIAD, encoding="utf-8")
+    with pytest.raises(UnsupportedMechanism, match="WG150") as error:
+        read(path)
+    assert "plate" in str(error.value)
