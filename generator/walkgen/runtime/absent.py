@@ -25,7 +25,7 @@ _ROBOT = (
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
     "chain": frozenset({"pose", "jacobian", "frames"}),
-    "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "patch", "project"}),
+    "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project"}),
     "route": frozenset(f"{_FORWARD} {_SEEDED}".split()),
     "robot": frozenset(_ROBOT.split()),
 }
