@@ -56,6 +56,26 @@ def program_function(program: Program, printer: CPrinter) -> CFunction:
 
 def composite_function(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
     """A Composite as a public function: local arrays, the calls in order, the status."""
+    lines = (*_composite_lines(composite, kernels, printer), *_count_lines(composite.signature))
+    return _public(composite, printer.precision, lines, _stack(composite, kernels, printer))
+
+
+def callback_function(callback: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
+    """A Composite of one point as a static function that routines call: they pass on the runtime parameters without their type."""
+    point, *param = callback.signature.inputs
+    name, real = callback_name(callback.signature, printer.precision), printer.precision.real
+    parameters = _parameters((point,), callback.signature.outputs, printer.precision)
+    opening = f"const {real} *const param = (const {real} *)data;" if param else "(void)data;"
+    lines = (f"{_INDENT}{opening}", *_composite_lines(callback, kernels, printer))
+    return CFunction(name, _declared(f"static void {name}", [*parameters, "const void *data"]), lines)
+
+
+def callback_name(signature: Signature, precision: Precision) -> str:
+    """Set apart from public functions."""
+    return f"{function_name(signature, precision)}_callback"
+
+
+def _composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> list[str]:
     signature = composite.signature
     returned = signature.returned
     lines = [_local(port, composite, printer.precision) for port in composite.locals]
@@ -64,10 +84,16 @@ def composite_function(composite: Composite, kernels: Mapping[Program, CFunction
     lines += [f"{_INDENT}(void){port.name};" for port in signature.inputs if port.name not in used]
     lines += [line for call in composite.calls for line in _call_lines(call, composite, kernels, printer)]
     lines += [f"{_INDENT}return {returned.name};"] if returned else []
-    deepest = max((kernels[call.callee].locals_size for call in composite.calls if isinstance(call.callee, Program)), default=0)
+    return lines
+
+
+def _stack(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> int:
+    """Bytes of locals of the function and what it calls at once."""
+    called = [kernels[call.callee].locals_size for call in composite.calls if isinstance(call.callee, Program)]
+    deepest = max([*called, *(_stack(callback, kernels, printer) for callback in composite.callbacks)], default=0)
     own = sum(_size(port, printer.precision) for port in composite.locals)
     copied = max((sum(_size(port, printer.precision) for port in _copied(call, composite)) for call in composite.calls), default=0)
-    return _public(composite, printer.precision, (*lines, *_count_lines(signature)), own + copied + deepest)
+    return own + copied + deepest
 
 
 def batch_function(signature: Signature, precision: Precision) -> CFunction:
@@ -298,6 +324,10 @@ def _argument(argument: str | Decimal | int, composite: Composite, printer: CPri
     if isinstance(argument, int):
         return str(argument)
     signature = composite.signature
+    for callback in composite.callbacks:
+        if argument == callback.signature.full_name:
+            data = "param" if any(port.name == "param" for port in callback.signature.inputs) else "NULL"
+            return f"{callback_name(callback.signature, printer.precision)}, {data}"
     returned = signature.returned
     pointers = {port.name for port in signature.outputs if not port.shape and port is not returned}
     values = {port.name for port in composite.locals if not port.shape} | ({returned.name} if returned else set())

@@ -74,8 +74,9 @@ CONTACT_FUNCTIONS: Final = (
     "load_margin",
     "foot_admissible",
     "slip",
+    "settle",
 )
-"""Of robots with feet to share a load, for any number of feet in contact."""
+"""Of robots with feet to share a load, for any number of feet in contact; `settle` where there are three legs, mass and terrain."""
 
 LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTIONS, "foot_compliance")
 """`foot_compliance` where the links have sections."""

@@ -19,6 +19,7 @@ from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
+from walkgen.symbolic.settle import settle
 from walkgen.symbolic.stance import stance_functions
 from walkgen.symbolic.terrain import TerrainFunctions
 
@@ -70,7 +71,8 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
         if wanted(name):
             yield getattr(robot, name)()
     yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-    yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
+    floating = FloatingFunctions(mechanism)
+    yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
     stood = (
         contact_functions(mechanism) | stance_functions(mechanism) | StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
     )
@@ -78,6 +80,8 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
     if mechanism.terrain:
         ground = TerrainFunctions(mechanism, mechanism.terrain)
         yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
+        if wanted("settle"):
+            yield from _existing([settle(mechanism, robot.foot_positions(), floating.weight(), ground.surface())])
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:

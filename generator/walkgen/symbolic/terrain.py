@@ -135,6 +135,14 @@ class TerrainFunctions:
         given = [getattr(patch, name) for patch in self._terrain.patches]
         return [_PROPERTIES[name] if value is None else expression(value, self._parameters) for value in given]
 
+    def surface(self) -> Solve:
+        """What a solve asks of the ground at a foot [5]."""
+        doc = "Height over the surface along the normal, to first order; the unit normal; the coefficient of friction."
+        (x, y, z), _ = self._normal
+        gap = self._tape.let("gap", z * (self._surfaces.point[2] - self._chosen([sheet.z for sheet in self._sheets])))
+        outputs = [gap, x, y, z, self._chosen(self._values("mu"))]
+        return self._located(self._words("surface", [Port("surface", (5,), "m and 1")], doc, _SOURCE), outputs, joined(self._searches), ())
+
     def patch(self) -> Derivation:
         """The index."""
         names = ", ".join(f"{index} {patch.name}" for index, patch in enumerate(self._terrain.patches))
@@ -177,8 +185,10 @@ class TerrainFunctions:
 
     def _solve(self, words: Signature, outputs: Sequence[sympy.Expr], found: Search, near: Sequence[Port]) -> Derivation:
         """A Function of the point alone, or one of what was found for it before."""
-        if not found.steps:
-            return self._tape.function(words, outputs)
+        return self._located(words, outputs, found, near) if found.steps else self._tape.function(words, outputs)
+
+    def _located(self, words: Signature, outputs: Sequence[sympy.Expr], found: Search, near: Sequence[Port]) -> Solve:
+        """A search, and a Function of what it found."""
         located = [port for patch in self._terrain.patches if (port := located_port(patch))]
         inner = signature(self._mechanism, OWNER, f"{words.name}_at", [POINT, *located, *near], words.outputs, "", "")
         arguments = (*(port.name for port in inner.inputs), *(port.name for port in words.outputs))
