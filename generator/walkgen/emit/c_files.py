@@ -11,16 +11,8 @@ from pathlib import Path, PurePosixPath
 from walkgen import __version__
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_constants import macros
-from walkgen.emit.c_function import (
-    CFunction,
-    batch_function,
-    callback_function,
-    composite_function,
-    function_name,
-    kernel,
-    program_function,
-    table_lines,
-)
+from walkgen.emit.c_declaration import CFunction, function_name
+from walkgen.emit.c_function import batch_function, callback_function, composite_function, kernel, program_function, table_lines
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
