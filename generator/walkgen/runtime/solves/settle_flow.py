@@ -8,7 +8,7 @@ from walkgen.runtime.solves.stance import Reals, Stance
 
 _SLOW = 1e-11
 _STILL = 1e-7
-_ROUNDING = 1e-15
+_UNSEEN = 0.01 * np.finfo(float).eps
 """Of a cost near 1: what falls less is not seen to fall."""
 
 
@@ -87,12 +87,10 @@ def _least(carry: Reals, most: Reals, power: Reals, tau: Reals, slow: float) -> 
         if np.linalg.norm(slope) <= 1e-11:
             break
         change = -np.linalg.solve(carry.T @ (share[:, None] * carry) - along.T @ ((most / length)[:, None] * along), slope)
-        if -slope @ change <= _ROUNDING:
-            return np.asarray(tau + change)
-        factor = 1.0
-        while cost(tau + factor * change) > cost(tau) and factor > 1e-12:
+        falls, factor = -slope @ change, 1.0
+        while cost(tau + factor * change) > cost(tau):
             factor *= 0.5
-        if factor <= 1e-12:
-            break
+            if factor * falls <= _UNSEEN:
+                return tau
         tau = tau + factor * change
     return tau
