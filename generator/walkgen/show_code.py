@@ -63,10 +63,10 @@ def equations(derivation: Derivation) -> Iterator[str]:
         return
     for step in derivation.steps:
         yield f"    {_call(step)}"
-    for step in derivation.steps:
-        if isinstance(step.callee, Function):
-            yield ""
-            yield from equations(step.callee)
+    kernels: list[Derivation] = [step.callee for step in derivation.steps if isinstance(step.callee, Function)]
+    for inner in (*kernels, *derivation.callbacks):
+        yield ""
+        yield from equations(inner)
 
 
 def listing(body: Program | Composite, *, whole: bool) -> Iterator[str]:
@@ -75,9 +75,9 @@ def listing(body: Program | Composite, *, whole: bool) -> Iterator[str]:
     if isinstance(body, Composite):
         for call in body.calls:
             yield f"    {_call(call)}"
-        for call in body.calls:
-            if isinstance(call.callee, Program):
-                yield from listing(call.callee, whole=whole)
+        kernels: list[Program | Composite] = [call.callee for call in body.calls if isinstance(call.callee, Program)]
+        for inner in (*kernels, *body.callbacks):
+            yield from listing(inner, whole=whole)
         return
     counts = {name: count for name, count in sorted(body.counts().items()) if name not in {Code.INPUT.value, Code.CONSTANT.value}}
     yield f"    {body.operation_count} operations: {', '.join(f'{count} {name}' for name, count in counts.items()) or 'none'}"

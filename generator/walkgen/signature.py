@@ -1,6 +1,6 @@
 """Names, shapes and units of a generated function: the one vocabulary that generator and runtime share."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from math import prod
@@ -11,8 +11,10 @@ Kind = Literal["real", "integer", "truth"]
 Dimension = int | str
 """A size, or the name of one that every call chooses."""
 
-COUNTS: Mapping[str, int] = MappingProxyType({"k": 16, "r": 96})
-"""Counts that a call chooses, and the most that C has room for: feet in contact (WALKGEN_MAX_FEET) and rows of joint limits."""
+COUNTS: Mapping[str, int] = MappingProxyType({"k": 16, "r": 96, "poses": 1024})
+"""Counts that a call chooses, and the most that C has room for: feet in contact (WALKGEN_MAX_FEET) and rows of joint limits; of the poses
+of a path C has as many as its caller has room for, Python so many.
+"""
 
 STATUSES = ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "NO_CONVERGENCE", "INFEASIBLE", "DUPLICATE")
 
@@ -48,6 +50,10 @@ class Port:
         return replace(self, shape=tuple(counts[size] if isinstance(size, str) else size for size in self.shape))
 
 
+def _counts(ports: Iterable[Port]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(size for port in ports for size in port.shape if isinstance(size, str)))
+
+
 @dataclass(frozen=True)
 class Table:
     """Constant numbers under a full name; `columns` only lays them out."""
@@ -78,7 +84,13 @@ class Signature:
     @property
     def counts(self) -> tuple[str, ...]:
         """Names of the sizes that every call chooses, as they first occur."""
-        return tuple(dict.fromkeys(size for port in self.inputs for size in port.shape if isinstance(size, str)))
+        return _counts((*self.inputs, *self.outputs))
+
+    @property
+    def capacities(self) -> tuple[str, ...]:
+        """Those that no input has: how much room the caller gives an output."""
+        told = _counts(self.inputs)
+        return tuple(count for count in self.counts if count not in told)
 
     @property
     def full_name(self) -> str:

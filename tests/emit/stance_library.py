@@ -41,12 +41,13 @@ void slip@(int k, const REAL *points, const REAL *normals, const REAL *wrench, R
     wg_slip@(k, points, normals, wrench, N, f, twist, mu, axis, pitch, status);
 }
 void settle@(int most_steps, const REAL *feet, const REAL *com, const REAL *weight, const REAL *wrench, const REAL *start,
-             void (*ground)(const REAL *, REAL *, void *), const REAL *step, REAL *pose, REAL *N, REAL *path, int32_t *steps,
+             void (*ground)(const REAL *, REAL *, const void *), const REAL *step, REAL *pose, REAL *N, REAL *path, int32_t *steps,
              int32_t *status);
 void settle@(int most_steps, const REAL *feet, const REAL *com, const REAL *weight, const REAL *wrench, const REAL *start,
-             void (*ground)(const REAL *, REAL *, void *), const REAL *step, REAL *pose, REAL *N, REAL *path, int32_t *steps,
+             void (*ground)(const REAL *, REAL *, const void *), const REAL *step, REAL *pose, REAL *N, REAL *path, int32_t *steps,
              int32_t *status) {
-    wg_settle@(feet, com, weight, wrench, start, ground, NULL, *step, most_steps, pose, N, path, steps, status);
+    const int32_t all[3] = {0, 1, 2};
+    wg_settle@(3, feet, all, com, weight, wrench, start, ground, NULL, *step, most_steps, most_steps + 1, pose, N, path, steps, status);
 }
 void admissible@(int k, const REAL *points, const REAL *normals, const REAL *mu, const REAL *wrench, int foot, int count,
                  const REAL *candidates, const REAL *candidate_normals, REAL *share, int32_t *status);
@@ -124,8 +125,7 @@ class Stances:
         pointer = ctypes.POINTER(real)
 
         def ground(point, surface, _data):
-            gap, normal, mu = robot.ground(np.array(point[:3], float))
-            for i, value in enumerate((gap, *normal, mu)):
+            for i, value in enumerate(robot.ground(np.array(point[:3], float))):
                 surface[i] = value
 
         callback = ctypes.CFUNCTYPE(None, pointer, pointer, ctypes.c_void_p)(ground)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oracles.bowl import LIMITS, NORMAL_FORCES, WEIGHT, bowl, limit, stance, tilt, tilted
-from walkgen.runtime.solves.settle import Robot, settle
+from walkgen.runtime.solves.settle import Robot, settled
 from walkgen.runtime.solves.stance import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, OK, SINGULAR
 
 
@@ -12,7 +12,11 @@ def incline(angle, mu, centre_of_mass=(0.0, 0.0, 0.2)) -> Robot:
     normal = np.array([np.sin(angle), 0.0, np.cos(angle)])
     azimuth = 2 * np.pi * np.arange(3) / 3
     feet = np.stack([0.3 * np.cos(azimuth), 0.3 * np.sin(azimuth), np.zeros(3)], axis=1)
-    return Robot(feet, np.array(centre_of_mass), WEIGHT, np.zeros(6), lambda point: (float(normal @ point), normal, mu))
+
+    def ground(points):
+        return np.stack([points @ normal, *(np.full(points.shape[:-1], value) for value in (*normal, mu))], axis=-1)
+
+    return Robot(feet, np.array(centre_of_mass), WEIGHT, np.zeros(6), ground)
 
 
 @pytest.mark.parametrize("mu", LIMITS)
@@ -71,10 +75,10 @@ def test_the_path_does_not_depend_on_the_step(stances):
 def test_the_reference_agrees(stances):
     robot, start = bowl(0.2), tilted(0.36)
     path, N, status, _ = stances.settle(robot, start, 0.02, 200)
-    expected, forces, state = settle(robot, start, 0.02, 200)
-    assert status == state == OK
-    assert tilt(path[-1]) == pytest.approx(tilt(expected[-1]), abs=2e-6)
-    np.testing.assert_allclose(N, forces, rtol=0, atol=1e-2)
+    expected = settled(robot, start, 0.02, 200)
+    assert status == expected.status == OK
+    assert tilt(path[-1]) == pytest.approx(tilt(expected.path[-1]), abs=2e-6)
+    np.testing.assert_allclose(N, expected.normal_forces, rtol=0, atol=1e-2)
 
 
 def test_inclines(stances):
@@ -105,14 +109,14 @@ def test_inclines(stances):
 )
 def test_statuses(stances, robot, start, step, expected):
     _, N, status, pose = stances.settle(robot, start, step, 20)
-    assert status == expected == settle(robot, start, step, 20)[2]
+    assert status == expected == settled(robot, start, step, 20).status
     assert np.isnan(pose).all() == np.isnan(N).all() == (expected == BAD_INPUT)
 
 
 def test_feet_on_a_line(stances):
     robot = incline(0.0, 0.5)
     line = Robot(robot.feet * [1.0, 0.0, 0.0], robot.centre_of_mass, robot.weight, robot.wrench, robot.ground)
-    assert stances.settle(line, np.eye(4), 0.01, 20)[2] == SINGULAR == settle(line, np.eye(4), 0.01, 20)[2]
+    assert stances.settle(line, np.eye(4), 0.01, 20)[2] == SINGULAR == settled(line, np.eye(4), 0.01, 20).status
 
 
 def test_single_precision(stances):

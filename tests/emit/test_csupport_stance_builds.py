@@ -17,13 +17,13 @@ static uint32_t drawn(uint32_t below) {
     seed = seed * 1664525u + 1013904223u;
     return (seed >> 16) % below;
 }
-static void bowl(const double *point, double *surface, void *data) {
+static void bowl(const double *point, double *surface, const void *data) {
     const double away = sqrt(point[0] * point[0] + point[1] * point[1] + point[2] * point[2]);
     surface[0] = 1.0 - away;
     surface[1] = -point[0] / away;
     surface[2] = -point[1] / away;
     surface[3] = -point[2] / away;
-    surface[4] = *(double *)data;
+    surface[4] = *(const double *)data;
 }
 static int told(const double *values, int count, int32_t status) {
     int fine = 1;
@@ -73,7 +73,9 @@ int main(void) {
         for (int i = 0; i < run % 3; ++i)
             start[drawn(12)] = VALUES[drawn(COUNT)];
         if (run % 10 == 0) {
-            wg_settle(x, x + LOAD, x + LOAD, x + LOAD, start, bowl, &mu, 0.05, 10, pose, N, path, &steps, &status);
+            const int32_t feet[3] = {(int32_t)drawn(5) - 1, 1, 2};
+            const int32_t room = (int32_t)drawn(11);
+            wg_settle(4, x, feet, x + LOAD, x + LOAD, x + LOAD, start, bowl, &mu, 0.05, 10, room, pose, N, path, &steps, &status);
             bad += !told(pose, 16, status) || !told(N, 3, status);
         }
     }

@@ -15,9 +15,9 @@ _FEET = np.stack([0.3 * np.cos(_AZIMUTH), 0.3 * np.sin(_AZIMUTH), np.zeros(3)], 
 
 
 def bowl(mu: float, wrench=(0.0,) * 6) -> Robot:
-    def ground(point):
-        distance = np.linalg.norm(point)
-        return 1.0 - distance, -point / distance, mu
+    def ground(points):
+        distance = np.linalg.norm(points, axis=-1, keepdims=True)
+        return np.concatenate([1.0 - distance, -points / distance, np.full_like(distance, mu)], axis=-1)
 
     return Robot(_FEET, np.array([0.0, 0.0, 0.35]), WEIGHT, np.array(wrench), ground)
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-TERRAIN = ("height", "normal", "tangents", "curvature", "ground", "patch", "project")
+TERRAIN = ("height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project")
 
 _ROBOT = """
 walkgen = 1

@@ -11,7 +11,8 @@ from pathlib import Path, PurePosixPath
 from walkgen import __version__
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_constants import macros
-from walkgen.emit.c_function import CFunction, batch_function, composite_function, function_name, kernel, program_function, table_lines
+from walkgen.emit.c_declaration import CFunction, function_name
+from walkgen.emit.c_function import batch_function, callback_function, composite_function, kernel, program_function, table_lines
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
@@ -47,7 +48,9 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     known = kernels | programs
     functions = [(_public(body, known, printer), batch_function(body.signature, precision)) for body in code.functions]
-    return _header(code, precision, functions), _source(code, precision, list(kernels.values()), functions)
+    composites = [body for body in code.functions if isinstance(body, Composite)]
+    callbacks = [callback_function(callback, known, printer) for body in composites for callback in body.callbacks]
+    return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks], functions)
 
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
@@ -150,7 +153,7 @@ def _kernels(code: RobotCode, printer: CPrinter) -> dict[Program, CFunction]:
     kernels: dict[Program, CFunction] = {}
     taken: set[str] = set()
     for body in code.functions:
-        for call in body.calls if isinstance(body, Composite) else ():
+        for call in body.all_calls if isinstance(body, Composite) else ():
             if isinstance(call.callee, Program) and call.callee not in kernels and call.callee not in public:
                 name = _free(f"{function_name(call.callee.signature, printer.precision)}_kernel", taken)
                 kernels[call.callee] = kernel(call.callee, name, printer)

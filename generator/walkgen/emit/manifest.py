@@ -130,7 +130,7 @@ def _in_casadi(body: Body) -> bool:
 def operations(body: Body) -> int:
     """Arithmetic operations of the generated part; a support routine's own are not counted."""
     if isinstance(body, Composite):
-        return sum(call.callee.operation_count for call in body.calls if isinstance(call.callee, Program))
+        return sum(call.callee.operation_count for call in body.all_calls if isinstance(call.callee, Program))
     return body.operation_count
 
 

@@ -1,6 +1,6 @@
 """Prints a robot's functions as vectorised NumPy: the fall-back without a compiler, and code a person can read."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import product
@@ -84,7 +84,7 @@ def numpy_artifact(code: RobotCode) -> Artifact:
         title=title(code, "NumPy"),
         imports=_imports(code),
         tables=[_table(table) for table in code.tables],
-        kernels=[_program(kernel, "_") for kernel in _kernels(code)],
+        kernels=[*(_program(kernel, "_") for kernel in _kernels(code)), *_callbacks(code)],
         functions=public,
         names=[short_name(body.signature) for body in code.functions],
     )
@@ -94,7 +94,7 @@ def _kernels(code: RobotCode) -> tuple[Program, ...]:
     """The Programs that are only inside Composites, each once, in order of first use."""
     bodies = [body for body in code.functions if isinstance(body, Composite)]
     found: dict[str, Program] = {}
-    for program in (call.callee for body in bodies for call in body.calls if isinstance(call.callee, Program)):
+    for program in (call.callee for body in bodies for call in body.all_calls if isinstance(call.callee, Program)):
         name = program.signature.full_name
         if found.setdefault(name, program) != program:
             raise AssertionError(f"two kernels are called {name}")
@@ -102,9 +102,14 @@ def _kernels(code: RobotCode) -> tuple[Program, ...]:
     return tuple(program for program in found.values() if program not in public)
 
 
+def _callbacks(code: RobotCode) -> Iterator[PythonFunction]:
+    composites = (body for body in code.functions if isinstance(body, Composite))
+    yield from (_composite(callback, code.public, "_") for body in composites for callback in body.callbacks)
+
+
 def _imports(code: RobotCode) -> tuple[str, ...]:
     bodies = [body for body in code.functions if isinstance(body, Composite)]
-    routines = {ROUTINES[call.callee] for body in bodies for call in body.calls if isinstance(call.callee, str)}
+    routines = {ROUTINES[call.callee] for body in bodies for call in body.all_calls if isinstance(call.callee, str)}
     modules = sorted({routine.module for routine in routines})
     return tuple(_import(module, routines) for module in modules)
 
@@ -127,15 +132,22 @@ def _program(program: Program, prefix: str = "") -> PythonFunction:
     return PythonFunction(prefix + short_name(signature), _parameters(program), summary(program), lines)
 
 
-def _composite(composite: Composite, public: Collection[Program]) -> PythonFunction:
+def _composite(composite: Composite, public: Collection[Program], prefix: str = "") -> PythonFunction:
     signature = composite.signature
     arrays = listing(f"lead, {unpacked(port.name for port in signature.inputs)} = _arrays(", map(_given, signature.inputs), ")")
-    counts = tuple(f"    {count} = {_counted(signature, count)}" for count in signature.counts)
-    known = {*signature.counts, *(["work"] if signature.workspace else [])}
-    steps = tuple(line for call in composite.calls for line in _step(call, public, known))
+    told = [count for count in signature.counts if count not in signature.capacities]
+    counts = tuple(f"    {count} = {_counted(signature, count)}" for count in told)
+    known = {*told, *(["work"] if signature.workspace else [])}
+    callbacks = {callback.signature.full_name: _passed(callback) for callback in composite.callbacks}
+    steps = tuple(line for call in composite.calls for line in _step(call, public, known, callbacks))
     spread = ", ".join(f"_spread(lead, {shape_text(port.shape)}, {_dtype(port)}, {port.name})" for port in signature.outputs)
     lines = (*counts, *arrays, *steps, f"    return {spread}")
-    return PythonFunction(short_name(signature), _parameters(composite), summary(composite), lines)
+    return PythonFunction(prefix + short_name(signature), _parameters(composite), summary(composite), lines)
+
+
+def _passed(callback: Composite) -> str:
+    """A callback with what it takes after the point."""
+    return f"({', '.join([f'_{short_name(callback.signature)}', *(port.name for port in callback.signature.inputs[1:])])},)"
 
 
 def _counted(signature: Signature, count: str) -> str:
@@ -144,7 +156,7 @@ def _counted(signature: Signature, count: str) -> str:
     return f'_count("{port.name}", {port.name}, {len(port.shape)}, {port.shape.index(count)})'
 
 
-def _step(call: Call, public: Collection[Program], known: Collection[str]) -> tuple[str, ...]:
+def _step(call: Call, public: Collection[Program], known: Collection[str], callbacks: Mapping[str, str]) -> tuple[str, ...]:
     """One call; a guard only saves C the work, a routine leaves alone the rows that do not need it, and reads counts off its arrays."""
     if isinstance(call.callee, Program):
         prefix = "" if call.callee in public else "_"
@@ -155,7 +167,7 @@ def _step(call: Call, public: Collection[Program], known: Collection[str]) -> tu
         name, taken, written = routine.name, routine.taken, routine.inputs
     counted = isinstance(call.callee, str) and isinstance(call.arguments[0], int)
     given, results = (
-        [_argument(argument) for argument in arguments if argument not in known]
+        [callbacks.get(str(argument)) or _argument(argument) for argument in arguments if argument not in known]
         for arguments in (call.arguments[counted:taken], call.arguments[written:])
     )
     step = f"    {', '.join(results)} = {name}({', '.join(given)})"
@@ -174,7 +186,7 @@ def _table(table: Table) -> tuple[str, ...]:
 
 
 def _parameters(body: Body) -> str:
-    return ", ".join(port.name for port in body.signature.inputs)
+    return ", ".join([*(port.name for port in body.signature.inputs), *body.signature.capacities])
 
 
 def _given(port: Port) -> str:

@@ -134,10 +134,11 @@ def _methods(code: RobotCode, owner: str, indent: str = "        ") -> tuple[Met
 
 def _method(signature: Signature, indent: str) -> Method:
     inputs = [_argument(port) for port in signature.inputs if port.name != "param"]
-    keywords = ["*", *(f"{port.name}: ArrayLike | None = None" for port in signature.inputs if port.name == "param"), "out: Any = None"]
+    keywords = [f"{port.name}: ArrayLike | None = None" for port in signature.inputs if port.name == "param"]
+    keywords += [] if signature.capacities else ["out: Any = None"]
     return Method(
         signature.name,
-        ", ".join([*inputs, *keywords]),
+        ", ".join([*inputs, *(["*"] if keywords else []), *keywords]),
         _returned(signature.outputs),
         docstring(indent, signature.doc or signature.name, port_line(signature), signature.source),
     )

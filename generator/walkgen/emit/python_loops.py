@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from walkgen.emit.artifact import Artifact, RobotCode
-from walkgen.emit.c_function import function_name
+from walkgen.emit.c_declaration import function_name
 from walkgen.emit.c_printer import DOUBLE, FLOAT, Precision
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out

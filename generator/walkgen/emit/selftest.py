@@ -7,7 +7,7 @@ from typing import Any
 
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_constants import limb_owner
-from walkgen.emit.c_function import function_name
+from walkgen.emit.c_declaration import function_name
 from walkgen.emit.c_printer import DOUBLE
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out

@@ -56,10 +56,12 @@ def _composite(solve: Solve, fma: bool) -> Composite:
         Call(step.callee if isinstance(step.callee, str) else program(step.callee, fma), step.arguments, step.guard, step.repeat)
         for step in solve.steps
     )
+    callbacks = tuple(_composite(callback, fma) for callback in solve.callbacks)
     routines = [name for call in calls for name in (call.callee, call.guard[0] if call.guard else None) if isinstance(name, str)]
-    headers = tuple(dict.fromkeys(ROUTINES[name].header for name in routines))
+    called_back = (header for callback in callbacks for header in callback.headers)
+    headers = tuple(dict.fromkeys([*(ROUTINES[name].header for name in routines), *called_back]))
     closed_form = lower(solve.closed_form, fma) if solve.closed_form else None
-    return Composite(solve.signature, solve.locals, calls, headers, closed_form, solve.tables)
+    return Composite(solve.signature, solve.locals, calls, headers, closed_form, solve.tables, callbacks)
 
 
 class _Lowering:

@@ -99,7 +99,8 @@ class Program:
 class Call:
     """One step of a Composite: a Program (emitted as a static kernel) or a support routine by its name.
 
-    `arguments` name the Composite's inputs, locals, outputs or tables, in the callee's order, inputs first; a Decimal is a literal.
+    `arguments` name the Composite's inputs, locals, outputs, tables or callbacks, in the callee's order, inputs first; a Decimal is a
+    literal.
     With `guard` (a support routine's name and its arguments, returning truth in C) the step runs only where it holds.
     A Program may read what it writes, and `repeat` runs it that often.
     """
@@ -115,7 +116,7 @@ class Composite:
     """A function of several calls in order, joined by `locals`; some may be support routines.
 
     `headers` are the csupport files the routines live in; `closed_form` stands in where routines do not exist (CasADi):
-    a Program, or a Composite that calls Programs alone. `tables` are constants that routines read.
+    a Program, or a Composite that calls Programs alone. `tables` are constants that routines read, `callbacks` what they call.
     """
 
     signature: Signature
@@ -124,3 +125,9 @@ class Composite:
     headers: tuple[str, ...]
     closed_form: "Program | Composite | None" = None
     tables: tuple[Table, ...] = ()
+    callbacks: tuple["Composite", ...] = ()
+
+    @property
+    def all_calls(self) -> tuple[Call, ...]:
+        """Its own and those of its callbacks."""
+        return (*self.calls, *(call for callback in self.callbacks for call in callback.all_calls))

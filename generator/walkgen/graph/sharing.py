@@ -21,7 +21,9 @@ def shared(bodies: Sequence[Body]) -> tuple[Body, ...]:
 def _calling(composite: Composite, public: dict[Hashable, Program]) -> Composite:
     closed = composite.closed_form
     closed = _calling(closed, public) if isinstance(closed, Composite) else closed
-    return replace(composite, calls=tuple(_redirected(call, public) for call in composite.calls), closed_form=closed)
+    calls = tuple(_redirected(call, public) for call in composite.calls)
+    callbacks = tuple(_calling(callback, public) for callback in composite.callbacks)
+    return replace(composite, calls=calls, closed_form=closed, callbacks=callbacks)
 
 
 def _redirected(call: Call, public: dict[Hashable, Program]) -> Call:

@@ -25,18 +25,19 @@ _ROBOT = (
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
     "chain": frozenset({"pose", "jacobian", "frames"}),
-    "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "patch", "project"}),
+    "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project"}),
     "route": frozenset(f"{_FORWARD} {_SEEDED}".split()),
     "robot": frozenset(_ROBOT.split()),
 }
 """Names that walkgen knows for each kind of owner; not every mechanism has them all."""
 
 
-_SECTIONS = {
+_NEEDS = {
     "foot_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of the leg",
     "stance_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of all legs",
     "load_misfit": "no chain is elastic: name one of [sections] as section in the links of chains, and of all legs",
     "chain_reactions": "it has no connecting chains",
+    "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
 }
 
 
@@ -71,8 +72,8 @@ def _reason(name: str, joints: int) -> str:
         return f"{joints} joints reach a position in infinitely many ways; inverse_near and inverse_pose start from a seed"
     if name == "inverse_pose" and 0 < joints <= _BRANCHED_JOINTS:
         return f"{joints} joints cannot give the foot every pose; inverse reaches positions"
-    if name in _SECTIONS:
-        return f"{_SECTIONS[name]}, or [generate] functions leaves it out"
+    if name in _NEEDS:
+        return f"{_NEEDS[name]}, or [generate] functions leaves it out"
     if name == "terrain":
         return "its spec describes no ground: [[terrain]] does"
     return "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"

@@ -91,13 +91,22 @@ class Vectorised:
             ValueError: an input whose last dimensions are not its port's.
         """
         narrow = (_narrowed(value, port) for value, port in zip(arguments, self.signature.inputs, strict=False))
-        results = self.function(*narrow, *arguments[len(self.signature.inputs) :])
+        results = self.function(*narrow, *arguments[len(self.signature.inputs) :], *self._rooms(out))
         if out is None:
             return results
         single = len(self.signature.outputs) == 1
         places = out if isinstance(out, tuple) else (out,)
         filled = tuple(_filled(place, result) for place, result in zip(places, (results,) if single else results, strict=True))
         return filled[0] if single else filled
+
+    def _rooms(self, out: Any) -> list[int]:
+        """Counts that only outputs have, read off `out` as ufuncs do."""
+        places = dict(zip(self.signature.outputs, out if isinstance(out, tuple) else (out,), strict=False))
+        found = []
+        for count in self.signature.capacities:
+            port = next(port for port in places if count in port.shape)
+            found.append(np.shape(places[port])[port.shape.index(count) - len(port.shape)])
+        return found
 
     def __repr__(self) -> str:
         return f"<function {self.signature.full_name!r} in NumPy>"

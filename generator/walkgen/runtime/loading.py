@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from walkgen.errors import Problem, ToolchainError
-from walkgen.runtime import contact
+from walkgen.runtime import contact, settling
 from walkgen.runtime.calls import Function, Vectorised, as_called
+from walkgen.runtime.counted import Counted
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
 from walkgen.runtime.robot import Chain, Leg, Robot, Route, Terrain
@@ -145,10 +146,13 @@ def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]
 
 
 def _solves(robot: str, functions: Mapping[str, Function]) -> dict[str, Function]:
-    """The one `contact_forces` in front of the solves of that name."""
+    """What stands in front of solves: the one `contact_forces` of several methods, `settle`."""
     start = f"{robot}_{contact.NAME}"
     solves = {name.removeprefix(f"{robot}_"): function for name, function in functions.items() if name.startswith(start)}
-    return {start: contact.ContactForces(solves)} if start in functions else {}
+    fronts: dict[str, Function] = {start: contact.ContactForces(solves)} if start in functions else {}
+    slid = f"{robot}_{settling.NAME}"
+    solve = functions.get(slid)
+    return fronts | ({slid: settling.Settle(solve)} if isinstance(solve, Counted) else {})
 
 
 def _by_owner(manifest: Manifest, functions: Mapping[str, Function]) -> dict[str, dict[str, Function]]:

@@ -74,8 +74,9 @@ CONTACT_FUNCTIONS: Final = (
     "load_margin",
     "foot_admissible",
     "slip",
+    "settle",
 )
-"""Of robots with feet to share a load, for any number of feet in contact."""
+"""Of robots with feet to share a load, for any number of feet in contact; `settle` where there are three legs, mass and terrain."""
 
 LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTIONS, "foot_compliance")
 """`foot_compliance` where the links have sections."""
@@ -83,7 +84,7 @@ LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTI
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
 KINEMATIC_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity")
 ROBOT_FUNCTIONS: Final = (*KINEMATIC_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUNCTIONS, *CONTACT_FUNCTIONS)
-TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "patch", "project")
+TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project")
 """Of the ground, where the spec has any."""
 
 FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS + TERRAIN_FUNCTIONS

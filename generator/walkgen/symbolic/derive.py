@@ -20,6 +20,7 @@ from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
+from walkgen.symbolic.settle import settle
 from walkgen.symbolic.stance import stance_functions
 from walkgen.symbolic.terrain import TerrainFunctions
 
@@ -64,17 +65,26 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
     for route in routes(mechanism):
         yield from _path(mechanism, route, FOOT, wanted)
         yield from _path_inverse(mechanism, route, wanted)
+    yield from _whole_robot(mechanism, wanted)
+    if mechanism.terrain:
+        ground = TerrainFunctions(mechanism, mechanism.terrain)
+        yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
+
+
+def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    """Functions of all limbs together, and of feet in contact."""
     robot = RobotFunctions(mechanism)
     yield from (getattr(robot, name)() for name in ("platform_poses", "foot_positions", "foot_jacobians") if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
     if all(leg.linkage is None for leg in mechanism.legs):
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-        yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
+        floating = FloatingFunctions(mechanism)
+        yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
         stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
+        if mechanism.terrain and wanted("settle"):
+            surface = TerrainFunctions(mechanism, mechanism.terrain).surface()
+            yield from _existing([settle(mechanism, robot.foot_positions(), floating.weight(), surface)])
     yield from (build() for name, build in stood.items() if wanted(name))
-    if mechanism.terrain:
-        ground = TerrainFunctions(mechanism, mechanism.terrain)
-        yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
 
 
 def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:

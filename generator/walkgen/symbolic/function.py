@@ -130,7 +130,8 @@ class Solve:
     """A function of several steps in order, joined by `locals`; steps may be support routines.
 
     `closed_form` computes the same map without routines, for targets that have none: a Function, or a Solve of Functions alone.
-    `tables` are constants that routines read, named among a step's arguments.
+    `tables` are constants that routines read, named among a step's arguments; `callbacks` are functions that routines call with a point,
+    which they pass on with the runtime parameters: an argument names one by its full name.
     """
 
     signature: Signature
@@ -138,6 +139,7 @@ class Solve:
     steps: tuple[Step, ...]
     closed_form: "Function | Solve | None" = None
     tables: tuple[Table, ...] = ()
+    callbacks: tuple["Solve", ...] = ()
 
 
 Derivation = Function | Solve

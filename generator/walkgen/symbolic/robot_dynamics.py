@@ -226,3 +226,13 @@ class FloatingFunctions:
         inputs = [robot.ports[port] for port in entry.inputs]
         words = signature(self._mechanism, "", name, inputs, [output], entry.doc, entry.source)
         return robot.tape.function(words, entry.build(robot))
+
+    def weight(self) -> Function | None:
+        """What gravity does to the robot held in its joints: where, in the base's frame, and the force, in the world; None without mass."""
+        tree = self._tree
+        robot = FloatingDynamics(self._mechanism, tree, self._tape.fork())
+        if robot.moments.mass == 0:
+            return None
+        outputs = [Port("centre_of_mass", (3,), "m"), Port("weight", (3,), "N")]
+        words = signature(self._mechanism, "", "weight", [robot.ports["q"]], outputs, "", "sum of m p / sum of m; m g")
+        return robot.tape.function(words, [*robot.moments.centre, *scaled(robot.moments.mass, robot.gravity)])

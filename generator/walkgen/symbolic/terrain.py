@@ -6,9 +6,8 @@ from functools import cached_property
 import sympy
 
 from walkgen.model.mechanism import Mechanism
-from walkgen.model.terrain import Patch, Terrain
+from walkgen.model.terrain import Terrain
 from walkgen.signature import STATUSES, Port, Signature
-from walkgen.spec.scalar import Scalar
 from walkgen.symbolic.branches import BAD_INPUT, OK, SINGULAR, UNREACHABLE
 from walkgen.symbolic.choices import both, chosen, finite, indicator, same
 from walkgen.symbolic.frames import expression, parameter_symbols
@@ -22,6 +21,9 @@ from walkgen.symbolic.tape import Tape, Vec, dot, scaled
 OWNER = "terrain"
 _NO_CONVERGENCE = sympy.Integer(STATUSES.index("NO_CONVERGENCE"))
 _SOURCE = "theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)"
+_SPRINGS = "theory 4.3: C = n n'/kn + (1 - n n')/kt"
+_PROPERTIES = {"mu": sympy.nan, "kn": sympy.oo, "kt": sympy.oo}
+"""Of a patch, with what stands where the spec says nothing."""
 _DUFF = "Duff et al., Building an orthonormal basis, revisited, JCGT 2017"
 _FIRST = "the first patch whose domain holds the point counts"
 
@@ -113,19 +115,33 @@ class TerrainFunctions:
         doc = (
             "Coefficient of friction (NaN where the spec gives none) and stiffnesses along the normal and across it (infinite where rigid)."
         )
-        properties: list[tuple[str, Callable[[Patch], Scalar | None], sympy.Expr]] = [
-            ("mu", lambda patch: patch.mu, sympy.nan),
-            ("kn", lambda patch: patch.kn, sympy.oo),
-            ("kt", lambda patch: patch.kt, sympy.oo),
-        ]
-        outputs = [
-            self._chosen(
-                [otherwise if (given := of(patch)) is None else expression(given, self._parameters) for patch in self._terrain.patches]
-            )
-            for _, of, otherwise in properties
-        ]
+        outputs = [self._chosen(self._values(name)) for name in _PROPERTIES]
         ports = [Port("mu"), Port("kn", (), "N/m"), Port("kt", (), "N/m")]
-        return self._function("ground", ports, outputs, doc, "theory 4.3: C = n n'/kn + (1 - n n')/kt")
+        return self._function("ground", ports, outputs, doc, _SPRINGS)
+
+    def compliance(self) -> Derivation:
+        """C [3,3]."""
+        doc = (
+            "How far the ground at the point's x and y yields for a unit force on it, in the world's axes: 0 where it is rigid, NaN off "
+            "every patch and where there is no normal. In series with a leg's compliance: their sum is what contact_forces takes."
+        )
+        n, _ = self._normal
+        along, across = (self._tape.let(f"per_{name}", self._chosen([1 / value for value in self._values(name)])) for name in ("kn", "kt"))
+        outputs = [along * a * b + across * (int(i == j) - a * b) for i, a in enumerate(n) for j, b in enumerate(n)]
+        return self._function("compliance", [Port("C", (3, 3), "m/N")], outputs, doc, _SPRINGS)
+
+    def _values(self, name: str) -> list[sympy.Expr]:
+        """One of `_PROPERTIES` of every patch."""
+        given = [getattr(patch, name) for patch in self._terrain.patches]
+        return [_PROPERTIES[name] if value is None else expression(value, self._parameters) for value in given]
+
+    def surface(self) -> Solve:
+        """What a solve asks of the ground at a foot [5]."""
+        doc = "Height over the surface along the normal, to first order; the unit normal; the coefficient of friction."
+        (x, y, z), _ = self._normal
+        gap = self._tape.let("gap", z * (self._surfaces.point[2] - self._chosen([sheet.z for sheet in self._sheets])))
+        outputs = [gap, x, y, z, self._chosen(self._values("mu"))]
+        return self._located(self._words("surface", [Port("surface", (5,), "m and 1")], doc, _SOURCE), outputs, joined(self._searches), ())
 
     def patch(self) -> Derivation:
         """The index."""
@@ -169,8 +185,10 @@ class TerrainFunctions:
 
     def _solve(self, words: Signature, outputs: Sequence[sympy.Expr], found: Search, near: Sequence[Port]) -> Derivation:
         """A Function of the point alone, or one of what was found for it before."""
-        if not found.steps:
-            return self._tape.function(words, outputs)
+        return self._located(words, outputs, found, near) if found.steps else self._tape.function(words, outputs)
+
+    def _located(self, words: Signature, outputs: Sequence[sympy.Expr], found: Search, near: Sequence[Port]) -> Solve:
+        """A search, and a Function of what it found."""
         located = [port for patch in self._terrain.patches if (port := located_port(patch))]
         inner = signature(self._mechanism, OWNER, f"{words.name}_at", [POINT, *located, *near], words.outputs, "", "")
         arguments = (*(port.name for port in inner.inputs), *(port.name for port in words.outputs))
@@ -195,6 +213,7 @@ _BUILDERS: dict[str, Callable[[TerrainFunctions], Derivation]] = {
     "tangents": TerrainFunctions.tangents,
     "curvature": TerrainFunctions.curvature,
     "ground": TerrainFunctions.ground,
+    "compliance": TerrainFunctions.compliance,
     "patch": TerrainFunctions.patch,
     "project": TerrainFunctions.project,
 }

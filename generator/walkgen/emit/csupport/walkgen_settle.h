@@ -21,14 +21,14 @@
 
 /* The ground near a point: its height over the surface along the normal, at least to first order, and there the unit normal and the friction
  * [5]. */
-typedef void (*WG_NAME(wg_ground))(const WG_REAL point[3], WG_REAL surface[5], void *data);
+typedef void (*WG_NAME(wg_ground))(const WG_REAL point[3], WG_REAL surface[5], const void *data);
 
 /* Robot, ground and the present pose (rotation by rows, position) with its feet. */
 struct WG_NAME(wg_settling) {
-    const WG_REAL *feet, *centre_of_mass, *weight, *wrench;
+    const WG_REAL *centre_of_mass, *weight, *wrench;
     WG_NAME(wg_ground) ground;
-    void *data;
-    WG_REAL R[3][3], p[3], points[9], normals[9], mu[3], gap[3];
+    const void *data;
+    WG_REAL feet[9], R[3][3], p[3], points[9], normals[9], mu[3], gap[3];
     struct WG_NAME(wg_tripod) slip;
 };
 
@@ -161,69 +161,90 @@ static inline void WG_NAME(wg_settle_pose)(const struct WG_NAME(wg_settling) * s
     pose[15] = WG_C(1.0);
 }
 
-/* From start, world_T_platform [4, 4], to the stable pose of a robot with three feet [3, 3] and centre_of_mass [3] in the platform's frame, under
- * its weight [3] (a force in the world) and a constant wrench [6] (in the world, about its origin), on `ground`, which is given `data`. `step`:
- * how far the fastest foot goes in a step, m, at most a fifth of the feet's root mean square distance from their centre; most_steps of them.
- * path [most_steps + 1, 4, 4], or NULL: the poses on the way, `steps` + 1 of them. normal_forces [3]. OK where it came to rest; INFEASIBLE
- * where a foot lifted off or left the ground: the last pose before; NO_CONVERGENCE where steps were too few; SINGULAR where feet are on a
- * line; BAD_INPUT; with NaN. */
-static inline void WG_NAME(wg_settle)(const WG_REAL *feet, const WG_REAL *centre_of_mass, const WG_REAL *weight, const WG_REAL *wrench,
-                                      const WG_REAL *start, WG_NAME(wg_ground) ground, void *data, WG_REAL step, int32_t most_steps,
-                                      WG_REAL *pose, WG_REAL *normal_forces, WG_REAL *path, int32_t *steps, int32_t *status) {
-    struct WG_NAME(wg_settling) settle, next;
-    WG_REAL far;
+/* The three feet among the k of the robot in its platform's frame [k, 3], and the pose at the start; whether there are such feet. */
+static inline int WG_NAME(wg_settle_place)(int32_t k, const WG_REAL *points, const int32_t *feet, const WG_REAL *start,
+                                           struct WG_NAME(wg_settling) * settle) {
+    int i, j;
+    for (i = 0; i < 3; ++i) {
+        if (feet[i] < 0 || feet[i] >= k) {
+            return 0;
+        }
+        for (j = 0; j < 3; ++j) {
+            settle->feet[3 * i + j] = points[3 * feet[i] + j];
+            settle->R[i][j] = start[4 * i + j];
+        }
+        settle->p[i] = start[4 * i + 3];
+    }
+    return WG_NAME(wg_stance_finite)(start, 16);
+}
+
+/* Steps in which the fastest foot goes `far`, or less, until the robot rests: the status. The poses before the last go into path [poses, 4, 4]. */
+static inline int32_t WG_NAME(wg_settle_follow)(WG_REAL far, int32_t most_steps, int32_t poses, struct WG_NAME(wg_settling) * settle,
+                                                WG_REAL *path, int32_t *steps) {
+    struct WG_NAME(wg_settling) next;
+    int found = WG_NAME(wg_settle_flow)(settle->mu, &settle->slip);
+    if (found <= 0) {
+        return found < 0 ? WALKGEN_INFEASIBLE : WALKGEN_OK;
+    }
+    while (*steps < most_steps) {
+        next = *settle;
+        next.slip.normals = next.normals;
+        found = WG_NAME(wg_settle_step)(far, &next);
+        if (found > 0) {
+            if (*steps < poses) {
+                WG_NAME(wg_settle_pose)(settle, path + 16 * (size_t)*steps);
+            }
+            *settle = next;
+            settle->slip.normals = settle->normals;
+            ++*steps;
+            continue;
+        }
+        far *= WG_C(0.5);
+        if (far < WG_LEAST) {
+            return found < 0 ? WALKGEN_INFEASIBLE : WALKGEN_OK;
+        }
+    }
+    return WALKGEN_NO_CONVERGENCE;
+}
+
+/* From start, world_T_platform [4, 4], to the stable pose of a robot on three of its k feet: `feet` are their numbers, points [k, 3] and
+ * centre_of_mass [3] are in the platform's frame; under its weight [3] (a force in the world) and a constant wrench [6] (in the world, about its
+ * origin), on `ground`, which is given `data`. `step`: how far the fastest foot goes in a step, m, at most a fifth of the feet's root mean square
+ * distance from their centre; most_steps of them. normal_forces [3]. path [poses, 4, 4]: the first poses on the way, of `steps` + 1; rows beyond
+ * repeat the last. OK where it came to rest; INFEASIBLE where a foot lifted off or left the ground: the last pose before; NO_CONVERGENCE where
+ * steps were too few; SINGULAR where feet are on a line; BAD_INPUT; with NaN. */
+static inline void WG_NAME(wg_settle)(int32_t k, const WG_REAL *points, const int32_t *feet, const WG_REAL *centre_of_mass,
+                                      const WG_REAL *weight, const WG_REAL *wrench, const WG_REAL *start, WG_NAME(wg_ground) ground,
+                                      const void *data, WG_REAL step, int32_t most_steps, int32_t poses, WG_REAL *pose,
+                                      WG_REAL *normal_forces, WG_REAL *path, int32_t *steps, int32_t *status) {
+    struct WG_NAME(wg_settling) settle;
+    int32_t row;
     int i, found;
-    settle.feet = feet;
     settle.centre_of_mass = centre_of_mass;
     settle.weight = weight;
     settle.wrench = wrench;
     settle.ground = ground;
     settle.data = data;
-    for (i = 0; i < 12; ++i) {
-        if (i % 4 == 3) {
-            settle.p[i / 4] = start[i];
-        } else {
-            settle.R[i / 4][i % 4] = start[i];
-        }
-    }
     *steps = 0;
-    for (i = 0; i < 16; ++i) {
+    found = step > WG_C(0.0) && step <= WG_HUGE && most_steps >= 0 && WG_NAME(wg_settle_place)(k, points, feet, start, &settle)
+                ? WG_NAME(wg_settle_touch)(&settle)
+                : -1;
+    *status = found < 0 ? WALKGEN_BAD_INPUT : WALKGEN_SINGULAR;
+    if (found > 0) {
+        const WG_REAL far = WG_MIN(step / settle.slip.stance.length, WG_C(0.2));
+        *status = WG_NAME(wg_settle_follow)(far, most_steps, poses, &settle, path, steps);
+        WG_NAME(wg_settle_pose)(&settle, pose);
+    }
+    for (i = 0; i < 16 && found <= 0; ++i) {
         pose[i] = WG_NAN;
     }
-    normal_forces[0] = normal_forces[1] = normal_forces[2] = WG_NAN;
-    found = WG_NAME(wg_stance_finite)(start, 16) && step > WG_C(0.0) && step <= WG_HUGE ? WG_NAME(wg_settle_touch)(&settle) : -1;
-    if (found <= 0) {
-        *status = found < 0 ? WALKGEN_BAD_INPUT : WALKGEN_SINGULAR;
-        return;
-    }
-    far = WG_MIN(step / settle.slip.stance.length, WG_C(0.2));
-    found = WG_NAME(wg_settle_flow)(settle.mu, &settle.slip);
-    *status = found < 0 ? WALKGEN_INFEASIBLE : found > 0 ? WALKGEN_NO_CONVERGENCE : WALKGEN_OK;
-    for (;;) {
-        WG_NAME(wg_settle_pose)(&settle, pose);
-        for (i = 0; i < 16 && path; ++i) {
-            path[16 * *steps + i] = pose[i];
-        }
-        for (found = 0; *status == WALKGEN_NO_CONVERGENCE && *steps < most_steps && found <= 0;) {
-            next = settle;
-            next.slip.normals = next.normals;
-            found = WG_NAME(wg_settle_step)(far, &next);
-            if (found <= 0) {
-                far *= WG_C(0.5);
-                if (far < WG_LEAST) {
-                    *status = found < 0 ? WALKGEN_INFEASIBLE : WALKGEN_OK;
-                }
-            }
-        }
-        if (found <= 0) {
-            break;
-        }
-        settle = next;
-        settle.slip.normals = settle.normals;
-        ++*steps;
-    }
     for (i = 0; i < 3; ++i) {
-        normal_forces[i] = settle.slip.N[i] * settle.slip.stance.force;
+        normal_forces[i] = found > 0 ? settle.slip.N[i] * settle.slip.stance.force : WG_NAN;
+    }
+    for (row = *steps; row < poses; ++row) {
+        for (i = 0; i < 16; ++i) {
+            path[16 * (size_t)row + (size_t)i] = pose[i];
+        }
     }
 }
 

@@ -51,18 +51,25 @@ static inline WG_REAL WG_NAME(wg_settle_cost)(const struct WG_NAME(wg_tripod) * 
     return sum;
 }
 
-/* tau of the least cost, from the present one: Newton with halved steps. */
+/* tau of the least cost, from the present one: Newton with halved steps, where the cost, near 1, can be seen to fall. */
 static inline void WG_NAME(wg_settle_slide)(const WG_REAL mu[3], const WG_REAL power[3], WG_REAL slow, struct WG_NAME(wg_tripod) * slip) {
-    WG_REAL rows[8][9], unused[8][9], tried[3], value, next, falls, factor;
+    WG_REAL rows[8][9], unused[8][9], slope[3], tried[3], value, next, falls, factor;
     int turn, half, i;
     for (turn = 0; turn < 50; ++turn) {
         value = WG_NAME(wg_settle_cost)(slip, mu, power, slip->tau, slow, rows);
-        falls = rows[0][3] * rows[0][3] + rows[1][3] * rows[1][3] + rows[2][3] * rows[2][3];
+        for (i = 0; i < 3; ++i) {
+            slope[i] = rows[i][3];
+        }
+        falls = WG_NAME(wg_dot)(slope, slope);
         if (falls <= WG_SHARP * WG_SHARP || !WG_NAME(wg_slip_eliminate)(3, rows)) {
             return;
         }
         factor = WG_C(1.0);
+        falls = slope[0] * rows[0][3] + slope[1] * rows[1][3] + slope[2] * rows[2][3];
         for (half = 0; half < 40; ++half) {
+            if (half > 0 && factor * falls <= WG_C(0.01) * WG_EPSILON) {
+                return;
+            }
             for (i = 0; i < 3; ++i) {
                 tried[i] = slip->tau[i] + factor * rows[i][3];
             }

@@ -1,0 +1,108 @@
+"""The body of a Composite in C: its local arrays and its calls in order."""
+
+from collections.abc import Iterator, Mapping
+from decimal import Decimal
+
+from walkgen.emit.c_declaration import INDENT, CFunction, callback_name, port_size, port_type
+from walkgen.emit.c_printer import CPrinter, Precision
+from walkgen.graph.program import Call, Composite, Program
+from walkgen.graph.routines import ROUTINES
+from walkgen.signature import Port
+
+
+def composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> list[str]:
+    """Local arrays, the calls, the status returned."""
+    signature = composite.signature
+    returned = signature.returned
+    lines = [_local(port, composite, printer.precision) for port in composite.locals]
+    lines += [f"{INDENT}int32_t {returned.name} = WALKGEN_OK;"] if returned else []
+    used = {argument for call in composite.calls for argument in (*call.arguments, *(call.guard[1] if call.guard else ()))}
+    lines += [f"{INDENT}(void){port.name};" for port in signature.inputs if port.name not in used]
+    lines += [line for call in composite.calls for line in _call_lines(call, composite, kernels, printer)]
+    lines += [f"{INDENT}return {returned.name};"] if returned else []
+    return lines
+
+
+def stack_of(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> int:
+    """Bytes of locals of the function and what it calls at once."""
+    called = [kernels[call.callee].locals_size for call in composite.calls if isinstance(call.callee, Program)]
+    deepest = max([*called, *(stack_of(callback, kernels, printer) for callback in composite.callbacks)], default=0)
+    own = sum(port_size(port, printer.precision) for port in composite.locals)
+    copied = max((sum(port_size(port, printer.precision) for port in _copied(call, composite)) for call in composite.calls), default=0)
+    return own + copied + deepest
+
+
+def _local(port: Port, composite: Composite, precision: Precision) -> str:
+    """A local's definition, set to zero where a guard may skip what writes it."""
+    first = next((call for call in composite.calls if port.name in call.arguments), None)
+    start = " = {0}" if first is None or first.guard else ""
+    shape = f"[{port.size}]" if port.shape else ""
+    return f"{INDENT}{port_type(port, precision)} {port.name}{shape}{start if shape else start.replace('{0}', '0')};"
+
+
+def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
+    if isinstance(call.callee, Program):
+        name, inputs = kernels[call.callee].name, len(call.callee.signature.inputs)
+    else:
+        name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
+    arguments = [_argument(argument, composite, printer, by_address=place >= inputs) for place, argument in enumerate(call.arguments)]
+    step = f"{name}({', '.join(arguments)});"
+    if call.repeat > 1 or _copied(call, composite):
+        yield from _repeated_lines(call, composite, name, printer)
+        return
+    if call.guard is None:
+        yield f"{INDENT}{step}"
+        return
+    asked = [_argument(argument, composite, printer, by_address=True) for argument in call.guard[1]]
+    guard = f"{_routine_name(call.guard[0], printer.precision)}({', '.join(asked)})"
+    yield from (f"{INDENT}if ({guard}) {{", f"{INDENT * 2}{step}", f"{INDENT}}}")
+
+
+def _repeated_lines(call: Call, composite: Composite, name: str, printer: CPrinter) -> Iterator[str]:
+    """A kernel run several times; arguments never overlap, so what it also writes it reads from a copy."""
+    assert isinstance(call.callee, Program)
+    inputs = len(call.callee.signature.inputs)
+    both = _copied(call, composite)
+    copies = {port.name: f"before_{port.name}" for port in both}
+    arguments = [
+        copies.get(str(argument), "") if place < inputs and argument in copies else _argument(argument, composite, printer, by_address=True)
+        for place, argument in enumerate(call.arguments)
+    ]
+    yield f"{INDENT}for (int wg_turn = 0; wg_turn < {call.repeat}; ++wg_turn) {{"
+    for port in both:
+        yield f"{INDENT * 2}{port_type(port, printer.precision)} {copies[port.name]}[{port.size}];"
+        yield f"{INDENT * 2}for (int wg_at = 0; wg_at < {port.size}; ++wg_at) {{"
+        yield f"{INDENT * 3}{copies[port.name]}[wg_at] = {port.name}[wg_at];"
+        yield f"{INDENT * 2}}}"
+    yield f"{INDENT * 2}{name}({', '.join(arguments)});"
+    yield f"{INDENT}}}"
+
+
+def _copied(call: Call, composite: Composite) -> tuple[Port, ...]:
+    """The locals that a kernel reads and writes."""
+    inputs = len(call.callee.signature.inputs) if isinstance(call.callee, Program) else len(call.arguments)
+    read, written = call.arguments[:inputs], call.arguments[inputs:]
+    return tuple(port for port in composite.locals if port.name in read and port.name in written)
+
+
+def _routine_name(name: str, precision: Precision) -> str:
+    return f"{name}_{precision.tag}" if precision.tag else name
+
+
+def _argument(argument: str | Decimal | int, composite: Composite, printer: CPrinter, *, by_address: bool) -> str:
+    """How a call names the value: arrays by their name, scalars by value where read, by address where written or guarded on."""
+    if isinstance(argument, Decimal):
+        return printer.constant(argument).text
+    if isinstance(argument, int):
+        return str(argument)
+    signature = composite.signature
+    for callback in composite.callbacks:
+        if argument == callback.signature.full_name:
+            data = "param" if any(port.name == "param" for port in callback.signature.inputs) else "NULL"
+            return f"{callback_name(callback.signature, printer.precision)}, {data}"
+    returned = signature.returned
+    pointers = {port.name for port in signature.outputs if not port.shape and port is not returned}
+    values = {port.name for port in composite.locals if not port.shape} | ({returned.name} if returned else set())
+    if argument in pointers:
+        return argument if by_address else f"*{argument}"
+    return f"&{argument}" if by_address and argument in values else argument
