@@ -132,6 +132,8 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
     for joint in limb.joints:
         yield f"    {joint.name}  {_joint(joint)}"
     yield f"    tip  {_transform(limb.tip)}"
+    if limb.sole:
+        yield f"    sole  {scalar_text(limb.sole.length)} by {scalar_text(limb.sole.width)}, {_transform(limb.sole.turn)}"
 
 
 def _joint(joint: Joint) -> str:

@@ -8,7 +8,7 @@ from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.spec.functions import TERRAIN_FUNCTIONS
 from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.chain_reactions import chain_reactions
-from walkgen.symbolic.compliance import StanceCompliance, foot_compliance
+from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
@@ -19,6 +19,7 @@ from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
+from walkgen.symbolic.soles import SoleFunctions
 from walkgen.symbolic.stance import stance_functions
 from walkgen.symbolic.terrain import TerrainFunctions
 
@@ -44,6 +45,11 @@ JOINTED: dict[str, PathBuilder] = {
 }
 """Of every leg and route."""
 
+YIELDING: dict[str, Callable[[Mechanism, Limb], Derivation | None]] = {
+    "foot_compliance": foot_compliance,
+    "sole_compliance": sole_compliance,
+}
+"""Of legs whose links have sections, at a sole where they have one."""
 
 Wanted = Callable[[str], bool]
 
@@ -58,17 +64,14 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
         yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
         yield from _leg_inverse(mechanism, leg, wanted)
         yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
-        if wanted("foot_compliance"):
-            yield from _existing([foot_compliance(mechanism, leg)])
+        yield from (build() for name, build in SoleFunctions(mechanism, leg).functions().items() if wanted(name))
+        yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
     for limb in mechanism.chains:
         yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
     for route in routes(mechanism):
         yield from _path(mechanism, route, FOOT, wanted)
         yield from _path_inverse(mechanism, route, wanted)
-    robot = RobotFunctions(mechanism)
-    for name in ("platform_poses", "foot_positions", "foot_jacobians"):
-        if wanted(name):
-            yield getattr(robot, name)()
+    yield from (build() for name, build in RobotFunctions(mechanism).functions().items() if wanted(name))
     yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
     yield from _dynamics(FloatingFunctions(mechanism).function, ROBOT_DYNAMICS, wanted)
     stood = (
