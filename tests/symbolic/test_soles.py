@@ -17,8 +17,10 @@ from walkgen.graph.lower import lower
 from walkgen.model.mechanism import Mechanism
 from walkgen.pipeline import mechanism_of
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
+from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.soles import SoleFunctions
+from walkgen.symbolic.stance import stance_functions
 
 LENGTH, WIDTH, KN, KT = 0.22, 0.09, 3e5, 2e5
 TURNED = f"length = {LENGTH}, width_mm = 90, rpy_deg = [15, -70, 40], kn = {KN}, kt = {KT}"
@@ -182,6 +184,13 @@ def test_a_legs_own_sole_goes_before_its_designs(tmp_path):
     corners = value(leg_programs(mechanism, 1)["sole_points"], O12_Q)
     close(corners, read(text).legs[1].contacts(O12_Q), 1e-13)
     assert np.linalg.norm(corners[0] - corners[1]) == pytest.approx(0.1)
+
+
+def test_one_leg_on_a_sole_shares_its_load(tmp_path):
+    text = random_stand(np.random.default_rng(5), 1)
+    bare, soft = (mechanism_of(written(tmp_path, part)) for part in (text, soled(text, CHAPTER, "design0")))
+    assert not {**contact_functions(bare), **stance_functions(bare)}
+    assert {"contact_forces", "grasp_map"} <= {**contact_functions(soft), **stance_functions(soft)}.keys()
 
 
 def test_without_a_sole_there_is_none(tmp_path):
