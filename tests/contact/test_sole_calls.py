@@ -8,7 +8,7 @@ from mechanisms.elastic_robots import SECTIONS
 from oracles.beam_frame import grasp, spread
 from oracles.walker import read
 
-LENGTH, WIDTH, KN = 0.22, 0.1, 4e5
+LENGTH, WIDTH, KN, KT = 0.22, 0.1, 4e5, 2e5
 FUNCTIONS = (
     *("sole_points", "sole_normal", "sole_compliance", "ground_pressure", "contact_points", "contact_normals", "stance_compliance"),
     *("contact_forces", "contact_forces_coupled"),
@@ -25,7 +25,7 @@ legs = [
 {SECTIONS}
 [leg_designs.leg]
 foot = {{ xyz = [0.02, 0.0, -0.08] }}
-sole = {{ length = {LENGTH}, width = {WIDTH}, kn = {KN}, kt = 2e5 }}
+sole = {{ length = {LENGTH}, width = {WIDTH}, kn = {KN}, kt = {KT} }}
 joints = [
     {{ name = "roll", type = "revolute", xyz = [0, 0, 0], axis = [1, 0, 0], link = {{ section = "upper" }} }},
     {{ name = "hip", type = "revolute", xyz = [0, 0, -0.05], axis = [0, 1, 0], link = {{ section = "upper" }} }},
@@ -35,7 +35,8 @@ joints = [
 """.replace("'", '"')
 STRIDE = np.array([0.0, -0.5, 0.8, -0.3, 0.0, -0.3, 0.8, -0.5])
 """Soles level and of one height, one foot behind the other."""
-OK, FREE = 0, 2
+OK, BAD_INPUT = 0, 2
+FREE = 2
 CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [LENGTH / 2, WIDTH / 2]
 
 
@@ -93,6 +94,17 @@ def test_corners_lift_where_the_load_leaves_them(robot):
     assert np.all(height[state == FREE] > 0.0)
     assert not np.any(f[state == FREE])
     assert np.all(f[state != FREE, 2] > 0.0)
+
+
+def test_rigid_soles_on_rigid_ground_are_refused(robot):
+    """Without pads the compliance has six ways to move for the twelve forces of a sole."""
+    n = np.array([0.0, 0.0, 1.0])
+    pad = np.outer(n, n) / KN + (np.eye(3) - np.outer(n, n)) / KT
+    bare = robot.stance_compliance(STRIDE) - np.kron(np.eye(8), pad)
+    assert np.linalg.matrix_rank(bare, tol=1e-12 * np.max(bare)) == 12
+    f, status, *_ = robot.contact_forces(robot.contact_points(STRIDE), n, 0.6, weight_at(0, 0), method="stiffness", compliance=bare)
+    assert status == BAD_INPUT
+    assert np.all(np.isnan(f))
 
 
 def test_the_pressure_stands_under_the_load(robot):

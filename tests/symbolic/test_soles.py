@@ -69,9 +69,10 @@ def close(found, expected, rtol=1e-9):
     np.testing.assert_allclose(found, expected, rtol=0, atol=rtol * np.max(np.abs(expected)))
 
 
-@pytest.fixture(scope="module")
-def mixed(tmp_path_factory):
-    text = soled(random_stand(np.random.default_rng(11), 4, platforms=2), TURNED, "design0", "design1")
+@pytest.fixture(scope="module", params=[15, *(pytest.param(seed, marks=pytest.mark.nightly) for seed in (12, 21))])
+def mixed(request, tmp_path_factory):
+    """Legs 0 and 1 are classic and craig; in the nightly ones classic and by origins, by origins and craig."""
+    text = soled(random_stand(np.random.default_rng(request.param), 4, platforms=2), TURNED, "design0", "design1")
     return Mixed(text, mechanism_of(written(tmp_path_factory.mktemp("mixed"), text)), read(text))
 
 
