@@ -136,6 +136,8 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
     yield f"    {'plane' if limb.linkage else 'tip'}  {_transform(limb.tip)}"
     if limb.linkage is not None:
         yield from _linkage(limb.joints[len(limb.serial) :], limb.linkage)
+    if limb.sole:
+        yield f"    sole  {scalar_text(limb.sole.length)} by {scalar_text(limb.sole.width)}, {_transform(limb.sole.turn)}"
 
 
 def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:

@@ -88,3 +88,11 @@ def random_stand(rng: np.random.Generator, feet: int, *, platforms: int = 1, ela
         xyz, rpy = np.round(rng.uniform(-0.5, 0.5, 3), 3).tolist(), rng.integers(-90, 90, 3).tolist()
         legs.append(_leg(f"leg{index}", f"design{index}", f"body{index % platforms}", xyz, rpy))
     return "".join([*text, *bodies, *legs])
+
+
+def soled(text: str, sole: str, *designs: str) -> str:
+    """The text with a sole in these leg designs."""
+    for design in designs:
+        assert f"[leg_designs.{design}]\n" in text
+        text = text.replace(f"[leg_designs.{design}]\n", f"[leg_designs.{design}]\nsole = {{ {sole} }}\n")
+    return text

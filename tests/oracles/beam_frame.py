@@ -78,7 +78,7 @@ class Body:
 
 @dataclass
 class Frame:
-    """`feet` hold each foot's body, `platforms` each platform's."""
+    """`feet` hold the body of every point in contact (each foot, each corner of a sole), `platforms` each platform's."""
 
     count: int = 0
     elements: list[tuple[Body, Body, Segment]] = field(default_factory=list)
@@ -134,6 +134,12 @@ class Frame:
         root = self.at(next(iter(self.platforms.values())), np.zeros(3))
         return (SCALE * found[self.count :]).astype(float).reshape(-1, 3), (root @ found[: self.count]).astype(float)
 
+    def compliance(self) -> Array:
+        """[3F,3F]: how far the feet move for unit forces on them while the root platform, the first six unknowns, is held."""
+        A = np.vstack([self.at(body, point)[:3] for body, point in zip(self.feet, self.points, strict=True)])[:, 6:]
+        K = self.stiffness()[6:, 6:]
+        return (A @ np.stack([refined(K, force) for force in A.astype(np.longdouble)], axis=-1)).astype(float)
+
 
 def segments(limb: WalkerLimb, rows, convention: str | None, q, base: Array, sections) -> list[Segment]:
     """Links of a limb on a platform: what follows a row's motion belongs to the link that the row's joint moves."""
@@ -176,8 +182,11 @@ def frame(text: str, q) -> Frame:
     for leg in walker.legs:
         design = table["leg_designs"][designs[leg.name]]
         links = segments(leg, design["joints"], design.get("dh"), q[walker.slice(leg.name)], poses[leg.platform], sections)
-        found.feet.append(found.grow(found.platforms[leg.platform], links))
-        found.points.append(links[-1].b)
+        foot, pose = found.grow(found.platforms[leg.platform], links), poses[leg.platform]
+        points = leg.contacts(q[walker.slice(leg.name)]) @ pose[:3, :3].T + pose[:3, 3] if leg.sole is not None else [links[-1].b]
+        for point in points:
+            found.feet.append(foot)
+            found.points.append(point)
     return found
 
 

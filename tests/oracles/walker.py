@@ -8,7 +8,7 @@ import math
 import operator
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -57,12 +57,16 @@ class WalkerJoint:
 
 @dataclass(frozen=True)
 class WalkerLimb:
+    """`sole` has the corners in the foot frame as homogeneous columns [4,4], once round, and `normal` points away from the ground."""
+
     name: str
     platform: str
     mount: Array
     joints: tuple[WalkerJoint, ...]
     tip: Array
     mirrored: bool
+    sole: Array | None = None
+    normal: Array | None = None
 
     def frames(self, q: Sequence[complex]) -> Array:
         """joint_frames [n+1,4,4] in the platform's frame."""
@@ -76,6 +80,23 @@ class WalkerLimb:
         """Foot frame (or child platform) in the platform's frame, [4,4]."""
         tip = MIRROR @ self.tip @ MIRROR if self.mirrored else self.tip
         return self.frames(q)[-1] @ tip
+
+    def contacts(self, q: Sequence[complex]) -> Array:
+        """The corners of the sole, or the foot [k,3]; those of a mirrored leg go round the other way, beginning at the same end."""
+        pose, flip = self.described(q)
+        if self.sole is None:
+            return (flip @ pose)[None, :3, 3]
+        corners = (flip @ pose @ self.sole)[:3].T
+        return corners[::-1] if self.mirrored else corners
+
+    def sole_normal(self, q: Sequence[complex]) -> Array:
+        pose, flip = self.described(q)
+        return (flip @ pose @ np.append(self.normal, 0.0))[:3]
+
+    def described(self, q: Sequence[complex]) -> tuple[Array, Array]:
+        """The foot frame of the leg as its design describes it, and the reflection that makes the leg of it."""
+        plain = replace(self, mirrored=False)
+        return plain.frames(q)[-1] @ self.tip, MIRROR if self.mirrored else np.eye(4)
 
     def position(self, q: Sequence[complex]) -> Array:
         return self.pose(q)[:3, 3]
@@ -167,6 +188,12 @@ class Walker:
     def foot_positions(self, q: Array) -> Array:
         return np.stack([self.foot_pose(leg, q)[:3, 3] for leg in self.legs])
 
+    def contact_points(self, q: Array) -> Array:
+        """[k,3]"""
+        poses = [self.platform_pose(leg.platform, q) for leg in self.legs]
+        points = [leg.contacts(q[self.slice(leg.name)]) @ pose[:3, :3].T + pose[:3, 3] for leg, pose in zip(self.legs, poses, strict=True)]
+        return np.concatenate(points)
+
     def foot_jacobians(self, q: Array) -> Array:
         """[feet,3,nq]"""
         return derivative(self.foot_positions, q)
@@ -205,13 +232,21 @@ class Reader:
     def leg(self, leg: dict[str, Any], legs: Mapping[str, dict[str, Any]]) -> WalkerLimb:
         if "mirror_of" in leg:
             original = self.leg(legs[leg["mirror_of"]], legs)
-            return WalkerLimb(leg["name"], original.platform, original.mount, original.joints, original.tip, not original.mirrored)
+            return replace(original, name=leg["name"], mirrored=not original.mirrored)
         design = self.table["leg_designs"][leg["design"]]
         own_zeros = "zeros" in leg or "zeros_deg" in leg
         inherited = ("signs",) if own_zeros else ("signs", "zeros", "zeros_deg")
         signed = {**{key: design[key] for key in inherited if key in design}, **leg}
         mount, tip = self.pose(leg.get("mount")), self.pose(design.get("foot"))
-        return WalkerLimb(leg["name"], leg["platform"], mount, self.joints(design, signed), tip, mirrored=False)
+        sole = self.sole(leg.get("sole", design.get("sole")))
+        return WalkerLimb(leg["name"], leg["platform"], mount, self.joints(design, signed), tip, mirrored=False, **sole)
+
+    def sole(self, table: dict[str, Any] | None) -> dict[str, Array]:
+        if table is None:
+            return {}
+        turn, half = self.pose(table), [self.scalar(table, key) / 2 for key in ("length", "width")]
+        corners = [[x * half[0], y * half[1], 0.0, 1.0] for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+        return {"sole": turn @ np.transpose(corners), "normal": turn[:3, 2]}
 
     def chain(self, platform: dict[str, Any]) -> WalkerLimb:
         design = self.table["chain_designs"][platform["chain"]]

@@ -13,6 +13,7 @@ from walkgen.runtime.solves.contact_stiffness import contact_stiffness
 
 WANTED = '[generate]\nfunctions = ["foot_compliance", "stance_compliance", "load_misfit", "chain_reactions", "foot_positions"]\n'
 LOAD = 600.0
+CONTACTS = (("contact_points", "sole"), ("contact_normals", "sole"))
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +57,9 @@ def test_missing_functions_say_why(tmp_path):
     robot = load(tmp_path / "bench")
     with pytest.raises(UnsupportedMechanism, match="section"):
         _ = robot.legs["leg0"].foot_compliance
-    for name, word in (("stance_compliance", "section"), ("load_misfit", "elastic"), ("chain_reactions", "chains")):
+    for name in ("sole_points", "sole_normal", "ground_pressure", "sole_compliance"):
+        with pytest.raises(UnsupportedMechanism, match="sole"):
+            getattr(robot.legs["leg0"], name)
+    for name, word in (("stance_compliance", "section"), ("load_misfit", "elastic"), ("chain_reactions", "chains"), *CONTACTS):
         with pytest.raises(UnsupportedMechanism, match=word):
             getattr(robot, name)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from walkgen.model.mechanism import Joint, Limb, Mechanism
-from walkgen.model.walk import CONTEXT, Matrix, along, defaults, limb_frames
+from walkgen.model.mechanism import CORNERS, Joint, Limb, Mechanism
+from walkgen.model.walk import CONTEXT, Matrix, along, defaults, limb_frames, number
 
 Numbers = list[Any]
 _STEP = CONTEXT.mpf(10) ** -16
@@ -134,6 +134,27 @@ def _frames(sample: Sample) -> Numbers:
     return [element for pose in sample.poses[:-1] for element in elements(pose)]
 
 
+def sole_corners(sample: Sample) -> list[Numbers]:
+    """The points that the path's leg stands on: its sole's corners, else its tip."""
+    sole = sample.limbs[-1].sole
+    if sole is None:
+        return [sample.position]
+    frame, sizes = _sole_frame(sample), [number(size, sample.mechanism) / 2 for size in (sole.length, sole.width)]
+    return [
+        [frame[row, 3] + sum(frame[row, axis] * sizes[axis] * corner[axis] for axis in (0, 1)) for row in range(3)] for corner in CORNERS
+    ]
+
+
+def sole_normal(sample: Sample) -> Numbers:
+    """The z axis of the leg's sole."""
+    return [_sole_frame(sample)[row, 2] for row in range(3)]
+
+
+def _sole_frame(sample: Sample) -> Matrix:
+    sole = sample.limbs[-1].sole
+    return along(sample.poses[-1], sole.turn if sole else (), defaults(sample.mechanism))
+
+
 EXPECTED: Mapping[str, Callable[[Sample], tuple[Numbers, ...]]] = {
     "foot_position": lambda sample: (sample.position,),
     "foot_rotation": lambda sample: (elements(sample.poses[-1], 3),),
@@ -147,6 +168,8 @@ EXPECTED: Mapping[str, Callable[[Sample], tuple[Numbers, ...]]] = {
     "foot_bias_acceleration": lambda sample: (sample.bias,),
     "foot_torque": lambda sample: (_torque(sample),),
     "joint_frames": lambda sample: (_frames(sample),),
+    "sole_points": lambda sample: ([element for corner in sole_corners(sample) for element in corner],),
+    "sole_normal": lambda sample: (sole_normal(sample),),
     "pose": lambda sample: (elements(sample.poses[-1]),),
     "jacobian": lambda sample: (_spatial(sample),),
     "frames": lambda sample: (_frames(sample),),

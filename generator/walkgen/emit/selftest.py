@@ -11,7 +11,7 @@ from walkgen.emit.c_declaration import function_name
 from walkgen.emit.c_printer import DOUBLE
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out
-from walkgen.emit.reference import EXPECTED, Numbers, Sample, elements
+from walkgen.emit.reference import EXPECTED, Numbers, Sample, elements, sole_corners, sole_normal
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, defaults, number, platform_poses
 from walkgen.signature import Port, Signature
@@ -211,6 +211,15 @@ def _foot_positions(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
     return ([element for sample, _ in _foot_samples(robot, q) for element in sample.position],)
 
 
+def _contact_points(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
+    return ([element for sample, _ in _foot_samples(robot, q) for corner in sole_corners(sample) for element in corner],)
+
+
+def _contact_normals(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
+    normals = ((sole_normal(sample), sample.limbs[-1].contacts) for sample, _ in _foot_samples(robot, q))
+    return ([element for normal, corners in normals for _ in range(corners) for element in normal],)
+
+
 def _foot_jacobians(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
     rows: Numbers = []
     for sample, indices in _foot_samples(robot, q):
@@ -219,7 +228,13 @@ def _foot_jacobians(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
     return (rows,)
 
 
-_ROBOT = {"platform_poses": _platform_poses, "foot_positions": _foot_positions, "foot_jacobians": _foot_jacobians}
+_ROBOT = {
+    "platform_poses": _platform_poses,
+    "foot_positions": _foot_positions,
+    "foot_jacobians": _foot_jacobians,
+    "contact_points": _contact_points,
+    "contact_normals": _contact_normals,
+}
 
 
 def _input_tables(signature: Signature, rows: Sequence[Mapping[str, Row]]) -> tuple[Table, ...]:

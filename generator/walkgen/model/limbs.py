@@ -5,12 +5,12 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Literal, cast
 
-from walkgen.model.mechanism import Body, Joint, Limb, Transform
+from walkgen.model.mechanism import Body, Joint, Limb, Sole, Transform
 from walkgen.model.transform import HALF_TURN, X, Z, align, inverse, mirrored, origin, rotation, translation
 from walkgen.model.values import Values
 from walkgen.spec.joint_tables import JointRow, Link, Pose, Rotor
 from walkgen.spec.scalar import ONE, ZERO, Scalar, exact, mul, neg, power
-from walkgen.spec.schema import ChainDesign, LegDesign, LegSpec, PlatformSpec
+from walkgen.spec.schema import ChainDesign, LegDesign, LegSpec, PlatformSpec, SoleSpec
 
 Sign = Literal[1, -1]
 _DAMPING_PER_SIZE = Decimal("0.01")
@@ -25,8 +25,22 @@ def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> 
     """A design mounted as one leg."""
     joints = joints_of(leg, design, values)
     mount, tip = pose_transform(leg.mount, values), pose_transform(cast(Pose | None, design.foot), values)
-    damping = _damping(design, joints, tip, values)
-    return Limb(leg.name, platform, mount, joints, tip, damping=damping, senses=_signs(leg, design), branches=design.branches or ())
+    return Limb(
+        *(leg.name, platform, mount, joints, tip),
+        damping=_damping(design, joints, tip, values),
+        senses=_signs(leg, design),
+        branches=design.branches or (),
+        sole=sole_of(leg.sole or design.sole, values),
+    )
+
+
+def sole_of(sole: SoleSpec | None, values: Values) -> Sole | None:
+    """The rectangle on which a leg stands, if it does."""
+    if sole is None:
+        return None
+    length, width = (values.resolve(sole.si(key)) for key in ("length", "width"))
+    turn = origin((ZERO, ZERO, ZERO), values.vector(sole.si("rpy")))
+    return Sole(length, width, turn, values.optional(sole.kn), values.optional(sole.kt))
 
 
 def chain_limb(platform: PlatformSpec, design: ChainDesign, parent: int, child: int, values: Values) -> Limb:
@@ -48,7 +62,8 @@ def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> 
     joints = tuple(replace(_mirrored_joint(joint), source_name=source) for joint, source in zip(serial, sources, strict=True))
     senses = tuple(-sense if index == 0 else sense for index, sense in enumerate(limb.senses))
     tip = mirrored(limb.tip) + (rotation(X, HALF_TURN) if limb.linkage else ())
-    return replace(limb, name=name, mount=mirrored(limb.mount), joints=(*joints, *drives), tip=tip, senses=senses)
+    sole = replace(limb.sole, turn=mirrored(limb.sole.turn)) if limb.sole else None
+    return replace(limb, name=name, mount=mirrored(limb.mount), joints=(*joints, *drives), tip=tip, senses=senses, sole=sole)
 
 
 def _mirrored_joint(joint: Joint) -> Joint:

@@ -5,7 +5,7 @@ from decimal import Decimal
 from math import hypot
 from typing import Literal, cast
 
-from walkgen.model.limbs import joints_of, pose_transform, reflected
+from walkgen.model.limbs import joints_of, pose_transform, reflected, sole_of
 from walkgen.model.linkage import Linkage, linkage_of
 from walkgen.model.mechanism import Joint, Limb
 from walkgen.model.values import Values
@@ -23,7 +23,8 @@ def linkage_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values)
     joints = (*joints_of(leg, design, values), *_drives(design, values))
     mount, plane = pose_transform(leg.mount, values), pose_transform(design.plane, values)
     damping = _damping(design, linkage, values)
-    return Limb(leg.name, platform, mount, joints, plane, damping=damping, linkage=linkage, branches=design.branches or ())
+    sole = sole_of(leg.sole or design.sole, values)
+    return Limb(leg.name, platform, mount, joints, plane, damping=damping, linkage=linkage, branches=design.branches or (), sole=sole)
 
 
 def _drives(design: LegDesign, values: Values) -> Iterator[Joint]:

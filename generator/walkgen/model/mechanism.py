@@ -20,6 +20,9 @@ class Motion:
 Transform = tuple[Motion, ...]
 """Elementary motions from left to right, as in a DH row; empty is the identity."""
 
+CORNERS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+"""A sole's corners in half lengths and half widths along its x and y: their order, once round."""
+
 
 @dataclass(frozen=True)
 class Body:
@@ -69,6 +72,25 @@ class Joint:
 
 
 @dataclass(frozen=True)
+class Sole:
+    """A rectangle about the foot point that stands on its four corners.
+
+    Attributes:
+        length: along its x (m).
+        width: along its y (m).
+        turn: the rotation from the foot frame to the sole's, whose z points away from the ground.
+        kn: stiffness of the pad at each corner along z (N/m), None where it is rigid.
+        kt: that across z.
+    """
+
+    length: Scalar
+    width: Scalar
+    turn: Transform
+    kn: Scalar | None
+    kt: Scalar | None
+
+
+@dataclass(frozen=True)
 class Limb:
     """A serial chain of joints: a leg (tip is the foot frame) or a connecting chain (tip is the child platform).
 
@@ -76,7 +98,7 @@ class Limb:
     `damping` is (epsilon, lambda_max) of the damped inverse, in the units of the foot's Jacobian.
     `senses`, one a joint (empty: all 1), say whether q runs with the design's own angle, so that the branches of the inverse keep
     their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
-    `branches` are the spec's names of them, empty where it gives none.
+    `branches` are the spec's names of them, empty where it gives none. A leg without `sole` stands on its foot point.
     A leg that ends in a planar linkage has it in `linkage`: `tip` is then the linkage's plane, X and Y its first two axes, and the
     last joints are the linkage's drives.
     """
@@ -91,11 +113,17 @@ class Limb:
     senses: tuple[Literal[1, -1], ...] = ()
     branches: tuple[str, ...] = ()
     linkage: Linkage | None = None
+    sole: Sole | None = None
 
     @property
     def serial(self) -> tuple[Joint, ...]:
         """The joints in series: all, or those before the linkage."""
         return self.joints if self.linkage is None else self.joints[: len(self.joints) - self.linkage.drive_count]
+
+    @property
+    def contacts(self) -> int:
+        """On how many points a leg stands."""
+        return len(CORNERS) if self.sole else 1
 
 
 @dataclass(frozen=True)
@@ -140,6 +168,11 @@ class Mechanism:
     def limbs(self) -> tuple[Limb, ...]:
         """Chains, then legs: the order of q."""
         return self.chains + self.legs
+
+    @property
+    def contacts(self) -> int:
+        """On how many points all legs stand."""
+        return sum(leg.contacts for leg in self.legs)
 
     def offset(self, limb: Limb) -> int:
         """Index in the robot's q of the limb's first joint."""

@@ -15,12 +15,13 @@ _SEEDED = "inverse_near inverse_pose within_limits inverse_velocity inverse_acce
 _LIMB_DYNAMICS = "inverse_dynamics forward_dynamics mass_matrix bias gravity_torque coriolis_matrix kinetic_energy potential_energy"
 _LEG = (
     f"{_FORWARD} inverse inverse_branch inverse_admissible inverse_distance {_SEEDED} {_LIMB_DYNAMICS} inverse_dynamics_derivatives "
-    "regressor base_parameters foot_compliance driving_forces joint_reactions transmission_angles power assembly_status"
+    "regressor base_parameters foot_compliance sole_points sole_normal sole_compliance ground_pressure driving_forces joint_reactions "
+    "transmission_angles power assembly_status"
 )
 _ROBOT = (
-    "platform_poses foot_positions foot_jacobians adapt adapt_velocity com com_jacobian centroidal_momentum_matrix momentum momentum_rate "
-    "demanded_wrench floating_mass_matrix floating_inverse_dynamics contact_forces friction_needed slip settle chain_reactions "
-    "stance_compliance load_misfit stability_margins terrain"
+    "platform_poses foot_positions foot_jacobians contact_points contact_normals adapt adapt_velocity com com_jacobian "
+    "centroidal_momentum_matrix momentum momentum_rate demanded_wrench floating_mass_matrix floating_inverse_dynamics contact_forces "
+    "friction_needed slip settle chain_reactions stance_compliance load_misfit stability_margins terrain"
 )
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
@@ -38,6 +39,10 @@ _NEEDS = {
     "load_misfit": "no chain is elastic: name one of [sections] as section in the links of chains, and of all legs",
     "chain_reactions": "it has no connecting chains",
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
+    **dict.fromkeys(("sole_points", "sole_normal", "ground_pressure"), "it stands on a point: sole in its design is a rectangle"),
+    "sole_compliance": "it stands on a point, or a link of some length has no cross-section: give the design a sole and its links sections",
+    "contact_points": "every leg stands on a point, and foot_positions has them: sole in a leg design is a rectangle",
+    "contact_normals": "a leg stands on a point, and has no normal: sole in a leg design is a rectangle",
 }
 
 

@@ -1,4 +1,4 @@
-"""Rules of joints: one geometry, one unit for each quantity and the right one, radians that look like radians, one entry a joint."""
+"""Rules of joints and soles: one geometry, one right unit for each quantity, radians that look like radians, one entry a joint."""
 
 import math
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from walkgen.spec.evaluate import Numbers
 from walkgen.spec.joint_tables import JointRow
 from walkgen.spec.problems import Finding, shown
 from walkgen.spec.scalar import Scalar
-from walkgen.spec.schema import Design, RobotSpec
+from walkgen.spec.schema import Design, RobotSpec, SoleSpec
 from walkgen.spec.table import Path, Table, entries
 from walkgen.spec.tree import design_of
 
@@ -31,6 +31,7 @@ def check_joints(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
             if design.dh is None and any(_given(joint, _ROW) for joint in design.joints):
                 yield Finding("WG120", (key, name, "dh"), "the DH convention is not named", _CONVENTIONS)
     yield from _branches(spec)
+    yield from _soles(spec)
     for path, joint in joint_rows(spec):
         yield from _geometry(path, joint)
         yield from _units_of_kind(path, joint)
@@ -50,6 +51,15 @@ def _branches(spec: RobotSpec) -> Iterator[Finding]:
                 f"give {count} names in their fixed order, or leave branches out" if count else "leave branches out: there is inverse_near"
             )
             yield Finding("WG127", ("leg_designs", name, "branches"), message, cure)
+
+
+def _soles(spec: RobotSpec) -> Iterator[Finding]:
+    """Every sole is a rectangle."""
+    for path, sole in entries(spec):
+        if isinstance(sole, SoleSpec):
+            for key in ("length", "width"):
+                if not _given(sole, (key,)):
+                    yield Finding("WG111", (*path, key), f'missing key "{key}"', f"write {key} = 0.1 (m): a sole is a rectangle")
 
 
 def check_units(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:

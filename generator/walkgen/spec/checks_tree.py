@@ -11,7 +11,7 @@ from walkgen.spec.table import Path
 from walkgen.spec.tree import mirror_circle, platform_circle
 
 _OF_THE_CHAIN = ("chain", "root", "end", "end_xyz", "end_xyz_mm", "source_names")
-_OF_THE_ORIGINAL = ("design", "platform", "mount", "signs", "zeros", "zeros_deg")
+_OF_THE_ORIGINAL = ("design", "platform", "mount", "signs", "zeros", "zeros_deg", "sole")
 
 
 def check_references(spec: RobotSpec) -> Iterator[Finding]:

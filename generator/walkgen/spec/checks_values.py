@@ -9,7 +9,7 @@ from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
-from walkgen.spec.schema import AdaptSpec, Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec
+from walkgen.spec.schema import AdaptSpec, Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec, SoleSpec
 from walkgen.spec.table import Path, Table, entries, is_scalar
 from walkgen.spec.terrain import Domain, TerrainPatch
 
@@ -18,6 +18,7 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     JointRow: ("max_speed", "max_speed_deg", "max_speed_mm", "max_effort"),
     SectionSpec: ("E", "G", "A", "Iy", "Iz", "J"),
     Damping: ("epsilon", "lambda_max"),
+    SoleSpec: ("length", "length_mm", "width", "width_mm", "kn", "kt"),
     TerrainPatch: ("spacing", "kn", "kt"),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {

@@ -78,11 +78,24 @@ CONTACT_FUNCTIONS: Final = (
 )
 """Of robots with feet to share a load, for any number of feet in contact; `settle` where there are three legs, mass and terrain."""
 
-LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTIONS, "foot_compliance")
+SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_compliance")
+"""Of legs with a sole; `sole_compliance` where the links have sections."""
+
+LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTIONS, "foot_compliance", *SOLE_FUNCTIONS)
 """`foot_compliance` where the links have sections."""
 
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")
-KINEMATIC_FUNCTIONS: Final = ("platform_poses", "foot_positions", "foot_jacobians", "adapt", "adapt_velocity")
+KINEMATIC_FUNCTIONS: Final = (
+    "platform_poses",
+    "foot_positions",
+    "foot_jacobians",
+    "contact_points",
+    "contact_normals",
+    "adapt",
+    "adapt_velocity",
+)
+"""Of the robot; contacts apart from feet where a leg has a sole, their normals where every leg has one."""
+
 ROBOT_FUNCTIONS: Final = (*KINEMATIC_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUNCTIONS, *CONTACT_FUNCTIONS)
 TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project")
 """Of the ground, where the spec has any."""

@@ -47,11 +47,34 @@ def _foot_kind(value: Any) -> str:
 Foot = Annotated[Annotated[StrictStr, Tag("foot:point")] | Annotated[Pose, Tag("foot:pose")], Discriminator(_foot_kind)]
 
 
+class SoleSpec(Table):
+    """A flat rectangle centred at the foot point: length along its x, width along its y, z away from the ground."""
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"rpy"})
+
+    length: Number | None = None
+    """Along the sole's x (m)."""
+    length_mm: Number | None = None
+    width: Number | None = None
+    """Along the sole's y (m)."""
+    width_mm: Number | None = None
+    rpy: Triple | None = None
+    """Roll, pitch, yaw of the sole in the foot frame (rad); where left out it lies in the foot frame's x-y plane."""
+    rpy_deg: Triple | None = None
+    """The same in degrees."""
+    kn: Number | None = None
+    """Stiffness of the pad along z, at each corner (N/m); rigid where left out."""
+    kt: Number | None = None
+    """Stiffness of the pad across z, at each corner (N/m); rigid where left out."""
+
+
 class LegDesign(Design):
     """A leg, described once and mounted as often as needed."""
 
     foot: Foot | None = None
     """Foot frame in the frame after the last joint, its origin is the foot point; of a linkage a point, as link.point."""
+    sole: SoleSpec | None = None
+    """Rectangle on which the leg stands; on the foot point alone where left out."""
     damping: Damping | None = None
     branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_JOINTS)
     """Names of the inverse's branches, in their fixed order."""
@@ -158,6 +181,8 @@ class LegSpec(Table):
     zeros: tuple[Number, ...] | None = None
     """Instead of the design's (rad or m)."""
     zeros_deg: tuple[Number, ...] | None = None
+    sole: SoleSpec | None = None
+    """Instead of the design's."""
     source_names: tuple[StrictStr, ...] | None = None
     """What the robot's makers call the joints."""
 

@@ -45,8 +45,23 @@ class Beam:
             second: another one, or the same.
             tape: where the intermediates go.
         """
-        flexibility = self._local(self.lever(first, tape), self.lever(second, tape), tape)
-        half = [tape.vector("part", _combined(row, self.axes)) for row in flexibility]
+        return self._in_base(self._local(self.lever(first, tape), self.lever(second, tape), tape), tape)
+
+    def twisted(self, point: Vec, tape: Tape) -> Rows:
+        """How far a point beyond the link yields [3] for a unit moment [3] there: the integral of sum_k m_k e_k'."""
+        moments = [_unit_moments(axis, self.lever(point, tape)) for axis in range(3)]
+        local = [[tape.let("twist", turn * m[row]) for turn, m in zip(self.turns, moments, strict=True)] for row in range(3)]
+        return self._in_base(local, tape)
+
+    def turned(self, tape: Tape) -> Rows:
+        """How far what is beyond the link turns [3] for a unit moment [3]: the integral of sum_k e_k e_k'."""
+        return self._in_base(
+            [[turn if row == column else sympy.S.Zero for column in range(3)] for row, turn in enumerate(self.turns)], tape
+        )
+
+    def _in_base(self, local: Rows, tape: Tape) -> Rows:
+        """A matrix along the link's axes in the base's."""
+        half = [tape.vector("part", _combined(row, self.axes)) for row in local]
         return [[dot([axis[row] for axis in self.axes], [part[column] for part in half]) for column in range(3)] for row in range(3)]
 
     def _local(self, a: Vec, b: Vec, tape: Tape) -> Rows:

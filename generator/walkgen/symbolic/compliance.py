@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
-from itertools import chain
+from itertools import accumulate, chain, combinations_with_replacement
 
 import sympy
 
@@ -14,11 +14,15 @@ from walkgen.symbolic.function import Function
 from walkgen.symbolic.path import Kinematics, path_of
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.robot import joint_indices
-from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, plus, symbols_of
+from walkgen.symbolic.soles import Footing, footing
+from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, cross, plus, symbols_of
 
 Exprs = Sequence[sympy.Expr]
+Blocks = dict[tuple[int, int], Rows]
+"""3 by 3 blocks of a matrix over contact points."""
 _SOURCE = "theory 4.3: C_i = sum of integrals of m_x m_x'/GJ + m_y m_y'/EIy + m_z m_z'/EIz, + L/EA along; exact Simpson rule"
 _SHARED = "theory 4.3: C_ij over the links shared by the paths to both feet"
+_HELD = "while the joints are locked and the platform is held; platform's axes"
 _MISFIT = "theory 4.3: e_i += integral of sum_k m_k M_load,k over the chains"
 
 
@@ -29,18 +33,81 @@ def foot_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
     q, tape = joint_port("q", leg.joints), Tape()
     kinematics = Kinematics(path_of((leg,), symbols_of(q), parameter_symbols(mechanism)), tape)
     (beams,) = beams_of(mechanism, (leg,), kinematics)
-    doc = "How far the foot yields for a unit force on it while the joints are locked and the platform is held; platform's axes."
+    doc = f"How far the foot yields for a unit force on it {_HELD}."
     words = signature(mechanism, leg.name, "foot_compliance", [q], [Port("C", (3, 3), "m/N")], doc, _SOURCE)
     return tape.function(words, list(chain.from_iterable(_summed(beams, kinematics.position, kinematics.position, tape))))
 
 
 def _summed(beams: Sequence[Beam | None], first: Vec, second: Vec, tape: Tape) -> Rows:
     """Over the links; for one point the matrix is symmetric."""
-    parts = [beam.shared(first, second, tape) for beam in beams if beam is not None]
-    rows = [[tape.let("c", sympy.Add(*(part[row][column] for part in parts))) for column in range(3)] for row in range(3)]
+    rows = _total([beam.shared(first, second, tape) for beam in beams if beam is not None], tape)
     if first == second:
         return [[rows[min(row, column)][max(row, column)] for column in range(3)] for row in range(3)]
     return rows
+
+
+def sole_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
+    """C [12,12] of a leg on its sole; None without one, or where a link of some length has no section."""
+    if leg.sole is None or not all_have_sections(mechanism, leg):
+        return None
+    q, tape = joint_port("q", leg.joints), Tape()
+    kinematics = Kinematics(path_of((leg,), symbols_of(q), parameter_symbols(mechanism)), tape)
+    (beams,) = beams_of(mechanism, (leg,), kinematics)
+    stands = footing(leg, kinematics)
+    blocks, size = _blocks(beams, stands, stands, tape), 3 * leg.contacts
+    doc = (
+        f"How far the sole's corners yield for unit forces on the corners {_HELD}: three rows and columns a corner, in the order of "
+        "sole_points. A rigid sole has only six ways to move: without kn and kt in the spec the rank is at most 6, and the ground's "
+        "compliance has to be added before it can be inverted."
+    )
+    words = signature(mechanism, leg.name, "sole_compliance", [q], [Port("C", (size, size), "m/N")], doc, _SHARED)
+    return tape.function(words, [_entry(blocks, row, column) for row in range(size) for column in range(size)])
+
+
+def _blocks(beams: Sequence[Beam | None], first: Footing, second: Footing, tape: Tape) -> Blocks:
+    """C_ij of every contact point i of one leg and j of another, or of the same one, over the links that their routes share.
+
+    What is beyond the links is rigid: a point at r from a foot yields as that foot does, and by what the foot turns, crossed with r.
+    """
+    push = _summed(beams, first.foot, second.foot, tape)
+    if (first.levers, second.levers) == ((ZERO_VECTOR,), (ZERO_VECTOR,)):
+        return {(0, 0): push}
+    bends = [beam for beam in beams if beam is not None]
+    twist, back = (_total([beam.twisted(foot, tape) for beam in bends], tape) for foot in (first.foot, second.foot))
+    turn = _total([beam.turned(tape) for beam in bends], tape)
+    found: dict[tuple[int, int], Rows] = {}
+    for j, arm in enumerate(second.levers):
+        yields = [tape.vector("yield", plus(_vec(push[row]), cross(_vec(twist[row]), arm))) for row in range(3)]
+        turns = [tape.vector("turn", plus(_column(back, row), cross(_vec(turn[row]), arm))) for row in range(3)]
+        for i, lever in enumerate(first.levers):
+            by_turn = [cross(_column(turns, column), lever) for column in range(3)]
+            found[i, j] = [[tape.let("c", yields[row][column] + by_turn[column][row]) for column in range(3)] for row in range(3)]
+    return _padded(found, first, tape) if first is second else found
+
+
+def _padded(blocks: Blocks, stands: Footing, tape: Tape) -> Blocks:
+    """With the sole's pad under each corner, n n'/kn + (1 - n n')/kt."""
+    (along, across), n = stands.pad, stands.normal
+    if along == across == 0:
+        return blocks
+    more = tape.let("pad_more", along - across)
+    pad = [[more * n[row] * n[column] + (across if row == column else 0) for column in range(3)] for row in range(3)]
+    corners = {(i, i): blocks[i, i] for i in range(len(stands.levers))}
+    return blocks | {place: _total((block, pad), tape) for place, block in corners.items()}
+
+
+def _entry(blocks: Blocks, row: int, column: int) -> sympy.Expr:
+    """Of the whole matrix, which is symmetric: its upper triangle."""
+    low, high = sorted((row, column))
+    return blocks[low // 3, high // 3][low % 3][high % 3]
+
+
+def _total(parts: Sequence[Rows], tape: Tape) -> Rows:
+    return [[tape.let("c", sympy.Add(*(part[row][column] for part in parts))) for column in range(3)] for row in range(3)]
+
+
+def _column(rows: Sequence[Sequence[sympy.Expr]], column: int) -> Vec:
+    return _vec([row[column] for row in rows])
 
 
 class StanceCompliance:
@@ -71,50 +138,63 @@ class StanceCompliance:
         places = [map(self._mechanism.limbs.index, route) for route in self._routes]
         return [dict(zip(limbs, beams, strict=True)) for limbs, beams in zip(places, found, strict=True)]
 
+    @property
+    def _places(self) -> str:
+        """What a row or a row of blocks belongs to."""
+        soles = any(leg.sole for leg in self._mechanism.legs)
+        return "contact point, as contact_points has them" if soles else "foot, legs in file order"
+
     def _kinematics(self, limbs: Sequence[Limb]) -> Kinematics:
         symbols = symbols_of(self._q)
         indices = chain.from_iterable(joint_indices(self._mechanism, limb) for limb in limbs)
         return Kinematics(path_of(limbs, [symbols[index] for index in indices], parameter_symbols(self._mechanism)), self._tape)
 
     def stance_compliance(self) -> Function:
-        """[3F,3F]."""
-        count = len(self._feet)
-        blocks = {(first, second): self._block(first, second) for first in range(count) for second in range(first, count)}
-        entries = [self._entry(blocks, row, column) for row in range(3 * count) for column in range(3 * count)]
+        """[3k,3k]."""
+        count, blocks = self._mechanism.contacts, self._blocks()
+        entries = [_entry(blocks, row, column) for row in range(3 * count) for column in range(3 * count)]
         port = Port("C", (3 * count, 3 * count), "m/N")
         doc = (
             "How far the feet yield for unit forces on the feet while the joints are locked and the first platform is held: three rows and "
-            "columns a foot, legs in file order, first platform's axes. Links of chains without a section are rigid."
+            f"columns a {self._places}, first platform's axes. Links of chains without a section are rigid."
         )
         return self._function("stance_compliance", [self._q], port, entries, doc, _SHARED)
 
-    @staticmethod
-    def _entry(blocks: dict[tuple[int, int], Rows], row: int, column: int) -> sympy.Expr:
-        low, high = sorted((row, column), key=lambda place: place // 3)
-        block = blocks[low // 3, high // 3]
-        return block[low % 3][high % 3]
+    def _blocks(self) -> Blocks:
+        """By contact points, the first before the second."""
+        legs, found = self._mechanism.legs, dict[tuple[int, int], Rows]()
+        starts = list(accumulate((leg.contacts for leg in legs), initial=0))
+        for first, second in combinations_with_replacement(range(len(legs)), 2):
+            blocks = self._between(first, second)
+            found |= {(starts[first] + i, starts[second] + j): block for (i, j), block in blocks.items()}
+        return found
 
-    def _block(self, first: int, second: int) -> Rows:
-        """C_ij of two feet; of one, over its whole route."""
+    def _between(self, first: int, second: int) -> Blocks:
+        """C_ij of two legs' contact points; of one, over its whole route."""
         beams = chain.from_iterable(links for limb, links in self._beams[first].items() if limb in self._beams[second])
-        return _summed(tuple(beams), self._feet[first].position, self._feet[second].position, self._tape)
+        stands = self._footing(first)
+        return _blocks(tuple(beams), stands, stands if first == second else self._footing(second), self._tape)
+
+    def _footing(self, foot: int) -> Footing:
+        return footing(self._mechanism.legs[foot], self._feet[foot])
 
     def load_misfit(self) -> Function:
-        """[F,3]."""
+        """[k,3]."""
         loads = Port("loads", (len(self._mechanism.platforms), 6), "N and N m")
         symbols = symbols_of(loads)
         wrenches = [(_vec(symbols[start : start + 3]), _vec(symbols[start + 3 : start + 6])) for start in range(0, len(symbols), 6)]
-        moved = [self._moved(foot, wrenches) for foot in range(len(self._feet))]
-        port = Port("e", (len(self._feet), 3), "m")
+        feet = range(len(self._feet))
+        moved = [self._moved(foot, point, wrenches) for foot in feet for point in self._footing(foot).points(self._tape)]
+        port = Port("e", (len(moved), 3), "m")
         doc = (
-            "How far the feet move under loads on the platforms while the joints are locked and the first platform is held: a row a foot, "
-            "legs in file order; loads are force and moment about the first platform's origin, in its axes."
+            "How far the feet move under loads on the platforms while the joints are locked and the first platform is held: a row a "
+            f"{self._places}; loads are force and moment about the first platform's origin, in its axes."
         )
         return self._function("load_misfit", [self._q, loads], port, list(chain.from_iterable(moved)), doc, _MISFIT)
 
-    def _moved(self, foot: int, wrenches: Sequence[tuple[Vec, Vec]]) -> Vec:
+    def _moved(self, foot: int, point: Vec, wrenches: Sequence[tuple[Vec, Vec]]) -> Vec:
         """By every elastic link of the chains to the foot, under the loads beyond it."""
-        total, point = ZERO_VECTOR, self._feet[foot].position
+        total = ZERO_VECTOR
         for limb in self._routes[foot][:-1]:
             force, moment = self._beyond(limb, wrenches)
             for beam in self._beams[foot][self._mechanism.limbs.index(limb)]:

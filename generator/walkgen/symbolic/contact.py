@@ -11,7 +11,7 @@ from walkgen.symbolic.function import Derivation, Solve, Step
 from walkgen.symbolic.ports import signature
 
 FEWEST_FEET = 2
-"""A robot of fewer legs distributes no load."""
+"""A robot that stands on fewer points distributes no load."""
 
 _POINTS = Port("points", ("k", 3), "m")
 _NORMALS = Port("normals", ("k", 3))
@@ -41,7 +41,7 @@ _FRAME = (
 
 def contact_functions(mechanism: Mechanism) -> dict[str, Callable[[], Derivation]]:
     """Those of a robot with feet to share a load."""
-    if len(mechanism.legs) < FEWEST_FEET:
+    if mechanism.contacts < FEWEST_FEET:
         return {}
     return {
         "contact_forces": lambda: least_squares(mechanism),
@@ -69,7 +69,7 @@ def least_squares(mechanism: Mechanism) -> Solve:
 
 
 def _closed(mechanism: Mechanism, words: Signature) -> Solve:
-    """With a foot for each leg, round cones, and a fixed number of steps."""
+    """With a foot for each point that the legs stand on, round cones, and a fixed number of steps."""
     inputs, outputs = (tuple(port.sized(_feet(mechanism)) for port in ports) for ports in (words.inputs, words.outputs))
     given = tuple(port.name for port in inputs)
 
@@ -120,8 +120,8 @@ def stiffness(mechanism: Mechanism, name: str, compliance: Port, routine: str) -
 
 
 def _feet(mechanism: Mechanism) -> dict[str, int]:
-    """CasADi has a foot for each leg."""
-    return {"k": len(mechanism.legs)}
+    """CasADi has a foot for each point that the legs stand on."""
+    return {"k": mechanism.contacts}
 
 
 def vertical(mechanism: Mechanism) -> Solve:

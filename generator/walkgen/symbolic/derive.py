@@ -8,7 +8,7 @@ from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.spec.functions import TERRAIN_FUNCTIONS
 from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.chain_reactions import chain_reactions
-from walkgen.symbolic.compliance import StanceCompliance, foot_compliance
+from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
@@ -21,6 +21,7 @@ from walkgen.symbolic.reach import inverse_pose, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 from walkgen.symbolic.settle import settle
+from walkgen.symbolic.soles import SoleFunctions
 from walkgen.symbolic.stance import stance_functions
 from walkgen.symbolic.terrain import TerrainFunctions
 
@@ -46,6 +47,11 @@ JOINTED: dict[str, PathBuilder] = {
 }
 """Of every leg and route."""
 
+YIELDING: dict[str, Callable[[Mechanism, Limb], Derivation | None]] = {
+    "foot_compliance": foot_compliance,
+    "sole_compliance": sole_compliance,
+}
+"""Of legs whose links have sections, at a sole where they have one."""
 
 Wanted = Callable[[str], bool]
 
@@ -74,7 +80,7 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
 def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     """Functions of all limbs together, and of feet in contact."""
     robot = RobotFunctions(mechanism)
-    yield from (getattr(robot, name)() for name in ("platform_poses", "foot_positions", "foot_jacobians") if wanted(name))
+    yield from (build() for name, build in robot.functions().items() if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
     if all(leg.linkage is None for leg in mechanism.legs):
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
@@ -90,8 +96,9 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
 def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
     """Dynamics, and the compliance of a leg of joints in series."""
     yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
-    if leg.linkage is None and wanted("foot_compliance"):
-        yield from _existing([foot_compliance(mechanism, leg)])
+    yield from (build() for name, build in SoleFunctions(mechanism, leg).functions().items() if wanted(name))
+    if leg.linkage is None:
+        yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:

@@ -37,7 +37,7 @@ class DrivenKinematics:
 
     def __init__(self, limbs: Sequence[Limb], linkage: Linkage, q: Exprs, parameters: Parameters, tape: Tape) -> None:
         count = linkage.drive_count
-        self._linkage = linkage
+        self._linkage, self.parameters = linkage, parameters
         self.tape, self._serial, self._drives = tape, len(q) - count, tuple(q[len(q) - count :])
         self.placing = forward_placing(linkage, self._drives, parameters, tape)
         self._foot = self.placing.pose(linkage.foot[0])

@@ -65,6 +65,7 @@ class Kinematics:
     def __init__(self, path: Path, tape: Tape) -> None:
         self.path = path
         self.tape = tape
+        self.parameters = path.parameters
 
     @cached_property
     def _places(self) -> tuple[tuple[Place, Place], ...]:

@@ -1,6 +1,6 @@
 """Functions of the whole robot in the first platform's frame: every platform's pose, every foot, every foot's Jacobian."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain
 
 import sympy
@@ -13,6 +13,7 @@ from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.soles import CONTACTS, EQ_CORNERS, Footing, footing
 from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Tape, Vec, symbols_of
 
 _EQ_POSES = "eqs. (5)-(7): G_m = G_parent(m) B A_1 A_2 A_3 E"
@@ -39,6 +40,14 @@ class RobotFunctions:
     def _function(self, name: str, output: Port, outputs: Sequence[sympy.Expr], doc: str, source: str) -> Function:
         return self._tape.function(signature(self._mechanism, "", name, [self._q], [output], doc, source), outputs)
 
+    def functions(self) -> dict[str, Callable[[], Function]]:
+        """Those that the robot has: contacts apart from feet where a leg has a sole, their normals where every leg has one."""
+        soles = [leg.sole is not None for leg in self._mechanism.legs]
+        found = [self.platform_poses, self.foot_positions, self.foot_jacobians]
+        found += [self.contact_points] if any(soles) else []
+        found += [self.contact_normals] if all(soles) else []
+        return {function.__name__: function for function in found}
+
     def platform_poses(self) -> Function:
         """[m,4,4], the first the identity."""
         chains = [self._mechanism.ancestors(index) for index in range(len(self._mechanism.platforms))]
@@ -53,6 +62,22 @@ class RobotFunctions:
         positions = list(chain.from_iterable(foot.position for foot in self._feet))
         port = Port("p", (len(self._feet), 3), "m")
         return self._function("foot_positions", port, positions, "Every foot in the first platform's frame, legs in file order.", _EQ_FEET)
+
+    @property
+    def _footings(self) -> list[Footing]:
+        return [footing(leg, foot) for leg, foot in zip(self._mechanism.legs, self._feet, strict=True)]
+
+    def contact_points(self) -> Function:
+        """[k,3]."""
+        points = [point for found in self._footings for point in found.points(self._tape)]
+        port = Port("p", (len(points), 3), "m")
+        return self._function("contact_points", port, list(chain.from_iterable(points)), CONTACTS, EQ_CORNERS)
+
+    def contact_normals(self) -> Function:
+        """[k,3]."""
+        normals = [found.normal for found in self._footings for _ in found.levers]
+        port, doc = Port("n", (len(normals), 3)), "Unit normal of the sole at every one of contact_points, in the first platform's axes."
+        return self._function("contact_normals", port, list(chain.from_iterable(normals)), doc, EQ_CORNERS)
 
     def foot_jacobians(self) -> Function:
         """[feet,3,nq]."""

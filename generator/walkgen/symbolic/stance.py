@@ -20,7 +20,7 @@ _TWIST = Port("twist", (6,), "m/s, rad/s")
 
 def stance_functions(mechanism: Mechanism) -> dict[str, Callable[[], Derivation]]:
     """Those of a robot with feet to share a load."""
-    if len(mechanism.legs) < FEWEST_FEET:
+    if mechanism.contacts < FEWEST_FEET:
         return {}
     functions = (grasp_map, friction_needed, friction_share, load_margin, foot_admissible, slip)
     return {function.__name__: lambda function=function: function(mechanism) for function in functions}  # type: ignore[misc]
