@@ -82,14 +82,15 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     robot = RobotFunctions(mechanism)
     yield from (build() for name, build in robot.functions().items() if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
-    if all(leg.linkage is None for leg in mechanism.legs):
+    serial = all(leg.linkage is None for leg in mechanism.legs)
+    if serial:
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-        floating = FloatingFunctions(mechanism)
-        yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
         stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
-        if mechanism.terrain and wanted("settle"):
-            surface = TerrainFunctions(mechanism, mechanism.terrain).surface()
-            yield from _existing([settle(mechanism, robot.foot_positions(), floating.weight(), surface)])
+    floating = FloatingFunctions(mechanism)
+    yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
+    if mechanism.terrain and wanted("settle"):
+        surface = TerrainFunctions(mechanism, mechanism.terrain).surface()
+        yield from _existing([settle(mechanism, robot.foot_positions(), floating.weight(), surface)])
     yield from (build() for name, build in stood.items() if wanted(name))
 
 

@@ -12,6 +12,7 @@ from walkgen.symbolic.first_moments import FirstMoments
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler
 from walkgen.symbolic.ports import joint_port
+from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tape import ZERO_VECTOR, Columns, Tape, Vec, constant_vector, cross, dot, minus, plus, scaled, symbols_of, times
 from walkgen.symbolic.tree import BASE, Tree
 from walkgen.symbolic.turning import Turning
@@ -24,8 +25,8 @@ _ZERO = sympy.S.Zero
 class FloatingDynamics:
     """What a builder works with: the robot's tree, on a tape of its own."""
 
-    def __init__(self, mechanism: Mechanism, tree: Tree, tape: Tape) -> None:
-        self.mechanism, self.tree, self.tape = mechanism, tree, tape
+    def __init__(self, mechanism: Mechanism, tree: Tree, spread: Spread, tape: Tape) -> None:
+        self.mechanism, self.tree, self.spread, self.tape = mechanism, tree, spread.on(tape), tape
         self.joints = tuple(joint for limb in mechanism.limbs for joint in limb.joints)
         self.ports = {port.name: port for port in _ports(self.joints, len(mechanism.legs))}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
@@ -35,7 +36,7 @@ class FloatingDynamics:
     @cached_property
     def turning(self) -> Turning:
         """At q."""
-        return Turning(self.tree, self.tape, self.symbols["q"])
+        return Turning(self.tree, self.tape, self.spread.values)
 
     @cached_property
     def drives(self) -> tuple[Drive, ...]:
@@ -82,7 +83,9 @@ class FloatingDynamics:
 
     def newton_euler(self, gravity: Vec, forces: Sequence[Vec] = ()) -> NewtonEuler:
         """At v and a."""
-        return NewtonEuler(self.turning, self.symbols["v"][6:], self.symbols["a"][6:], self.motion(gravity), forces)
+        rates, accelerations = self.symbols["v"][6:], self.symbols["a"][6:]
+        own = self.spread.rates(rates), self.spread.accelerations(rates, accelerations)
+        return NewtonEuler(self.turning, *own, self.motion(gravity), forces)
 
     def about_centre(self, wrench: Wrench, name: str) -> Exprs:
         """Of the base's origin and axes, about the centre of mass in the world's axes."""
@@ -130,11 +133,12 @@ class FloatingDynamics:
         return self.group_axes[index] if link.turn is None else self._link_axes(link.parent, self.group_axes[link.parent])
 
     def by_coordinate(self, columns: Sequence[Vec]) -> list[Vec]:
-        """Columns in the order of the links, put in the order of q."""
+        """Columns in the order of the links, as columns in the order of q."""
         found = [ZERO_VECTOR] * len(columns)
         for link, column in zip(self.tree.links, columns, strict=True):
             found[link.coordinate] = column
-        return found
+        rows = [self.spread.borne([column[row] for column in found]) for row in range(3)]
+        return [(x, y, z) for x, y, z in zip(*rows, strict=True)]
 
 
 def triple(values: Exprs, start: int) -> Vec:

@@ -13,6 +13,7 @@ from walkgen.model.mechanism import Body, Limb, Mechanism
 from walkgen.spec.scalar import ZERO, div, exact
 from walkgen.symbolic.driven import forward_placing, planar_joints
 from walkgen.symbolic.frames import Frame, frame_of, parameter_symbols
+from walkgen.symbolic.inertia import inertia_of
 from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
 from walkgen.symbolic.spread import Spread
@@ -27,6 +28,32 @@ def spread_leg(mechanism: Mechanism, leg: Limb, q: Exprs, tape: Tape) -> tuple[T
     growth, spread = Growth(parameter_symbols(mechanism), tape), Spread(len(q), tape)
     grow_leg(growth, spread, leg, Attachment(BASE, Frame()), q, range(len(q)), "")
     return growth.tree(), spread
+
+
+def spread_robot(mechanism: Mechanism, q: Exprs, tape: Tape) -> tuple[Tree, Spread]:
+    """The whole robot on its root platform; feet in the order of the legs."""
+    growth, spread = Growth(parameter_symbols(mechanism), tape), Spread(len(q), tape)
+    places = {0: Attachment(BASE, Frame())}
+    for index in range(len(mechanism.platforms)):
+        for chain in mechanism.ancestors(index):
+            assert chain.child is not None
+            if chain.child not in places:
+                places[chain.child] = _grow_chain(growth, spread, chain, places[chain.platform], q, mechanism.offset(chain))
+    for index, platform in enumerate(mechanism.platforms):
+        if platform.body:
+            body = inertia_of(platform.body, growth.parameters, tape, platform.name)
+            growth.carry(places[index], body, platform.name)
+    for leg in mechanism.legs:
+        start = mechanism.offset(leg)
+        grow_leg(growth, spread, leg, places[leg.platform], q, range(start, start + len(leg.joints)), f"{leg.name}_")
+    return growth.tree(), spread
+
+
+def _grow_chain(growth: Growth, spread: Spread, chain: Limb, start: Attachment, q: Exprs, first: int) -> Attachment:
+    place = Attachment(start.link, start.frame * frame_of(chain.mount, growth.parameters))
+    for index, joint in enumerate(chain.joints, first):
+        place = growth.joint(joint, place, spread.joint(index, q[index]), f"{chain.name}_{joint.name}")
+    return Attachment(place.link, place.frame * frame_of(chain.tip, growth.parameters))
 
 
 def grow_leg(growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str) -> None:

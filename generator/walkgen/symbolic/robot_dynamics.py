@@ -13,10 +13,12 @@ from walkgen.symbolic.composite_bodies import CompositeBodies
 from walkgen.symbolic.floating import FloatingDynamics, tau_unit, triple
 from walkgen.symbolic.forward import flat
 from walkgen.symbolic.function import Function
-from walkgen.symbolic.ports import signature
+from walkgen.symbolic.linked_tree import spread_robot
+from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.regroup import regrouped
-from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Tape, cross, plus, scaled, times
-from walkgen.symbolic.tree import Tree, robot_tree
+from walkgen.symbolic.spread import Spread
+from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Tape, cross, plus, scaled, symbols_of, times
+from walkgen.symbolic.tree import Tree
 from walkgen.symbolic.velocities import Velocities, Velocity
 
 Exprs = Sequence[sympy.Expr]
@@ -57,7 +59,7 @@ def _centroidal(robot: FloatingDynamics) -> Exprs:
 
 def _momentum(robot: FloatingDynamics) -> Exprs:
     velocity = Velocity(triple(robot.symbols["v"], 3), triple(robot.symbols["v"], 0))
-    return robot.about_centre(Velocities(robot.turning, robot.symbols["v"][6:], velocity).base_momentum, "momentum")
+    return robot.about_centre(Velocities(robot.turning, robot.spread.rates(robot.symbols["v"][6:]), velocity).base_momentum, "momentum")
 
 
 def _momentum_rate(robot: FloatingDynamics) -> Exprs:
@@ -75,13 +77,14 @@ def _mass_matrix(robot: FloatingDynamics) -> Exprs:
     bodies = CompositeBodies(robot.turning)
     size = 6 + len(robot.joints)
     found: dict[tuple[int, int], sympy.Expr] = {}
-    units = [*_base_units(bodies), *([] for _ in robot.joints)]
-    for link, (_, wrench) in zip(robot.tree.links, bodies.columns, strict=True):
-        units[6 + link.coordinate] = [*wrench.force, *wrench.moment]
+    wrenches = [wrench for _, wrench in bodies.columns]
+    forces, moments = (robot.by_coordinate([getattr(wrench, part) for wrench in wrenches]) for part in ("force", "moment"))
+    units = [*_base_units(bodies), *([*force, *moment] for force, moment in zip(forces, moments, strict=True))]
     for column, entries in enumerate(units):
         for row, entry in enumerate(entries):
             found[row, column] = found[column, row] = entry
-    for row, column, value in bodies.joint_entries():
+    joints = robot.spread.matrix({(row, column): value for row, column, value in bodies.joint_entries()})
+    for (row, column), value in joints.items():
         found[6 + row, 6 + column] = value
     for index, drive in enumerate(robot.drives):
         found[6 + index, 6 + index] += drive.rotor
@@ -104,7 +107,7 @@ def _inverse_dynamics(robot: FloatingDynamics) -> Exprs:
     rates, accelerations = robot.symbols["v"][6:], robot.symbols["a"][6:]
     efforts = [
         effort + drive.effort(rate, acceleration)
-        for effort, drive, rate, acceleration in zip(motion.efforts, robot.drives, rates, accelerations, strict=True)
+        for effort, drive, rate, acceleration in zip(robot.spread.borne(motion.efforts), robot.drives, rates, accelerations, strict=True)
     ]
     return (*motion.base_wrench.force, *motion.base_wrench.moment, *efforts)
 
@@ -213,13 +216,18 @@ class FloatingFunctions:
         self._mechanism, self._tape = mechanism, Tape()
 
     @cached_property
+    def _described(self) -> tuple[Tree, Spread]:
+        q = symbols_of(joint_port("q", [joint for limb in self._mechanism.limbs for joint in limb.joints]))
+        return spread_robot(self._mechanism, q, self._tape)
+
+    @cached_property
     def _tree(self) -> Tree:
-        return regrouped(robot_tree(self._mechanism, self._tape), self._tape, floating=True)
+        return regrouped(self._described[0], self._tape, floating=True)
 
     def function(self, name: str) -> Function | None:
         """One of `ROBOT_DYNAMICS`; None where it does not exist: there is no centre of a mass that is 0."""
         entry, tree = ROBOT_DYNAMICS[name], self._tree
-        robot = FloatingDynamics(self._mechanism, tree, self._tape.fork())
+        robot = FloatingDynamics(self._mechanism, tree, self._described[1], self._tape.fork())
         if entry.needs_mass and robot.moments.mass == 0:
             return None
         output = Port(entry.output, entry.shape(6 + len(robot.joints)), entry.unit(robot.joints))
@@ -230,7 +238,7 @@ class FloatingFunctions:
     def weight(self) -> Function | None:
         """What gravity does to the robot held in its joints: where, in the base's frame, and the force, in the world; None without mass."""
         tree = self._tree
-        robot = FloatingDynamics(self._mechanism, tree, self._tape.fork())
+        robot = FloatingDynamics(self._mechanism, tree, self._described[1], self._tape.fork())
         if robot.moments.mass == 0:
             return None
         outputs = [Port("centre_of_mass", (3,), "m"), Port("weight", (3,), "N")]

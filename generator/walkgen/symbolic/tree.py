@@ -4,13 +4,13 @@ Every link has a frame of its own: z along its joint, the orientation its group'
 are fixed in the link that bears them. What hangs on a link (platforms at a chain's end) is lumped into it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import sympy
 
-from walkgen.model.mechanism import Joint, Limb, Mechanism
-from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of, parameter_symbols
+from walkgen.model.mechanism import Joint
+from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of
 from walkgen.symbolic.inertia import Inertia, inertia_of, placed
 from walkgen.symbolic.path import yaw_of
 from walkgen.symbolic.tape import IDENTITY, Columns, Tape, Vec, constant_vector, cross, dot, plus, scaled
@@ -98,13 +98,6 @@ class Growth:
     base: Inertia = field(default_factory=Inertia)
     feet: list[Foot] = field(default_factory=list)
 
-    def limb(self, limb: Limb, start: Attachment, coordinates: Sequence[int], prefix: str) -> Attachment:
-        """Add the limb's joints; its tip."""
-        place = Attachment(start.link, start.frame * frame_of(limb.mount, self.parameters))
-        for joint, coordinate in zip(limb.joints, coordinates, strict=True):
-            place = self.joint(joint, place, coordinate, prefix + joint.name)
-        return Attachment(place.link, place.frame * frame_of(limb.tip, self.parameters))
-
     def joint(self, joint: Joint, place: Attachment, coordinate: int, name: str) -> Attachment:
         """Add one link."""
         before = self.named(place.frame * frame_of(joint.before, self.parameters), f"{name}_before")
@@ -156,30 +149,6 @@ class Growth:
     def tree(self) -> Tree:
         """What has grown."""
         return Tree(tuple(self.links), self.base, tuple(self.feet))
-
-
-def robot_tree(mechanism: Mechanism, tape: Tape) -> Tree:
-    """The whole robot on its root platform; coordinates are the robot's q, feet in the order of the legs."""
-    growth = Growth(parameter_symbols(mechanism), tape)
-    places = {0: Attachment(BASE, Frame())}
-    for index in range(len(mechanism.platforms)):
-        for chain in mechanism.ancestors(index):
-            assert chain.child is not None
-            if chain.child not in places:
-                places[chain.child] = growth.limb(chain, places[chain.platform], _coordinates(mechanism, chain), f"{chain.name}_")
-    for index, platform in enumerate(mechanism.platforms):
-        if platform.body:
-            body = inertia_of(platform.body, growth.parameters, tape, platform.name)
-            growth.carry(places[index], body, platform.name)
-    for leg in mechanism.legs:
-        tip = growth.limb(leg, places[leg.platform], _coordinates(mechanism, leg), f"{leg.name}_")
-        growth.feet.append(Foot(tip.link, tape.vector(f"{leg.name}_foot", tip.frame.origin)))
-    return growth.tree()
-
-
-def _coordinates(mechanism: Mechanism, limb: Limb) -> range:
-    start = mechanism.offset(limb)
-    return range(start, start + len(limb.joints))
 
 
 def _flipped(flip: int) -> Frame:
