@@ -67,6 +67,12 @@ class LegDynamics:
     def _pushed(self, rates: Exprs, accelerations: Exprs, base: Motion, forces: Sequence[Vec] = ()) -> NewtonEuler:
         return NewtonEuler(self.turning, self.spread.rates(rates), self.spread.accelerations(rates, accelerations), base, forces)
 
+    def virtual_efforts(self) -> Exprs:
+        """Of the tree's own coordinates at the motion of qd, qdd, with the ground's force f on the foot."""
+        base = Motion(origin=scaled(sympy.S.NegativeOne, self.gravity))
+        x, y, z = self.symbols["f"]
+        return self._pushed(self.symbols["qd"], self.symbols["qdd"], base, [(x, y, z)]).efforts
+
     def held(self, turning: Turning, base: Motion) -> Exprs:
         """Efforts that keep links at rest on an accelerated base."""
         still = (_ZERO,) * len(turning.links)

@@ -75,7 +75,7 @@ def _grow_linkage(
 ) -> Attachment:
     """Add every link that has mass, and the foot point without any; where the foot is."""
     placing = forward_placing(linkage, drives, growth.parameters, growth.tape)
-    parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in enumerate(linkage.masses) if mass and body]
+    parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in bodies_with_mass(linkage)]
     coordinates: list[Coordinate] = []
     for name, body, mass in parts:
         coordinates += _at(f"{name}", placing.point(body, placing.planar(mass.com)), growth.tape)
@@ -90,6 +90,11 @@ def _grow_linkage(
     for joint, number in zip(planar_joints()[:2], numbers, strict=True):
         place = growth.joint(joint, place, number, f"{prefix}foot_{joint.name}")
     return place
+
+
+def bodies_with_mass(linkage: Linkage) -> list[tuple[int, PlanarBody]]:
+    """Those that move."""
+    return [(body, mass) for body, mass in enumerate(linkage.masses) if mass and body]
 
 
 def _at(name: str, point: Planar, tape: Tape) -> list[Coordinate]:

@@ -116,23 +116,30 @@ class Placing:
         body = next(body for body in self._bodies(pair) if body not in self._linkage.structure.bars)
         return self.point(body, self.located(pair, body))
 
+    def rod(self, group: Group) -> tuple[Planar, Planar]:
+        """Of an RRP group whose bodies are placed: from pin to sliding pin, and the guide's direction seen from there."""
+        slider, third = self.odd_one(group, "P")
+        fixed, sliding = (index for index in range(3) if index != third)
+        pins = {self.other(group, pair, third): pair for pair in group.pairs if pair != slider}
+        along = self.along(slider)
+        reach = difference(self.joint(pins[sliding]), self.joint(pins[fixed]))
+        return reach, along if group.guide == fixed else stretched(-_ONE, along)
+
     def ahead(self, group: Group) -> sympy.Expr:
         """Of an RRP group whose bodies are placed: positive where its slider is on the far side of the dead point."""
-        slider, third = self._odd_one(group, "P")
-        fixed, sliding = (index for index in range(3) if index != third)
-        pins = {self._other(group, pair, third): pair for pair in group.pairs if pair != slider}
-        along = turned(self.pose(self._linkage.structure.pairs[slider].bodies[1]).rotor, self._direction(slider))
-        reach = difference(self.joint(pins[sliding]), self.joint(pins[fixed]))
-        return inner(reach, along) if group.guide == fixed else -inner(reach, along)
+        return inner(*self.rod(group))
 
     def measured(self, pair: int) -> sympy.Expr:
         """The value of a pair whose bodies are placed: the second body's angle to the first, or the way along the guide."""
         first, second = self._linkage.structure.pairs[pair].bodies[:2]
         if self._linkage.structure.pairs[pair].kind == "R":
             return angle_of(turned(conjugate(self.pose(first).rotor), self.pose(second).rotor))
-        along = turned(self.pose(second).rotor, self._direction(pair))
         start, now = self.point(second, self.located(pair, second)), self.point(first, self.located(pair, first))
-        return inner(along, difference(now, start))
+        return inner(self.along(pair), difference(now, start))
+
+    def along(self, slider: int) -> Planar:
+        """The direction of a slider's guide, in the frame's axes."""
+        return turned(self.pose(self._linkage.structure.pairs[slider].bodies[1]).rotor, self._direction(slider))
 
     def _bodies(self, pair: int) -> tuple[int, ...]:
         return (0, self._linkage.foot[0]) if pair == len(self._linkage.points) else self._linkage.structure.pairs[pair].bodies
@@ -211,10 +218,10 @@ class Placing:
     def _rrp(self, group: Group) -> None:
         """The slider where its pin is as far from the other pin as the pinned body says."""
         clusters = [self._cluster[body] for body in group.bodies]
-        slider, third = self._odd_one(group, "P")
+        slider, third = self.odd_one(group, "P")
         fixed, sliding = (index for index in range(3) if index != third)
         way = self._way(slider, clusters[fixed], clusters[sliding])
-        pins = {self._other(group, pair, third): pair for pair in group.pairs if pair != slider}
+        pins = {self.other(group, pair, third): pair for pair in group.pairs if pair != slider}
         name = f"{self._label}{group.name}"
         start, own = self._end(pins[fixed], clusters[fixed]), tuple(self._end(pins[index], clusters[third]) for index in (fixed, sliding))
         run = self._end(pins[sliding], clusters[sliding])
@@ -231,9 +238,9 @@ class Placing:
     def _rpp(self, group: Group) -> None:
         """Two ways that meet in a pin: linear."""
         clusters = [self._cluster[body] for body in group.bodies]
-        pin, middle = self._odd_one(group, "R")
+        pin, middle = self.odd_one(group, "R")
         one, two = (index for index in range(3) if index != middle)
-        slides = {self._other(group, pair, middle): pair for pair in group.pairs if pair != pin}
+        slides = {self.other(group, pair, middle): pair for pair in group.pairs if pair != pin}
         ways = [self._way(slides[index], clusters[middle], clusters[index]) for index in (one, two)]
         name = f"{self._label}{group.name}"
         ends = [way.start.point(self._end(pin, clusters[index])) for way, index in zip(ways, (one, two), strict=True)]
@@ -252,12 +259,12 @@ class Placing:
         for index, name in ((1, "first"), (2, "second")):
             self._join(clusters[0], clusters[index], back * poses[index], f"{group.name}_{name}")
 
-    def _odd_one(self, group: Group, kind: str) -> tuple[int, int]:
+    def odd_one(self, group: Group, kind: str) -> tuple[int, int]:
         """The one pair of this kind, and which of the three bodies has no part in it."""
         place = next(index for index, pair in enumerate(group.pairs) if self._kind(pair) == kind)
         return group.pairs[place], 2 - place
 
-    def _other(self, group: Group, pair: int, index: int) -> int:
+    def other(self, group: Group, pair: int, index: int) -> int:
         """Which body a pair joins with the one of this index."""
         return sum(((0, 1), (0, 2), (1, 2))[group.pairs.index(pair)]) - index
 
