@@ -112,16 +112,17 @@ static inline void WG_NAME(wg_contact_blank)(int32_t k, WG_REAL value, WG_REAL *
     *violation = value;
 }
 
-/* The certificate of multipliers that prove `gain`, and the least distance of balanced forces from their cones that follows from it. */
-static inline void WG_NAME(wg_contact_refute)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL gain,
-                                              WG_REAL certificate[6], WG_REAL *violation) {
+/* The certificate of multipliers that are a proof, and the least distance of balanced forces from their cones that follows from it. */
+static inline void WG_NAME(wg_contact_refute)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL certificate[6],
+                                              WG_REAL *violation) {
     const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
-    WG_REAL z[3][WALKGEN_MAX_FEET], square = WG_C(0.0);
+    WG_REAL z[3][WALKGEN_MAX_FEET], square = WG_C(0.0), gain;
     int i;
     WG_NAME(wg_contact_pull)(stance, y, z);
     for (i = 0; i < stance->feet; ++i) {
         square += stance->ease[i] * (z[0][i] * z[0][i] + z[1][i] * z[1][i] + z[2][i] * z[2][i]);
     }
+    gain = WG_NAME(wg_contact_worth)(&stance->cones, stance->feet, z, whole);
     WG_NAME(wg_contact_certificate)(stance, y, whole, certificate);
     *violation = square > WG_C(0.0) ? gain / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
 }

@@ -200,8 +200,8 @@ WG_CALLED void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_contact_
 WG_CALLED void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
                                                   WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {
     WG_REAL z[3][WALKGEN_MAX_FEET], whole, square = WG_C(0.0);
-    const WG_REAL gain = WG_NAME(wg_contact_proof_all)(stance, limits, WG_C(1.0), z, &whole);
     int i, r;
+    (void)WG_NAME(wg_contact_proof_all)(stance, limits, WG_C(1.0), z, &whole);
     for (i = 0; i < stance->feet; ++i) {
         square += stance->ease[i] * (z[0][i] * z[0][i] + z[1][i] * z[1][i] + z[2][i] * z[2][i]);
     }
@@ -209,7 +209,8 @@ WG_CALLED void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contact_st
     for (r = 0; r < limits->rows; ++r) {
         multipliers[r] = limits->l[r] / whole / limits->size[r] / stance->force_unit;
     }
-    *violation = square > WG_C(0.0) ? WG_MAX(gain, WG_C(0.0)) / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
+    *violation = WG_NAME(wg_contact_worth)(&stance->cones, stance->feet, z, whole);
+    *violation = square > WG_C(0.0) ? *violation / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
 }
 
 /* The search with limits: its status. */

@@ -42,6 +42,7 @@ static inline int WG_NAME(wg_friction_read)(int32_t k, const WG_REAL *points, co
         WG_NAME(wg_stance_push)(&friction->stance, i, friction->tangent[1][i], friction->push[3 * i + 2]);
     }
     friction->conic.cones = k;
+    friction->conic.mass = NULL;
     return 1;
 }
 
