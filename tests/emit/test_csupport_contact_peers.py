@@ -34,11 +34,12 @@ def least_friction(forces, stances, facets=0):
 
 
 def checked_exactly(stances, found, row):
-    """Whether a verdict holds in 50 digits."""
+    """Whether a verdict holds in 50 digits; of forces above 2e6 loads, to the rounding of their own entries."""
     stance = stances[row : row + 1]
     if found.status[row] == OK:
         lacking, over = exactly_carried(stance, found.f[row])
-        return max(lacking, over) <= 1e-9 * loads(stance)[0]
+        rounding = 2.0 * np.finfo(float).eps * np.abs(found.f[row]).max()
+        return max(lacking, over) <= max(1e-9 * loads(stance)[0], rounding)
     whole, least, size = exactly_refuted(stance, found.certificate[row])
     return found.status[row] == INFEASIBLE and whole > 0.99 and least >= -ROUNDING * size
 

@@ -199,18 +199,14 @@ WG_CALLED void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_contact_
 /* The proof in the inputs' frame and units. */
 WG_CALLED void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
                                                   WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {
-    WG_REAL z[3][WALKGEN_MAX_FEET], whole, square = WG_C(0.0);
-    int i, r;
+    WG_REAL z[3][WALKGEN_MAX_FEET], whole;
+    int r;
     (void)WG_NAME(wg_contact_proof_all)(stance, limits, WG_C(1.0), z, &whole);
-    for (i = 0; i < stance->feet; ++i) {
-        square += stance->ease[i] * (z[0][i] * z[0][i] + z[1][i] * z[1][i] + z[2][i] * z[2][i]);
-    }
     WG_NAME(wg_contact_certificate)(stance, limits->dual.y, whole, certificate);
     for (r = 0; r < limits->rows; ++r) {
         multipliers[r] = limits->l[r] / whole / limits->size[r] / stance->force_unit;
     }
-    *violation = WG_NAME(wg_contact_worth)(&stance->cones, stance->feet, z, whole);
-    *violation = square > WG_C(0.0) ? *violation / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
+    *violation = WG_NAME(wg_contact_distance)(stance, z, whole);
 }
 
 /* The search with limits: its status. */
@@ -242,7 +238,7 @@ WG_CALLED int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, co
 
 /* As wg_contact_least_squares, with sum_i torque_rows[r,i] . f_i <= torque_limits[r] (rows [rows,k,3], at most WALKGEN_MAX_LIMITS).
  * INFEASIBLE: certificate . wrench - multipliers . torque_limits = 1, while certificate . (f, p x f) + multipliers . rows f is at least 0 for
- * all forces that feet can exert. At most 112 kB of stack in double, 58 kB in float. */
+ * all forces that feet can exert. At most 130 kB of stack in double, 68 kB in float. */
 static inline void WG_NAME(wg_contact_limited)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
                                                const WG_REAL *weight, const WG_REAL *n_max, int32_t facets, int32_t rows,
                                                const WG_REAL *torque_rows, const WG_REAL *torque_limits,
@@ -250,10 +246,10 @@ static inline void WG_NAME(wg_contact_limited)(int32_t k, const WG_REAL *points,
                                                WG_REAL *certificate, WG_REAL *violation, WG_REAL *multipliers) {
     const int fine = k >= 1 && k <= WALKGEN_MAX_FEET && WG_NAME(wg_contact_limits_fine)(k, rows, torque_rows, torque_limits);
     int i;
-    for (i = 0; i < rows && rows <= WALKGEN_MAX_LIMITS; ++i) {
-        multipliers[i] = fine ? WG_C(0.0) : WG_NAN;
-    }
     WG_NAME(wg_contact_least_squares)(fine ? k : 0, points, normals, mu, wrench, weight, n_max, facets, work, f, status, state, certificate, violation);
+    for (i = 0; i < rows && rows <= WALKGEN_MAX_LIMITS; ++i) {
+        multipliers[i] = *status == WALKGEN_BAD_INPUT ? WG_NAN : WG_C(0.0);
+    }
     if (!fine) {
         WG_NAME(wg_contact_blank)(k, WG_NAN, f, state, certificate, violation);
         return;
