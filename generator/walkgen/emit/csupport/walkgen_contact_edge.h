@@ -112,7 +112,7 @@ WG_CALLED int WG_NAME(wg_contact_decide)(const struct WG_NAME(wg_contact_stance)
     for (turn = 0; turn < 80; ++turn) {
         const int fine = WG_NAME(wg_conic_prepare)(conic, step);
         WG_NAME(wg_contact_turned_back)(edge, y);
-        if (WG_NAME(wg_contact_proof)(stance, y, WG_C(8.0) * WG_EPSILON, WG_C(0.0)) > WG_C(0.0)) {
+        if (WG_NAME(wg_contact_strict)(stance, y)) {
             return WG_CONTACT_REFUTED;
         }
         if (!fine || WG_NAME(wg_conic_closed)(conic)) {

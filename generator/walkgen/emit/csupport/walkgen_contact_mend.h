@@ -10,9 +10,11 @@
 #if WG_REAL_BITS == 64
 #define WALKGEN_CONTACT_MEND_F64
 #define WG_SLACK WG_C(1e-9)
+#define WG_HAIR WG_C(1e-12)
 #else
 #define WALKGEN_CONTACT_MEND_F32
 #define WG_SLACK WG_C(1e-4)
+#define WG_HAIR WG_C(1e-5)
 #endif
 
 /* What forces f give the balance: A f, without the load, in which they would drown. */
@@ -57,6 +59,12 @@ static inline void WG_NAME(wg_contact_rays)(const struct WG_NAME(wg_contact_stan
     }
 }
 
+/* Whether y is a strict proof whose gain rounding of y does not hide. */
+static inline int WG_NAME(wg_contact_strict)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6]) {
+    const WG_REAL size = WG_SQRT(WG_NAME(wg_contact_product)(y, y));
+    return WG_NAME(wg_contact_proof)(stance, y, WG_C(4.0) * WG_EPSILON, WG_C(0.0)) > WG_HAIR * size;
+}
+
 /* y moved least to where no cone gains by it, to the last bit: whether it is a strict proof then. Rounding of large forces hides what the
  * cones' rays nearly lack of pressing against each other, which this finds. */
 WG_CALLED int WG_NAME(wg_contact_mend)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual, WG_REAL y[6]) {
@@ -68,7 +76,7 @@ WG_CALLED int WG_NAME(wg_contact_mend)(const struct WG_NAME(wg_contact_stance) *
         if (!(WG_NAME(wg_contact_product)(stance->b, y) > WG_C(0.0))) {
             return 0;
         }
-        if (WG_NAME(wg_contact_proof)(stance, y, WG_C(4.0) * WG_EPSILON, WG_C(0.0)) > WG_C(0.0)) {
+        if (WG_NAME(wg_contact_strict)(stance, y)) {
             return 1;
         }
         WG_NAME(wg_contact_rays)(stance, y, WG_SLACK * size, WG_C(32.0) * WG_EPSILON * size, dual->images.slope, f);
@@ -83,4 +91,5 @@ WG_CALLED int WG_NAME(wg_contact_mend)(const struct WG_NAME(wg_contact_stance) *
 }
 
 #undef WG_SLACK
+#undef WG_HAIR
 #endif
