@@ -1,7 +1,7 @@
 /* walkgen_contact.h: the least forces with which feet carry a load within their friction cones; walkgen_math.h explains the macros.
  *
- * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin) and f_i the ground's force on foot i,
- * so that sum (f_i, p_i x f_i) + wrench = 0. While no cone is active, walkgen_contact_inside.h has the answer; otherwise
+ * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin) and f_i the ground's force on foot
+ * i, so that sum (f_i, p_i x f_i) + wrench = 0. While no cone is active, walkgen_contact_inside.h has the answer; otherwise
  * walkgen_contact_newton.h finds the multipliers, or near the edge of what can be carried walkgen_contact_edge.h.
  */
 #include "walkgen_contact_edge.h"
@@ -122,13 +122,14 @@ WG_CALLED int32_t WG_NAME(wg_contact_active)(int32_t k, const WG_REAL *points, c
     return WALKGEN_INFEASIBLE;
 }
 
-/* f [k,3] of least sum of weight |f|^2, NaN unless status is OK; state [k]; the balance that f lacks in violation. facets 0: circular cones.
- * INFEASIBLE: certificate . wrench = 1, while certificate . (f, p x f) is at least 0 for all forces that a foot can exert (with n_max: the
- * sum of its least values is above -1), and violation is a distance that all balanced forces have from the cones (infinite where feet on
- * a line cannot carry the moment). At most 35 kB of stack in double, 20 kB in float. */
+/* f [k,3] of least sum of weight |f|^2, NaN unless status is OK; state [k]; the balance that f lacks in violation. facets 0: circular
+ * cones. INFEASIBLE: certificate . wrench = 1, while certificate . (f, p x f) is at least 0 for all forces that a foot can exert (with
+ * n_max: the sum of its least values is above -1), and violation is a distance that all balanced forces have from the cones (infinite where
+ * feet on a line cannot carry the moment). At most 35 kB of stack in double, 20 kB in float. */
 static inline void WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
                                                      const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, int32_t facets,
-                                                     struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *status, int32_t *state,
+                                                     struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *status,
+                                                     int32_t *state,
                                                      WG_REAL *certificate, WG_REAL *violation) {
     const WG_REAL share = facets == 0 ? WG_C(1.0) : facets == 4 ? WG_C(0.70710678118) : WG_C(0.0);
     int i;

@@ -1,8 +1,9 @@
 /* walkgen_contact_edge.h: contact forces near the edge of what can be carried, by interior points; walkgen_math.h explains the macros.
  *
- * There the multipliers of the least forces grow without bound, and Newton on them ends without forces or a proof. The greatest normal force s
- * that all feet can have above what their friction needs (walkgen_conic.h) is well conditioned there: the way to it passes points that are
- * forces within the cones or strict proofs, whichever there are. From such forces an interior-point method finds the least ones, however large.
+ * There the multipliers of the least forces grow without bound, and Newton on them ends without forces or a proof. The greatest normal
+ * force s that all feet can have above what their friction needs (walkgen_conic.h) is well conditioned there: the way to it passes points
+ * that are forces within the cones or strict proofs, whichever there are. From such forces an interior-point method finds the least ones,
+ * however large.
  */
 #include "walkgen_conic.h"
 #include "walkgen_contact_mend.h"
@@ -87,7 +88,8 @@ static inline void WG_NAME(wg_contact_turned_back)(const struct WG_NAME(wg_conta
 }
 
 /* The problem's forces, in their cones. */
-static inline void WG_NAME(wg_contact_exerted)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_edge) * edge,
+static inline void WG_NAME(wg_contact_exerted)(const struct WG_NAME(wg_contact_stance) * stance,
+                                               const struct WG_NAME(wg_contact_edge) * edge,
                                                WG_REAL f[3][WALKGEN_MAX_FEET]) {
     int i, j;
     for (j = 0; j < 3; ++j) {
@@ -101,8 +103,8 @@ static inline void WG_NAME(wg_contact_exerted)(const struct WG_NAME(wg_contact_s
     WG_NAME(wg_contact_into_cones)(stance, f);
 }
 
-/* Towards the greatest s: WG_CONTACT_REFUTED with y at the first strict proof, else the problem's forces: WG_CONTACT_FOUND where all cones have
- * room for more, or WG_CONTACT_OPEN. */
+/* Towards the greatest s: WG_CONTACT_REFUTED with y at the first strict proof, else the problem's forces: WG_CONTACT_FOUND where all cones
+ * have room for more, or WG_CONTACT_OPEN. */
 WG_CALLED int WG_NAME(wg_contact_decide)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_conic_step) * step,
                                              struct WG_NAME(wg_contact_edge) * edge, struct WG_NAME(wg_contact_dual) * dual, WG_REAL y[6]) {
     struct WG_NAME(wg_conic) *conic = &edge->conic;

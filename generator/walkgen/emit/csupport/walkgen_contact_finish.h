@@ -112,8 +112,10 @@ static inline void WG_NAME(wg_contact_blank)(int32_t k, WG_REAL value, WG_REAL *
     *violation = value;
 }
 
-/* The least distance of balanced forces from their cones that follows from a proof's products z and `whole`; z may be too large to square. */
-static inline WG_REAL WG_NAME(wg_contact_distance)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL z[3][WALKGEN_MAX_FEET], WG_REAL whole) {
+/* The least distance of balanced forces from their cones that follows from a proof's products z and `whole`; z may be too
+ * large to square. */
+static inline WG_REAL WG_NAME(wg_contact_distance)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL z[3][WALKGEN_MAX_FEET],
+                                                   WG_REAL whole) {
     const WG_REAL gain = WG_NAME(wg_contact_worth)(&stance->cones, stance->feet, z, whole);
     WG_REAL square = WG_C(0.0), largest = WG_C(0.0);
     int i;

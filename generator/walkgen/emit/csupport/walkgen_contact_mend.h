@@ -1,8 +1,8 @@
-/* walkgen_contact_mend.h: multipliers that prove but for rounding that a load cannot be carried, made a strict proof; walkgen_math.h explains the
- * macros.
+/* walkgen_contact_mend.h: multipliers that prove but for rounding that a load cannot be carried, made a strict proof; walkgen_math.h
+ * explains the macros.
  *
- * Near the edge a proof's gain may be 1e-6 of its multipliers, and where feet nearly can press against each other, rounding lets rays of cones
- * gain 1e-14 of them, without bound. The least move of the multipliers that takes this away costs little of the gain.
+ * Near the edge a proof's gain may be 1e-6 of its multipliers, and where feet nearly can press against each other, rounding lets rays of
+ * cones gain 1e-14 of them, without bound. The least move of the multipliers that takes this away costs little of the gain.
  */
 #include "walkgen_contact_newton.h"
 
@@ -18,7 +18,8 @@
 #endif
 
 /* What forces f give the balance: A f, without the load, in which they would drown. */
-static inline void WG_NAME(wg_contact_given)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET], WG_REAL given[6]) {
+static inline void WG_NAME(wg_contact_given)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET],
+                                             WG_REAL given[6]) {
     int i, j;
     for (j = 0; j < 6; ++j) {
         given[j] = WG_C(0.0);
@@ -34,9 +35,10 @@ static inline void WG_NAME(wg_contact_given)(const struct WG_NAME(wg_contact_sta
     }
 }
 
-/* What y must lose: of cones that gain by it, or nearly, along their rays of most gain more than -`spare` as forces, and the rays' squares in
- * `slope`; where y leaves a foot at rest, all of that in all directions. */
-static inline void WG_NAME(wg_contact_rays)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL near, WG_REAL spare,
+/* What y must lose: of cones that gain by it, or nearly, along their rays of most gain more than -`spare` as forces, and the rays' squares
+ * in `slope`; where y leaves a foot at rest, all of that in all directions. */
+static inline void WG_NAME(wg_contact_rays)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL near,
+                                            WG_REAL spare,
                                             WG_REAL slope[6][WALKGEN_MAX_FEET], WG_REAL f[3][WALKGEN_MAX_FEET]) {
     static const int place[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
     WG_REAL z[3][WALKGEN_MAX_FEET];
@@ -67,7 +69,8 @@ static inline int WG_NAME(wg_contact_strict)(const struct WG_NAME(wg_contact_sta
 
 /* y moved least to where no cone gains by it, to the last bit: whether it is a strict proof then. Rounding of large forces hides what the
  * cones' rays nearly lack of pressing against each other, which this finds. */
-WG_CALLED int WG_NAME(wg_contact_mend)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual, WG_REAL y[6]) {
+WG_CALLED int WG_NAME(wg_contact_mend)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual,
+                                       WG_REAL y[6]) {
     struct WG_NAME(wg_contact_matrix) H;
     WG_REAL f[3][WALKGEN_MAX_FEET], given[6], step[6];
     int turn, j;

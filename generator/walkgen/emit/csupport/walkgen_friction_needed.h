@@ -1,7 +1,7 @@
 /* walkgen_friction_needed.h: the least friction with which feet carry a load; walkgen_math.h explains the macros.
  *
- * With s(mu) the greatest normal force that every foot has above what its friction needs (walkgen_friction.h), the least friction is the root
- * of s, which does not fall. Newton on s over 1 / mu, where s is the least of straight lines for any forces, within bounds that every
+ * With s(mu) the greatest normal force that every foot has above what its friction needs (walkgen_friction.h), the least friction is the
+ * root of s, which does not fall. Newton on s over 1 / mu, where s is the least of straight lines for any forces, within bounds that every
  * solve narrows: forces found show that no more is needed, twists that less does not do.
  */
 #include "walkgen_friction.h"
@@ -112,7 +112,8 @@ static inline int WG_NAME(wg_friction_closing)(int rank, const WG_REAL *rough, c
     return 1;
 }
 
-/* The root of s over a factor on mu [k] (1 where NULL), and the problem solved there; 0 where it is above WG_MOST, -1 where the search fails. */
+/* The root of s over a factor on mu [k] (1 where NULL), and the problem solved there; 0 where it is above WG_MOST, -1 where the search
+ * fails. */
 static inline int WG_NAME(wg_friction_root)(int rank, const WG_REAL *rough, struct WG_NAME(wg_friction) * friction, WG_REAL *root) {
     struct WG_NAME(wg_friction_bounds) at = {WG_C(0.0), WG_C(0.0), WG_INFINITY, WG_C(0.5), WG_C(0.5)};
     int turn, closed;
@@ -131,20 +132,33 @@ static inline int WG_NAME(wg_friction_root)(int rank, const WG_REAL *rough, stru
     return turn < 100 ? 0 : -1;
 }
 
-/* The least coefficient of friction with which k feet at points [k, 3] with unit normals [k, 3] carry the load, mu_needed, and forces f [k, 3]
- * that do; with less they slip. twist [6] (velocity of the frame's origin, angular velocity) is how: the least motion of feet away from the
- * ground is mu_needed of that along it, V . n >= mu_needed |V - n V . n| for every foot, while the load gains nothing, wrench . twist = 0;
- * the fastest foot has speed 1; zeros where none is needed. INFEASIBLE where no friction helps: mu_needed infinite, f NaN, and twist proves
- * it: wrench . twist = 1 while no foot moves but away from the ground. NO_CONVERGENCE with NaN where no proof was found; BAD_INPUT with NaN.
- * A coefficient above 1e7 counts as none. Where feet carry only by pressing against each other, ever harder towards the least coefficient,
- * mu_needed is up to 2e-5 of it greater, with forces of 1e6 loads and more that balance to their rounding; the load then gains by the twist. */
+/* The speed of the fastest foot by a twist inside. */
+static inline WG_REAL WG_NAME(wg_friction_fastest)(const struct WG_NAME(wg_stance) * stance, const WG_REAL y[6]) {
+    WG_REAL fastest = WG_C(0.0), V[3];
+    int i;
+    for (i = 0; i < stance->feet; ++i) {
+        WG_NAME(wg_cross)(y + 3, stance->r[i], V);
+        WG_NAME(wg_add)(V, WG_C(1.0), y, V);
+        fastest = WG_MAX(fastest, WG_NAME(wg_norm)(V));
+    }
+    return fastest;
+}
+
+/* The least coefficient of friction with which k feet at points [k, 3] with unit normals [k, 3] carry the load, mu_needed, and forces f [k,
+ * 3] that do; with less they slip. twist [6] (velocity of the frame's origin, angular velocity) is how: the least motion of feet away from
+ * the ground is mu_needed of that along it, V . n >= mu_needed |V - n V . n| for every foot, while the load gains nothing, wrench . twist =
+ * 0; the fastest foot has speed 1; zeros where none is needed. INFEASIBLE where no friction helps: mu_needed infinite, f NaN, and twist
+ * proves it: wrench . twist = 1 while no foot moves but away from the ground. NO_CONVERGENCE with NaN where no proof was found; BAD_INPUT
+ * with NaN. A coefficient above 1e7 counts as none. Where feet carry only by pressing against each other, ever harder towards the least
+ * coefficient, mu_needed is up to 2e-5 of it greater, with forces of 1e6 loads and more that balance to their rounding; the load then gains
+ * by the twist. */
 static inline void WG_NAME(wg_friction_needed)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
                                                const WG_REAL *WG_RESTRICT wrench, WG_REAL *WG_RESTRICT mu_needed, WG_REAL *WG_RESTRICT f,
                                                WG_REAL *WG_RESTRICT twist, int32_t *WG_RESTRICT status) {
     static const int32_t states[3] = {WALKGEN_NO_CONVERGENCE, WALKGEN_INFEASIBLE, WALKGEN_OK};
     const int known = k >= 1 && k <= WALKGEN_MAX_FEET ? k : 0;
     struct WG_NAME(wg_friction) friction;
-    WG_REAL y[6], fastest = WG_C(0.0), V[3];
+    WG_REAL y[6], fastest;
     int i, j, rank, found;
     *status = WALKGEN_BAD_INPUT;
     *mu_needed = WG_NAN;
@@ -163,18 +177,13 @@ static inline void WG_NAME(wg_friction_needed)(int32_t k, const WG_REAL *WG_REST
         WG_NAME(wg_friction_twist)(&friction, 0, y);
     }
     *status = states[1 + found];
-    *mu_needed = found > 0 ? *mu_needed : WG_NAN;
+    *mu_needed = found > 0 ? *mu_needed : found == 0 ? WG_INFINITY : WG_NAN;
     if (found == 0) {
-        *mu_needed = WG_INFINITY;
-        WG_NAME(wg_friction_outside)(&friction.stance, y, WG_C(1.0) / (WG_NAME(wg_stance_product)(y, friction.stance.load) * friction.stance.force),
-                                     twist);
+        fastest = WG_NAME(wg_stance_product)(y, friction.stance.load) * friction.stance.force;
+        WG_NAME(wg_friction_outside)(&friction.stance, y, WG_C(1.0) / fastest, twist);
     } else if (found > 0) {
         WG_NAME(wg_friction_forces)(&friction, normals, NULL, *mu_needed, f);
-        for (i = 0; i < k; ++i) {
-            WG_NAME(wg_cross)(y + 3, friction.stance.r[i], V);
-            WG_NAME(wg_add)(V, WG_C(1.0), y, V);
-            fastest = WG_MAX(fastest, WG_NAME(wg_norm)(V));
-        }
+        fastest = WG_NAME(wg_friction_fastest)(&friction.stance, y);
         WG_NAME(wg_friction_outside)(&friction.stance, y, *mu_needed > WG_C(0.0) ? WG_C(1.0) / fastest : WG_C(0.0), twist);
         for (j = 0; j < 3 * k; ++j) {
             f[j] *= friction.stance.force;
