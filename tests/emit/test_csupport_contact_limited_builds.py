@@ -57,7 +57,7 @@ int main(void) {
     walkgen_contact_work work = {0, {0}};
     walkgen_contact_work_f32 work_f32 = {0, {0}};
     int bad = 0;
-    for (int run = 0; run < 600; ++run) {
+    for (int run = 0; run < 350; ++run) {
         double x[INPUTS];
         float single[INPUTS];
         for (int i = 0; i < FEET; ++i) {
