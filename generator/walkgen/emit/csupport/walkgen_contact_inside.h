@@ -26,6 +26,19 @@ static inline int WG_NAME(wg_contact_turning)(const WG_REAL s[6], const WG_REAL 
     return determinant > WG_C(1e-4) * trace * trace * trace;
 }
 
+/* Whether forces are in the inside of the squares in the friction circles, of half side share mu N; normals are unit vectors. */
+WG_CALLED int WG_NAME(wg_contact_in_squares)(int32_t k, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *f, WG_REAL share) {
+    int i, fine = 1;
+    for (i = 0; i < k; ++i) {
+        const WG_REAL *n = normals + 3 * i, *g = f + 3 * i, N = WG_NAME(wg_dot)(g, n), most = share * mu[i] * N;
+        const WG_REAL tx = g[0] - N * n[0], ty = g[1] - N * n[1], tz = g[2] - N * n[2];
+        const int other = WG_ABS(n[0]) > WG_C(0.9); /* u and v: T across and along the first side, times the size of its direction */
+        const WG_REAL u = other ? ty : tx, v = other ? tz * n[0] - tx * n[2] : ty * n[2] - tz * n[1], axis = n[other];
+        fine &= WG_MAX(u * u, v * v) <= most * most * (WG_C(1.0) - axis * axis);
+    }
+    return fine;
+}
+
 /* Forces in the inside of all cones with equal weights (of |T| <= share mu N, `square`: of squares whose half sides these are): whether
  * they are the answer. Numbers far from 1 are left to the scaled search. */
 static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
@@ -35,7 +48,7 @@ static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points,
     const WG_REAL each = WG_C(1.0) / (WG_REAL)k;
     WG_REAL c[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, s[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};
     WG_REAL m[3], a[3], lacking[6], load, length, worst = WG_C(0.0);
-    int i, j, fine;
+    int i, j, fine, inside = 1;
     for (i = 0; i < k; ++i) {
         c[0] += each * points[3 * i];
         c[1] += each * points[3 * i + 1];
@@ -66,11 +79,9 @@ static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points,
         const WG_REAL fx = a[1] * z - a[2] * y - each * wrench[0], fy = a[2] * x - a[0] * z - each * wrench[1];
         const WG_REAL fz = a[0] * y - a[1] * x - each * wrench[2], N = fx * n[0] + fy * n[1] + fz * n[2];
         const WG_REAL tx = fx - N * n[0], ty = fy - N * n[1], tz = fz - N * n[2], most = share * mu[i] * N;
-        const int other = WG_ABS(n[0]) > WG_C(0.9); /* u and v: T across and along the first side, times the size of its direction */
-        const WG_REAL u = other ? ty : tx, v = other ? tz * n[0] - tx * n[2] : ty * n[2] - tz * n[1], axis = n[other];
-        const WG_REAL T = square ? WG_MAX(u * u, v * v) : tx * tx + ty * ty + tz * tz, size = square ? WG_C(1.0) - axis * axis : WG_C(1.0);
         const WG_REAL unit = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - WG_C(1.0);
-        fine &= (N > WG_C(0.0)) & (N <= n_max[i]) & (mu[i] > WG_C(0.0)) & (T <= most * most * size);
+        inside &= tx * tx + ty * ty + tz * tz <= most * most;
+        fine &= (N > WG_C(0.0)) & (N <= n_max[i]) & (mu[i] > WG_C(0.0));
         fine &= (WG_ABS(unit) <= WG_C(2.0) * WG_UNIT) & (mu[i] < WG_C(1.0) / WG_UNIT) & (weight[i] >= weight[0]) & (weight[i] <= weight[0]);
         f[3 * i] = fx;
         f[3 * i + 1] = fy;
@@ -86,7 +97,8 @@ static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points,
         worst = WG_MAX(worst, WG_ABS(lacking[j]));
     }
     *violation = worst;
-    return fine && weight[0] > WG_C(0.0) && weight[0] <= WG_HUGE;
+    fine &= (weight[0] > WG_C(0.0)) & (weight[0] <= WG_HUGE);
+    return fine && (inside || (square && WG_NAME(wg_contact_in_squares)(k, normals, mu, f, share)));
 }
 
 #undef WG_UNIT
