@@ -36,6 +36,7 @@ BAD = {
     "too many drives": ("WG183", 'joins = ["frame.I", "thigh.I"]', 'joins = ["frame.I", "thigh.I"]\ndriven = true', "2 degrees"),
     "one cylinder on one link": ("WG185", '["frame.E", "thigh.G"]', '["frame.E", "frame.I"]', "one link"),
     "no length": ("WG185", "limits = [0.25, 0.45]", "limits = [0.0, 0.45]", "no direction"),
+    "passive friction": ("WG186", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shank.H"]\nfriction = { viscous = 1 }', "driven"),
     "no such dyad": ("WG187", 'knee = "left"', 'kne = "left"', "knee"),
     "no such side": ("WG187", 'knee = "left"', 'knee = "up"', "left or right"),
 }

@@ -23,6 +23,7 @@ def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
             continue
         broken = list(_references(path, design))
         yield from broken
+        yield from _passive(path, design)
         yield from _cylinders(path, design, numbers)
         if not broken:
             yield from _structure(path, design)
@@ -88,6 +89,16 @@ def _pin(path: Path, joins: tuple[str, ...], driven: bool) -> Iterator[Finding]:
         yield Finding("WG181", (*path, "joins"), "the pin joins one link to nothing", "name points of two links or more")
     elif driven and len(links) > 2:
         yield Finding("WG181", (*path, "joins"), f"a driven pin joins two links, not {len(links)}", "split it into pins of two links each")
+
+
+def _passive(path: Path, design: LegDesign) -> Iterator[Finding]:
+    """What only a driven pair can have."""
+    for key in ("pins", "sliders", "cylinders"):
+        for index, pair in enumerate(getattr(design, key)):
+            for name in ("friction", "rotor", "max_effort", "max_speed"):
+                if not pair.driven and getattr(pair, name) is not None:
+                    message = f"{name}: the pair is not driven, and passive pairs are without friction"
+                    yield Finding("WG186", (*path, key, index, name), message, f"remove {name}, or write driven = true")
 
 
 def _cylinders(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
