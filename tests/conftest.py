@@ -1,7 +1,8 @@
 """Fixtures that build robots from spec text, each text once a session."""
 
+import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,20 +16,42 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices here are small, a
 SPECS = Path(__file__).parents[1] / "specs"
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _compiled_quickly() -> Iterator[None]:
+    """Libraries that tests build in their own process are compiled at -O1: half of -O2's time, and the same arithmetic.
+
+    What `walkgen build` itself compiles is tested by the command; `WALKGEN_AS_SHIPPED=1` (`make nightly`) keeps its flags everywhere.
+    """
+    from walkgen import toolchain
+
+    with pytest.MonkeyPatch.context() as patch:
+        if not os.environ.get("WALKGEN_AS_SHIPPED"):
+            patch.setattr(toolchain, "FLAGS", tuple("-O1" if flag == "-O2" else flag for flag in toolchain.FLAGS))
+        yield
+
+
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], "Built"]:
-    """Build a robot from the text of its spec."""
+    """Build a robot from the text of its spec; the processes of one test run share what is built."""
+    from filelock import FileLock
+
     from oracles.backends import Built  # what needs sympy waits for the first robot, so that other tests start at once
     from walkgen import pipeline
 
+    own = tmp_path_factory.getbasetemp()
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
     done: dict[str, Built] = {}
 
     def build(text: str) -> Built:
         if text not in done:
-            folder = tmp_path_factory.mktemp("built")
-            spec = folder / "spec.toml"
-            spec.write_text(text, encoding="utf-8")
-            done[text] = Built(spec, pipeline.build(spec, folder / "generated").folder)
+            folder = shared / "built" / hashlib.sha256(text.encode()).hexdigest()[:16]
+            folder.mkdir(parents=True, exist_ok=True)
+            spec, finished = folder / "spec.toml", folder / "folder"
+            with FileLock(folder / "lock"):
+                if not finished.exists():
+                    spec.write_text(text, encoding="utf-8")
+                    finished.write_text(str(pipeline.build(spec, folder / "generated").folder))
+            done[text] = Built(spec, Path(finished.read_text()))
         return done[text]
 
     return build

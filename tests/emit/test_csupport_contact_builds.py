@@ -42,6 +42,7 @@ static double number(double from, double to) { return from + (to - from) * drawn
             bad += state[i] < 0 || state[i] > 2;                                                                             \\
         for (int i = 0; i < 6; ++i)                                                                                          \\
             bad += status != WALKGEN_BAD_INPUT && isnan(certificate[i]);                                                     \\
+        bad += status == WALKGEN_INFEASIBLE && !(violation > 0);                                                             \\
         return bad + (status < 0) + (status == WALKGEN_OK && !isfinite(violation)) + (work->feet < 0 || work->feet > FEET);  \\
     }
 CHECKED(, double)

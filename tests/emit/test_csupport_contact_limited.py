@@ -60,6 +60,7 @@ def test_c_equals_its_reference(forces, k, facets):
     if facets == 0:
         assert proves(stances[~good], rows[~good], limits[~good], Part(first, ~good)).all()
         assert proves(stances[~good], rows[~good], limits[~good], Part(second, ~good)).all()
+    assert (first.violation[~good] > 0.0).all()
 
 
 class Part:

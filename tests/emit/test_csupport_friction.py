@@ -68,7 +68,7 @@ def test_proofs_from_both_sides(stances, seed, count):
     for points, normals, wrench in random_stances(seed, count):
         mu, f, twist, status = stances.needed(points, normals, wrench)
         assert np.isnan(mu) == (status == NO_CONVERGENCE)
-        unsure += status == NO_CONVERGENCE  # feet that can press against each other, so that forces have no bound
+        unsure += status == NO_CONVERGENCE
         if status == NO_CONVERGENCE:
             continue
         if status == INFEASIBLE:
@@ -77,10 +77,14 @@ def test_proofs_from_both_sides(stances, seed, count):
             limit = 2e-12 * max(1.0, np.abs(f).max() / np.linalg.norm(wrench))
             found = checks(points, normals, wrench, mu, f, twist)
             assert found[:2].max() <= limit
-            assert limit > 1e-11 or found[2:].max() <= limit
+            if np.abs(f).max() > 1e5 * np.linalg.norm(wrench):  # feet that press against each other: the twist refutes a little less mu
+                assert found[2] <= 2e-4
+                assert wrench @ twist > 0.0
+            else:
+                assert limit > 1e-11 or found[2:].max() <= limit
         none += status == INFEASIBLE
     assert none < count // 10
-    assert unsure <= count // 30
+    assert unsure <= count // 800
 
 
 def assert_no_friction_helps(points, normals, wrench, mu, twist):

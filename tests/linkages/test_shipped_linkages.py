@@ -61,14 +61,16 @@ def test_second_derivatives(shipped, name):
     assert np.abs(bias - leg.foot_bias_acceleration(q, qd)).max() < 1e-5 * max(np.abs(bias).max(), 1)
 
 
-def test_every_branch_of_the_inverse_that_is_ok_reaches(shipped):
-    leg, q = leg_of(shipped("odex").c), posture("odex", 200)
+@pytest.mark.parametrize(("name", "branches"), [("odex", 16), ("bessonov", 8), ("pantograph", 2)])
+def test_every_branch_of_the_inverse_that_is_ok_reaches(shipped, name, branches):
+    leg, q = leg_of(shipped(name).c), posture(name, 200)
     target = leg.foot_position(q)
     found, status = leg.inverse(target)
-    assert found.shape[1] == len(leg.branch_names) == 16
+    assert found.shape[1] == len(leg.branch_names) == branches
     reached = status == 0
     assert np.abs(leg.foot_position(found) - target[:, None])[reached].max() <= 1e-14
     assert (np.abs(found - q[:, None]).max(-1) < 1e-11).any(axis=1).all()
+    assert np.isin(status, (0, 5)).all()
     assert leg.inverse_near(target, q)[0] == pytest.approx(q, abs=1e-11)
 
 

@@ -6,13 +6,14 @@ otherwise holds a group of a higher class. Driven pairs join their bodies first,
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import combinations, product
 from typing import Literal
 
-GroupKind = Literal["RRR", "RRP", "RPP"]
+GroupKind = Literal["RRR", "RRP", "RPP", "pantograph", "spanned"]
 _KINDS: dict[str, GroupKind] = {"RRR": "RRR", "PRR": "RRP", "PPR": "RPP"}
-SIDES = {"RRR": ("left", "right"), "RRP": ("ahead", "behind"), "RPP": ()}
+SIDES = {"RRR": ("left", "right"), "RRP": ("ahead", "behind"), "RPP": (), "pantograph": (), "spanned": ()}
 """How a group may be assembled. left: the inner pin lies left of the ray from the first outer pin to the second; ahead: the slider lies
 further along its guide."""
 
@@ -28,12 +29,22 @@ class Pair:
 
 
 @dataclass(frozen=True)
+class Pantograph:
+    """Two pins that a pantograph keeps in line with the foot: middle = ratio * top + (1 - ratio) * foot, `ratio` a complex number."""
+
+    top: int
+    middle: int
+    ratio: tuple[Fraction, Fraction]
+
+
+@dataclass(frozen=True)
 class Structure:
-    """Bodies by index, 0 the frame; `bars` are those that are driven cylinders."""
+    """Bodies by index, 0 the frame; `bars` are those that are driven cylinders; a pantograph places two sliders at once for a foot."""
 
     names: tuple[str, ...]
     pairs: tuple[Pair, ...]
     bars: frozenset[int] = frozenset()
+    pantograph: Pantograph | None = None
 
     @property
     def mobility(self) -> int:
@@ -45,7 +56,7 @@ class Structure:
     def released(self, foot: int) -> "Structure":
         """Without drives, the foot's link pinned to the frame: what places the drives for a foot. Pairs keep their indices."""
         free = tuple(Pair(pair.kind, pair.name, () if self.bars & set(pair.bodies) else pair.bodies) for pair in self.pairs)
-        return Structure(self.names, (*free, Pair("R", "foot", (0, foot))), self.bars)
+        return replace(self, pairs=(*free, Pair("R", "foot", (0, foot))))
 
 
 @dataclass(frozen=True)
@@ -91,7 +102,7 @@ def order(structure: Structure) -> Order:
     """Place what can be placed, from the frame outwards first."""
     search = _Search(structure)
     search.drive()
-    while search.place():
+    while search.span() or search.place() or search.place_pantograph():
         pass
     bars = structure.bars if not any(pair.driven or structure.bars & set(pair.bodies) for pair in structure.pairs) else frozenset()
     clusters = {cluster for cluster in search.clusters if not cluster <= bars}
@@ -123,6 +134,40 @@ class _Search:
                 self._join(*group.bodies)
                 return True
         return False
+
+    def place_pantograph(self) -> bool:
+        """Place two sliders on the frame by the pantograph between them, once the foot is held."""
+        pantograph, frame = self._structure.pantograph, min(self.clusters, key=min)
+        if pantograph is None or self._structure.pairs[-1].name != "foot":
+            return False
+        for top, middle in product(*(self._structure.pairs[pin].bodies for pin in (pantograph.top, pantograph.middle))):
+            slides = [self._slide(body, frame) for body in (top, middle)]
+            if None not in slides:
+                pairs = (slides[0] or 0, slides[1] or 0, pantograph.middle)
+                self.placements.append(Group("pantograph", "pantograph", (0, top, middle), pairs))
+                self._join(0, top, middle)
+                return True
+        return False
+
+    def span(self) -> bool:
+        """Place a bar of a placed pantograph by both its pins: their distance is right, because the parallelogram closes."""
+        if not any(isinstance(placement, Group) and placement.kind == "pantograph" for placement in self.placements):
+            return False
+        frame, *others = sorted(self.clusters, key=min)
+        for cluster in others:
+            pins = [pair for pair in self._between(frame, cluster) if self._structure.pairs[pair].kind == "R"]
+            if len(pins) > 1:
+                body = min(cluster)
+                self.placements.append(Group("spanned", self._structure.names[body], (0, body, body), (pins[0], pins[1], pins[1])))
+                self._join(0, body)
+                return True
+        return False
+
+    def _slide(self, body: int, frame: frozenset[int]) -> int | None:
+        """The slider between a body that is not placed and the frame's cluster."""
+        own = next(cluster for cluster in self.clusters if body in cluster)
+        between = () if own == frame else tuple(self._between(own, frame))
+        return next((pair for pair in between if self._structure.pairs[pair].kind == "P"), None)
 
     def _group(self, base: frozenset[int], first: frozenset[int], second: frozenset[int]) -> Group | None:
         """Whether the clusters make a group: every two joined, not by three sliders."""

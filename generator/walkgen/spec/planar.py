@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 
 from walkgen.spec.assur import Pair, Structure
 from walkgen.spec.linkage import FRAME
-from walkgen.spec.scalar import ZERO
+from walkgen.spec.pantograph import Complex, pantograph
+from walkgen.spec.scalar import ZERO, Exact
 from walkgen.spec.schema import LegDesign
 from walkgen.spec.table import Pair as Coordinates
 
@@ -30,8 +32,26 @@ def structure_of(design: LegDesign) -> Structure:
     """Bodies and pairs; every reference is trusted."""
     links = link_names(design)
     driven = [cylinder.name for cylinder in design.cylinders if cylinder.driven]
-    pairs = tuple(joined.pair for joined in joined_pairs(design))
-    return Structure((*links, *driven), pairs, frozenset(range(len(links), len(links) + len(driven))))
+    joined = joined_pairs(design)
+    pairs = tuple(each.pair for each in joined)
+    found = pantograph(pairs, _exact_places(joined), *_exact_foot(design))
+    return Structure((*links, *driven), pairs, frozenset(range(len(links), len(links) + len(driven))), found)
+
+
+def _exact_places(joined: tuple[Joined, ...]) -> dict[tuple[int, int], Complex]:
+    """Those that hold no parameter and no root."""
+    found = {}
+    for index, each in enumerate(joined):
+        for body, point in zip(each.pair.bodies, each.points, strict=True):
+            if point is not None and isinstance(point[0], Exact) and isinstance(point[1], Exact):
+                found[index, body] = (point[0].value, point[1].value)
+    return found
+
+
+def _exact_foot(design: LegDesign) -> tuple[int, Complex]:
+    """Its link and place; no link where the place is not exact."""
+    body, (x, y) = _located(design, str(design.foot))
+    return (body, (x.value, y.value)) if isinstance(x, Exact) and isinstance(y, Exact) else (-1, (Fraction(0), Fraction(0)))
 
 
 def joined_pairs(design: LegDesign) -> tuple[Joined, ...]:

@@ -253,6 +253,30 @@ class Placing:
             poses[index] = way.at(self._tape.let(f"{name}_way", value))
         self._settle(clusters, poses, group)
 
+    def _pantograph(self, group: Group) -> None:
+        """Two sliders whose pins the foot keeps in line: middle = ratio * top + (1 - ratio) * foot, linear in both."""
+        found = self._linkage.structure.pantograph
+        assert found is not None
+        assert self._target is not None
+        base, top, middle = (self._cluster[body] for body in group.bodies)
+        ways = self._way(group.pairs[0], base, top), self._way(group.pairs[1], base, middle)
+        x, y = (sympy.Rational(part.numerator, part.denominator) for part in found.ratio)
+        ends = ways[0].start.point(self._end(found.top, top)), ways[1].start.point(self._end(found.middle, middle))
+        wanted = sum_of(turned((x, y), ends[0]), turned((1 - x, -y), self._target))
+        gap = named(self._tape, f"{self._label}pantograph_gap", difference(wanted, ends[1]))
+        back = named(self._tape, f"{self._label}pantograph_back", stretched(-_ONE, turned((x, y), ways[0].step)))
+        sine = self._tape.let(f"{self._label}pantograph_sine", outer(ways[1].step, back))
+        self.margins.append(Margin(group, sine**2 / square(back)))
+        values = outer(ways[1].step, gap) / sine, outer(gap, back) / sine
+        for way, cluster, value, name in zip(ways, (top, middle), values, ("top", "middle"), strict=True):
+            self._join(base, cluster, way.at(self._tape.let(f"{self._label}pantograph_{name}", value)), f"pantograph_{name}")
+
+    def _spanned(self, group: Group) -> None:
+        """A body by two pins whose places are known."""
+        base, cluster = self._cluster[group.bodies[0]], self._cluster[group.bodies[1]]
+        (p, q), own = ([self._end(pair, where) for pair in group.pairs[:2]] for where in (base, cluster))
+        self._join(base, cluster, self._pinned(p, q, (own[0], own[1])), group.name)
+
     def _settle(self, clusters: Sequence[int], poses: Mapping[int, PlanarPose], group: Group) -> None:
         """Join first and second to the base, whatever the poses are relative to."""
         back = poses[0].inverse()
@@ -271,4 +295,4 @@ class Placing:
     def _kind(self, pair: int) -> str:
         return "R" if pair == len(self._linkage.points) else self._linkage.structure.pairs[pair].kind
 
-    _GROUPS: ClassVar = {"RRR": _rrr, "RRP": _rrp, "RPP": _rpp}
+    _GROUPS: ClassVar = {"RRR": _rrr, "RRP": _rrp, "RPP": _rpp, "pantograph": _pantograph, "spanned": _spanned}

@@ -138,7 +138,8 @@ static inline int32_t WG_NAME(wg_bonded_coupled)(const struct WG_NAME(wg_contact
 }
 
 /* Whether all feet press and stay in their cones. */
-static inline int WG_NAME(wg_bonded_presses)(const struct WG_NAME(wg_contact_elastic) * stand, const struct WG_NAME(wg_contact_stand) * at) {
+static inline int WG_NAME(wg_bonded_presses)(const struct WG_NAME(wg_contact_elastic) * stand,
+                                             const struct WG_NAME(wg_contact_stand) * at) {
     int32_t i;
     int fine = 1;
     for (i = 0; i < stand->feet; ++i) {

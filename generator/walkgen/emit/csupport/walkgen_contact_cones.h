@@ -34,8 +34,8 @@ struct WG_NAME(wg_contact_cones) {
     int32_t facets, rows; /* rows: feet and those that fill up */
 };
 
-/* Nearest forces, their derivatives (xx, xy, xz, yy, yz, zz), whether the vector lies inside (1 or 0), and how far N + mu |T| of the vector is
- * above 0: with n_max, the most that the vector's product with a force can be. */
+/* Nearest forces, their derivatives (xx, xy, xz, yy, yz, zz), whether the vector lies inside (1 or 0), and how far N + mu |T| of the vector
+ * is above 0: with n_max, the most that the vector's product with a force can be. */
 struct WG_NAME(wg_contact_images) {
     WG_REAL f[3][WALKGEN_MAX_FEET], slope[6][WALKGEN_MAX_FEET], inside[WALKGEN_MAX_FEET], lack[WALKGEN_MAX_FEET];
 };
@@ -127,7 +127,8 @@ WG_INLINE void WG_NAME(wg_contact_within_polygons)(const struct WG_NAME(wg_conta
 
 /* The nearest forces within circles: a n + b T of the vector's N n + T. */
 static inline void WG_NAME(wg_contact_within_circles)(const struct WG_NAME(wg_contact_cones) * WG_RESTRICT cones,
-                                                      WG_REAL z[3][WALKGEN_MAX_FEET], struct WG_NAME(wg_contact_images) * WG_RESTRICT images) {
+                                                      WG_REAL z[3][WALKGEN_MAX_FEET],
+                                                      struct WG_NAME(wg_contact_images) * WG_RESTRICT images) {
     const int32_t rows = (cones->rows + 3) & ~3;
     WG_REAL T[3][WALKGEN_MAX_FEET], normal[WALKGEN_MAX_FEET], length[WALKGEN_MAX_FEET];
     int i;

@@ -1,8 +1,9 @@
 /* walkgen_contact_dual.h: the six multipliers of a stance's balance: forces, slope and curvature; walkgen_math.h explains the macros.
  *
- * The forces that minimise half of sum weight |f|^2 under A f = b in cones are f_i = P_i(ease_i A_i' y), P the nearest force in the cone, for
- * the y that maximises the concave b . y - sum of weight |f|^2 / 2. Its slope is b - A f, its second derivative the sum of -A_i P_i' A_i'
- * ease_i, found together with the nearest forces. y grows without bound where the load cannot be carried, in a direction that proves it.
+ * The forces that minimise half of sum weight |f|^2 under A f = b in cones are f_i = P_i(ease_i A_i' y), P the nearest
+ * force in the cone, for the y that maximises the concave b . y - sum of weight |f|^2 / 2. Its slope is b - A f, its
+ * second derivative the sum of -A_i P_i' A_i' ease_i, found together with the nearest forces. y grows without bound where
+ * the load cannot be carried, in a direction that proves it.
  *
  * The same code serves b . y - |A' y|^2 / 2 - sum of |P_i(centre_i + stretch A_i' y)|^2 / (2 stretch), which always has a maximum.
  */
@@ -42,7 +43,8 @@ WG_INLINE void WG_NAME(wg_contact_pull)(const struct WG_NAME(wg_contact_stance) 
 }
 
 /* What forces lack of the load: b - A f. */
-static inline void WG_NAME(wg_contact_rest)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET], WG_REAL rest[6]) {
+static inline void WG_NAME(wg_contact_rest)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET],
+                                            WG_REAL rest[6]) {
     WG_REAL sum[6] = {stance->b[0], stance->b[1], stance->b[2], stance->b[3], stance->b[4], stance->b[5]};
     int i;
     for (i = 0; i < stance->feet; ++i) {

@@ -1,7 +1,7 @@
 /* walkgen_contact_elastic.h: a stand on elastic legs, checked and scaled, and its linear systems; walkgen_math.h explains the macros.
  *
- * Feet are displaced by u = C f + e + (rigid motion delta of the first platform), f the ground's forces on them, e the misfit. Inside, lengths
- * are about the feet's centre in units of the stance's size, forces in units of the load's, compliances in units of C's own size.
+ * Feet are displaced by u = C f + e + (rigid motion delta of the first platform), f the ground's forces on them, e the misfit. Inside,
+ * lengths are about the feet's centre in units of the stance's size, forces in units of the load's, compliances in units of C's own size.
  */
 #include "walkgen_math.h"
 #include "walkgen_status.h"
@@ -167,7 +167,8 @@ static inline void WG_NAME(wg_elastic_resolve)(int32_t n, int32_t stride, const 
     }
 }
 
-/* X = A^-1 X by elimination with pivots: A [n, n] and X [n, columns] stand side by side in rows `n + columns` apart; whether A is regular. */
+/* X = A^-1 X by elimination with pivots: A [n, n] and X [n, columns] stand side by side in rows `n + columns` apart;
+ * whether A is regular. */
 static inline int WG_NAME(wg_elastic_eliminate)(int32_t n, int32_t columns, WG_REAL *A) {
     const int32_t width = n + columns;
     int32_t i, j, m, best;

@@ -112,18 +112,31 @@ static inline void WG_NAME(wg_contact_blank)(int32_t k, WG_REAL value, WG_REAL *
     *violation = value;
 }
 
-/* The certificate of multipliers that prove `gain`, and the least distance of balanced forces from their cones that follows from it. */
-static inline void WG_NAME(wg_contact_refute)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL gain,
-                                              WG_REAL certificate[6], WG_REAL *violation) {
-    const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
-    WG_REAL z[3][WALKGEN_MAX_FEET], square = WG_C(0.0);
+/* The least distance of balanced forces from their cones that follows from a proof's products z and `whole`; z may be too
+ * large to square. */
+static inline WG_REAL WG_NAME(wg_contact_distance)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL z[3][WALKGEN_MAX_FEET],
+                                                   WG_REAL whole) {
+    const WG_REAL gain = WG_NAME(wg_contact_worth)(&stance->cones, stance->feet, z, whole);
+    WG_REAL square = WG_C(0.0), largest = WG_C(0.0);
     int i;
-    WG_NAME(wg_contact_pull)(stance, y, z);
-    for (i = 0; i < stance->feet; ++i) {
-        square += stance->ease[i] * (z[0][i] * z[0][i] + z[1][i] * z[1][i] + z[2][i] * z[2][i]);
+    for (i = 0; i < 3 * stance->feet; ++i) {
+        largest = WG_MAX(largest, WG_ABS(z[i % 3][i / 3]));
     }
+    for (i = 0; i < 3 * stance->feet && largest > WG_C(0.0); ++i) {
+        const WG_REAL part = z[i % 3][i / 3] / largest;
+        square += stance->ease[i / 3] * part * part;
+    }
+    return largest > WG_C(0.0) ? gain / largest / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
+}
+
+/* The certificate of multipliers that are a proof, and the violation. */
+static inline void WG_NAME(wg_contact_refute)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL certificate[6],
+                                              WG_REAL *violation) {
+    const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
+    WG_REAL z[3][WALKGEN_MAX_FEET];
+    WG_NAME(wg_contact_pull)(stance, y, z);
     WG_NAME(wg_contact_certificate)(stance, y, whole, certificate);
-    *violation = square > WG_C(0.0) ? gain / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
+    *violation = WG_NAME(wg_contact_distance)(stance, z, whole);
 }
 
 #undef WG_SHARP

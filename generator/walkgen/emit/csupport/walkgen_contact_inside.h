@@ -1,5 +1,5 @@
-/* walkgen_contact_inside.h: forces while no cone is active: a rigid body's, f_i = a + alpha x r_i about the feet's centre, one 3 by 3 system;
- * walkgen_math.h explains the macros. */
+/* walkgen_contact_inside.h: forces while no cone is active: a rigid body's, f_i = a + alpha x r_i about the feet's centre, one 3 by 3
+ * system; walkgen_math.h explains the macros. */
 #include "walkgen_contact_work.h"
 #include "walkgen_spatial.h"
 
@@ -26,10 +26,11 @@ static inline int WG_NAME(wg_contact_turning)(const WG_REAL s[6], const WG_REAL 
     return determinant > WG_C(1e-4) * trace * trace * trace;
 }
 
-/* Forces in the inside of all cones with equal weights (of |T| <= share mu N, `square`: of squares whose half sides these are): whether they
- * are the answer. Numbers far from 1 are left to the scaled search. */
+/* Forces in the inside of all cones with equal weights (of |T| <= share mu N, `square`: of squares whose half sides these are): whether
+ * they are the answer. Numbers far from 1 are left to the scaled search. */
 static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
-                                               const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, WG_REAL share, int square,
+                                               const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, WG_REAL share,
+                                               int square,
                                                WG_REAL *f, WG_REAL *violation) {
     const WG_REAL each = WG_C(1.0) / (WG_REAL)k;
     WG_REAL c[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, s[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};

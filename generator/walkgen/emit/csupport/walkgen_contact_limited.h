@@ -1,8 +1,8 @@
 /* walkgen_contact_limited.h: the least forces with which feet carry a load within their friction cones and within limits on sums of their
  * components, e.g. joint torques; walkgen_math.h explains the macros.
  *
- * Where the forces without limits keep them, they are the answer. Otherwise the least violation is sought by the method of multipliers, as in
- * walkgen_contact_newton.h: what is lacking proves that there are no forces, or the same method approaches the least ones.
+ * Where the forces without limits keep them, they are the answer. Otherwise the least violation is sought by the method of multipliers, as
+ * in walkgen_contact_newton.h: what is lacking proves that there are no forces, or the same method approaches the least ones.
  */
 #include "walkgen_contact.h"
 #include "walkgen_contact_limits.h"
@@ -40,7 +40,8 @@ static inline int WG_NAME(wg_contact_limits_fine)(int32_t k, int32_t rows, const
 }
 
 /* Whether forces keep the limits. */
-static inline int WG_NAME(wg_contact_kept)(int32_t k, const WG_REAL *f, int32_t rows, const WG_REAL *torque_rows, const WG_REAL *torque_limits) {
+static inline int WG_NAME(wg_contact_kept)(int32_t k, const WG_REAL *f, int32_t rows, const WG_REAL *torque_rows,
+                                           const WG_REAL *torque_limits) {
     int kept = 1, r, i;
     for (r = 0; r < rows; ++r) {
         WG_REAL sum = WG_C(0.0);
@@ -87,8 +88,8 @@ static inline void WG_NAME(wg_contact_bind)(const WG_REAL *torque_rows, const WG
         const WG_REAL end = torque_limits[r] / limits->size[r] / stance->force_unit;
         for (i = 0; i < k; ++i) {
             for (j = 0; j < 3; ++j) {
-                const WG_REAL *row = torque_rows + 3 * (k * r + i);
-                const WG_REAL part = stance->turned ? stance->axes[0][j] * row[0] + stance->axes[1][j] * row[1] + stance->axes[2][j] * row[2] : row[j];
+                const WG_REAL *row = torque_rows + 3 * (k * r + i), axis[3] = {stance->axes[0][j], stance->axes[1][j], stance->axes[2][j]};
+                const WG_REAL part = stance->turned ? WG_NAME(wg_dot)(axis, row) : row[j];
                 limits->T[r][j][i] = says ? part / limits->size[r] : WG_C(0.0);
             }
         }
@@ -112,7 +113,8 @@ static inline void WG_NAME(wg_contact_begin)(struct WG_NAME(wg_contact_limits) *
 }
 
 /* What y and l prove. */
-WG_CALLED WG_REAL WG_NAME(wg_contact_proof_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+WG_CALLED WG_REAL WG_NAME(wg_contact_proof_all)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                const struct WG_NAME(wg_contact_limits) * limits,
                                                     WG_REAL allowed, WG_REAL z[3][WALKGEN_MAX_FEET], WG_REAL *whole) {
     int r;
     *whole = WG_NAME(wg_contact_product)(stance->b, limits->dual.y);
@@ -140,7 +142,8 @@ WG_CALLED int WG_NAME(wg_contact_violate_all)(struct WG_NAME(wg_contact_stance) 
         if (size <= WG_C(10.0) * WG_RATHER * WG_NAME(wg_contact_largest)(stance, &limits->dual)) {
             return WG_CONTACT_FOUND;
         }
-        if (WG_NAME(wg_contact_proof_all)(stance, limits, WG_RATHER + (turn < 20 ? WG_C(0.0) : WG_C(8.0) * WG_EPSILON / size), z, &whole) > WG_C(0.0)) {
+        if (WG_NAME(wg_contact_proof_all)(stance, limits, WG_RATHER + (turn < 20 ? WG_C(0.0) : WG_C(8.0) * WG_EPSILON / size), z,
+                                          &whole) > WG_C(0.0)) {
             return WG_CONTACT_REFUTED;
         }
         for (i = 0; i < stance->feet; ++i) {
@@ -154,7 +157,8 @@ WG_CALLED int WG_NAME(wg_contact_violate_all)(struct WG_NAME(wg_contact_stance) 
 }
 
 /* What forces lack of the load, or have above a limit. */
-static inline WG_REAL WG_NAME(wg_contact_fault)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+static inline WG_REAL WG_NAME(wg_contact_fault)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                const struct WG_NAME(wg_contact_limits) * limits,
                                                 WG_REAL f[3][WALKGEN_MAX_FEET]) {
     WG_REAL worst = WG_NAME(wg_contact_imbalance)(stance, f);
     int r;
@@ -166,7 +170,8 @@ static inline WG_REAL WG_NAME(wg_contact_fault)(const struct WG_NAME(wg_contact_
 }
 
 /* The least forces in dual.images.f, as wg_contact_approach: proximal steps of all multipliers. */
-WG_CALLED void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
+WG_CALLED void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                struct WG_NAME(wg_contact_limits) * limits) {
     WG_REAL slack = WG_C(0.1), total[WALKGEN_MAX_LIMITS], z[3][WALKGEN_MAX_FEET];
     int turn, i, j, r;
     WG_NAME(wg_contact_begin)(limits);
@@ -197,23 +202,22 @@ WG_CALLED void WG_NAME(wg_contact_approach_all)(const struct WG_NAME(wg_contact_
 }
 
 /* The proof in the inputs' frame and units. */
-WG_CALLED void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+WG_CALLED void WG_NAME(wg_contact_refute_all)(const struct WG_NAME(wg_contact_stance) * stance,
+                                              const struct WG_NAME(wg_contact_limits) * limits,
                                                   WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {
-    WG_REAL z[3][WALKGEN_MAX_FEET], whole, square = WG_C(0.0);
-    const WG_REAL gain = WG_NAME(wg_contact_proof_all)(stance, limits, WG_C(1.0), z, &whole);
-    int i, r;
-    for (i = 0; i < stance->feet; ++i) {
-        square += stance->ease[i] * (z[0][i] * z[0][i] + z[1][i] * z[1][i] + z[2][i] * z[2][i]);
-    }
+    WG_REAL z[3][WALKGEN_MAX_FEET], whole;
+    int r;
+    (void)WG_NAME(wg_contact_proof_all)(stance, limits, WG_C(1.0), z, &whole);
     WG_NAME(wg_contact_certificate)(stance, limits->dual.y, whole, certificate);
     for (r = 0; r < limits->rows; ++r) {
         multipliers[r] = limits->l[r] / whole / limits->size[r] / stance->force_unit;
     }
-    *violation = square > WG_C(0.0) ? WG_MAX(gain, WG_C(0.0)) / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
+    *violation = WG_NAME(wg_contact_distance)(stance, z, whole);
 }
 
 /* The search with limits: its status. */
-WG_CALLED int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
+WG_CALLED int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                            const WG_REAL *wrench,
                                                 const WG_REAL *weight, const WG_REAL *n_max, int32_t facets, int32_t rows,
                                                 const WG_REAL *torque_rows, const WG_REAL *torque_limits, WG_REAL *f, int32_t *state,
                                                 WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {
@@ -240,19 +244,21 @@ WG_CALLED int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, co
 }
 
 /* As wg_contact_least_squares, with sum_i torque_rows[r,i] . f_i <= torque_limits[r] (rows [rows,k,3], at most WALKGEN_MAX_LIMITS).
- * INFEASIBLE: certificate . wrench - multipliers . torque_limits = 1, while certificate . (f, p x f) + multipliers . rows f is at least 0 for
- * all forces that feet can exert. At most 112 kB of stack in double, 58 kB in float. */
-static inline void WG_NAME(wg_contact_limited)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
+ * INFEASIBLE: certificate . wrench - multipliers . torque_limits = 1, while certificate . (f, p x f) + multipliers . rows f is at least 0
+ * for all forces that feet can exert. At most 130 kB of stack in double, 68 kB in float. */
+static inline void WG_NAME(wg_contact_limited)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                               const WG_REAL *wrench,
                                                const WG_REAL *weight, const WG_REAL *n_max, int32_t facets, int32_t rows,
                                                const WG_REAL *torque_rows, const WG_REAL *torque_limits,
                                                struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *status, int32_t *state,
                                                WG_REAL *certificate, WG_REAL *violation, WG_REAL *multipliers) {
     const int fine = k >= 1 && k <= WALKGEN_MAX_FEET && WG_NAME(wg_contact_limits_fine)(k, rows, torque_rows, torque_limits);
     int i;
+    WG_NAME(wg_contact_least_squares)(fine ? k : 0, points, normals, mu, wrench, weight, n_max, facets, work, f, status, state,
+                                      certificate, violation);
     for (i = 0; i < rows && rows <= WALKGEN_MAX_LIMITS; ++i) {
-        multipliers[i] = fine ? WG_C(0.0) : WG_NAN;
+        multipliers[i] = *status == WALKGEN_BAD_INPUT ? WG_NAN : WG_C(0.0);
     }
-    WG_NAME(wg_contact_least_squares)(fine ? k : 0, points, normals, mu, wrench, weight, n_max, facets, work, f, status, state, certificate, violation);
     if (!fine) {
         WG_NAME(wg_contact_blank)(k, WG_NAN, f, state, certificate, violation);
         return;
@@ -261,8 +267,8 @@ static inline void WG_NAME(wg_contact_limited)(int32_t k, const WG_REAL *points,
         return;
     }
     WG_NAME(wg_contact_blank)(k, WG_C(0.0), f, state, certificate, violation);
-    *status = WG_NAME(wg_contact_limit)(k, points, normals, mu, wrench, weight, n_max, facets, rows, torque_rows, torque_limits, f, state, certificate,
-                                        multipliers, violation);
+    *status = WG_NAME(wg_contact_limit)(k, points, normals, mu, wrench, weight, n_max, facets, rows, torque_rows, torque_limits, f, state,
+                                        certificate, multipliers, violation);
     for (i = 0; i < 3 * k && *status != WALKGEN_OK; ++i) {
         f[i] = WG_NAN;
     }

@@ -39,7 +39,8 @@ static inline WG_REAL WG_NAME(wg_contact_along)(const struct WG_NAME(wg_contact_
 }
 
 /* A' y - T' l. */
-static inline void WG_NAME(wg_contact_pull_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+static inline void WG_NAME(wg_contact_pull_all)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                const struct WG_NAME(wg_contact_limits) * limits,
                                                 const WG_REAL y[6], const WG_REAL *l, WG_REAL z[3][WALKGEN_MAX_FEET]) {
     int r, i, j;
     WG_NAME(wg_contact_pull)(stance, y, z);
@@ -53,7 +54,8 @@ static inline void WG_NAME(wg_contact_pull_all)(const struct WG_NAME(wg_contact_
 }
 
 /* Forces, slopes and the value at the multipliers. */
-WG_CALLED WG_REAL WG_NAME(wg_contact_evaluate_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
+WG_CALLED WG_REAL WG_NAME(wg_contact_evaluate_all)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                   struct WG_NAME(wg_contact_limits) * limits) {
     struct WG_NAME(wg_contact_dual) *dual = &limits->dual;
     WG_REAL z[3][WALKGEN_MAX_FEET], product[6], value = WG_NAME(wg_contact_product)(stance->b, dual->y);
     int i, j, r;
@@ -85,7 +87,8 @@ WG_CALLED WG_REAL WG_NAME(wg_contact_evaluate_all)(const struct WG_NAME(wg_conta
 }
 
 /* Row `a` of A (below 6) or of -T, over the feet's components. */
-static inline void WG_NAME(wg_contact_row)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits, int a,
+static inline void WG_NAME(wg_contact_row)(const struct WG_NAME(wg_contact_stance) * stance,
+                                           const struct WG_NAME(wg_contact_limits) * limits, int a,
                                            WG_REAL row[3][WALKGEN_MAX_FEET]) {
     WG_REAL unit[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};
     int i, j;
@@ -102,7 +105,8 @@ static inline void WG_NAME(wg_contact_row)(const struct WG_NAME(wg_contact_stanc
 }
 
 /* L, lower triangle, row by row: minus the second derivative over the chosen multipliers. */
-WG_CALLED void WG_NAME(wg_contact_curvature_all)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_limits) * limits,
+WG_CALLED void WG_NAME(wg_contact_curvature_all)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                 const struct WG_NAME(wg_contact_limits) * limits,
                                                      const int *chosen, int count, WG_REAL *L) {
     static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     WG_REAL row[3][WALKGEN_MAX_FEET], turned[3][WALKGEN_MAX_FEET], other[3][WALKGEN_MAX_FEET];
@@ -112,7 +116,8 @@ WG_CALLED void WG_NAME(wg_contact_curvature_all)(const struct WG_NAME(wg_contact
         for (i = 0; i < stance->feet; ++i) {
             for (j = 0; j < 3; ++j) {
                 turned[j][i] = limits->dual.stretch * stance->ease[i] *
-                               (limits->dual.images.slope[place[j][0]][i] * row[0][i] + limits->dual.images.slope[place[j][1]][i] * row[1][i] +
+                               (limits->dual.images.slope[place[j][0]][i] * row[0][i] +
+                                limits->dual.images.slope[place[j][1]][i] * row[1][i] +
                                 limits->dual.images.slope[place[j][2]][i] * row[2][i]);
             }
         }
@@ -180,7 +185,8 @@ static inline WG_REAL WG_NAME(wg_contact_length_all)(const struct WG_NAME(wg_con
 }
 
 /* One projected Newton step with halved lengths; whether the value rose. */
-WG_CALLED int WG_NAME(wg_contact_stride)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits, WG_REAL value,
+WG_CALLED int WG_NAME(wg_contact_stride)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits,
+                                         WG_REAL value,
                                              WG_REAL *next) {
     WG_REAL L[WG_CONTACT_ALL * (WG_CONTACT_ALL + 1) / 2], step[WG_CONTACT_ALL], from[WG_CONTACT_ALL], t = WG_C(1.0);
     int chosen[WG_CONTACT_ALL], fixed[WG_CONTACT_ALL], count = 0, turn, i;
@@ -221,7 +227,8 @@ WG_CALLED int WG_NAME(wg_contact_stride)(const struct WG_NAME(wg_contact_stance)
 }
 
 /* The maximum near enough: until the slope is small beside the multipliers. */
-WG_CALLED void WG_NAME(wg_contact_settle_all)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_limits) * limits) {
+WG_CALLED void WG_NAME(wg_contact_settle_all)(const struct WG_NAME(wg_contact_stance) * stance,
+                                              struct WG_NAME(wg_contact_limits) * limits) {
     WG_REAL value = WG_NAME(wg_contact_evaluate_all)(stance, limits), next = value;
     int turn, idle = 0;
     for (turn = 0; turn < 60 && idle < 3; ++turn) {

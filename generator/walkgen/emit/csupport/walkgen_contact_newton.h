@@ -32,29 +32,49 @@
 #define WG_CONTACT_OPEN 2
 #endif
 
+/* The most that z gains along a foot's forces of unit normal part; `strictly`: and what rounding could hide of it. */
+static inline WG_REAL WG_NAME(wg_contact_most)(const struct WG_NAME(wg_contact_cones) * cones, int i, WG_REAL z[3][WALKGEN_MAX_FEET],
+                                               WG_REAL strictly) {
+    WG_REAL N = WG_C(0.0), a = WG_C(0.0), b = WG_C(0.0), square = WG_C(0.0), part[3], most, c, s;
+    int j;
+    for (j = 0; j < 3; ++j) {
+        N += cones->n[j][i] * z[j][i];
+        a += cones->along[j][i] * z[j][i];
+        b += cones->aside[j][i] * z[j][i];
+        square += z[j][i] * z[j][i];
+    }
+    for (j = 0; j < 3; ++j) {
+        part[j] = z[j][i] - N * cones->n[j][i];
+    }
+    most = WG_NAME(wg_norm)(part);
+    if (cones->facets) {
+        WG_NAME(wg_contact_side)(cones->facets, a, b, &c, &s);
+        most = cones->side * (c * a + s * b) + cones->corner * WG_ABS(c * b - s * a);
+    }
+    return N + cones->mu[i] * most + strictly * WG_SQRT(square);
+}
+
+/* `whole`, what z gains of the load, less the most that bounded feet give. */
+static inline WG_REAL WG_NAME(wg_contact_worth)(const struct WG_NAME(wg_contact_cones) * cones, int32_t feet,
+                                                WG_REAL z[3][WALKGEN_MAX_FEET],
+                                                WG_REAL whole) {
+    int i;
+    for (i = 0; i < feet; ++i) {
+        const WG_REAL most = WG_NAME(wg_contact_most)(cones, i, z, WG_C(0.0));
+        whole -= cones->n_max[i] <= WG_HUGE && most > WG_C(0.0) ? cones->n_max[i] * most : WG_C(0.0);
+    }
+    return whole;
+}
+
 /* What multipliers prove whose products with the feet's forces are z and with the load `whole`: `whole` less the most that forces give, 0
  * where forces without bound give more than `allowed` of it. `strictly`: the more than rounding could hide. */
-static inline WG_REAL WG_NAME(wg_contact_excess)(const struct WG_NAME(wg_contact_cones) * cones, int32_t feet, WG_REAL z[3][WALKGEN_MAX_FEET],
+static inline WG_REAL WG_NAME(wg_contact_excess)(const struct WG_NAME(wg_contact_cones) * cones, int32_t feet,
+                                                 WG_REAL z[3][WALKGEN_MAX_FEET],
                                                  WG_REAL whole, WG_REAL strictly, WG_REAL allowed) {
-    WG_REAL gain = whole, c, s;
-    int i, j;
+    WG_REAL gain = whole;
+    int i;
     for (i = 0; i < feet; ++i) {
-        WG_REAL N = WG_C(0.0), a = WG_C(0.0), b = WG_C(0.0), square = WG_C(0.0), part[3], most;
-        for (j = 0; j < 3; ++j) {
-            N += cones->n[j][i] * z[j][i];
-            a += cones->along[j][i] * z[j][i];
-            b += cones->aside[j][i] * z[j][i];
-            square += z[j][i] * z[j][i];
-        }
-        for (j = 0; j < 3; ++j) {
-            part[j] = z[j][i] - N * cones->n[j][i];
-        }
-        most = WG_NAME(wg_norm)(part);
-        if (cones->facets) {
-            WG_NAME(wg_contact_side)(cones->facets, a, b, &c, &s);
-            most = cones->side * (c * a + s * b) + cones->corner * WG_ABS(c * b - s * a);
-        }
-        most = N + cones->mu[i] * most + strictly * WG_SQRT(square);
+        const WG_REAL most = WG_NAME(wg_contact_most)(cones, i, z, strictly);
         if (cones->n_max[i] <= WG_HUGE) {
             gain -= most > WG_C(0.0) ? cones->n_max[i] * most : WG_C(0.0);
         } else if (most > allowed * whole) {
@@ -74,7 +94,8 @@ WG_CALLED WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_stan
 }
 
 /* Whether dual's forces show that y may be a proof: all feet without bound are free, and rounding of y does not hide its gain. */
-static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual) {
+static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_stance) * stance,
+                                              const struct WG_NAME(wg_contact_dual) * dual) {
     WG_REAL gain = WG_NAME(wg_contact_product)(stance->b, dual->y);
     int i;
     for (i = 0; i < stance->feet; ++i) {
@@ -123,7 +144,8 @@ WG_CALLED void WG_NAME(wg_contact_search)(const struct WG_NAME(wg_contact_stance
 }
 
 /* The largest part of a force, at least that of the load. */
-static inline WG_REAL WG_NAME(wg_contact_largest)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual) {
+static inline WG_REAL WG_NAME(wg_contact_largest)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                  const struct WG_NAME(wg_contact_dual) * dual) {
     WG_REAL largest = WG_C(1.0);
     int i;
     for (i = 0; i < 3 * stance->feet; ++i) {
@@ -138,7 +160,8 @@ WG_INLINE WG_REAL WG_NAME(wg_contact_lacking)(const struct WG_NAME(wg_contact_du
 }
 
 /* From dual->y, evaluated, to the maximum: WG_CONTACT_FOUND, WG_CONTACT_REFUTED with a proof, or WG_CONTACT_OPEN after `most` steps. */
-WG_CALLED int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_stance) * stance, int most, struct WG_NAME(wg_contact_dual) * dual) {
+WG_CALLED int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_stance) * stance, int most,
+                                         struct WG_NAME(wg_contact_dual) * dual) {
     struct WG_NAME(wg_contact_matrix) H;
     WG_REAL step[6];
     int turn;
@@ -193,7 +216,8 @@ static inline void WG_NAME(wg_contact_widen)(const WG_REAL *mu, WG_REAL share, s
 }
 
 /* The bounded problem's next centre: the forces found, or the vectors that they are nearest to. */
-static inline void WG_NAME(wg_contact_recentre)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
+static inline void WG_NAME(wg_contact_recentre)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                const struct WG_NAME(wg_contact_dual) * dual,
                                                 int forces, WG_REAL centre[3][WALKGEN_MAX_FEET]) {
     WG_REAL z[3][WALKGEN_MAX_FEET];
     int i, j;
@@ -206,8 +230,8 @@ static inline void WG_NAME(wg_contact_recentre)(const struct WG_NAME(wg_contact_
 }
 
 /* The least violation: WG_CONTACT_REFUTED with its proof in dual->y, WG_CONTACT_FOUND where it vanishes, else WG_CONTACT_OPEN. */
-WG_CALLED int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_dual) * dual) {
-    WG_REAL centre[3][WALKGEN_MAX_FEET], mu[WALKGEN_MAX_FEET], slack = WG_C(0.1), size, largest;
+WG_CALLED int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * stance, int most, struct WG_NAME(wg_contact_dual) * dual) {
+    WG_REAL centre[3][WALKGEN_MAX_FEET], mu[WALKGEN_MAX_FEET], slack = WG_C(0.1), size, largest, allowed;
     int turn, i, answer = WG_CONTACT_OPEN;
     for (i = 0; i < stance->feet; ++i) {
         mu[i] = stance->cones.mu[i];
@@ -215,22 +239,23 @@ WG_CALLED int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * st
     }
     dual->centre = (const WG_REAL(*)[WALKGEN_MAX_FEET])centre;
     dual->bound = WG_C(1.0);
-    for (turn = 0; turn < 40 && answer == WG_CONTACT_OPEN; ++turn) {
+    for (turn = 0; turn < most && answer == WG_CONTACT_OPEN; ++turn) {
         WG_NAME(wg_contact_widen)(mu, WG_HAIR, stance);
         dual->stretch = WG_C(1.0) / slack;
         WG_NAME(wg_contact_settle)(stance, dual);
         WG_NAME(wg_contact_widen)(mu, WG_C(0.0), stance);
         largest = WG_NAME(wg_contact_largest)(stance, dual);
         size = WG_SQRT(WG_NAME(wg_contact_product)(dual->y, dual->y));
+        allowed = WG_RATHER + (turn < 20 ? WG_C(0.0) : WG_C(8.0) * WG_EPSILON / size);
         if (size <= WG_C(10.0) * WG_RATHER * largest) {
             answer = WG_CONTACT_FOUND;
-        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_RATHER + (turn < 20 ? WG_C(0.0) : WG_C(8.0) * WG_EPSILON / size)) > WG_C(0.0)) {
+        } else if (WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), allowed) > WG_C(0.0)) {
             answer = WG_CONTACT_REFUTED;
         }
         WG_NAME(wg_contact_recentre)(stance, dual, 1, centre);
         slack = WG_MAX(WG_C(0.1) * slack, WG_FIRM * size);
     }
-    if (answer == WG_CONTACT_OPEN && WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_ENOUGH) > WG_C(0.0)) {
+    if (answer == WG_CONTACT_OPEN && most >= 40 && WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_ENOUGH) > WG_C(0.0)) {
         answer = WG_CONTACT_REFUTED;
     }
     dual->centre = NULL;

@@ -21,8 +21,9 @@
 #endif
 #define WG_SLIDE_STEPS 40
 
-/* What the feet's states are read off: `normal` forces, `pushing` across the normals and its `size`; `off` is what forces lack of what their
- * states make of them, `merit` that and what lacks of the balance, squared. Springs of stiffness `hold` keep the platform where it is. */
+/* What the feet's states are read off: `normal` forces, `pushing` across the normals and its `size`; `off` is what forces
+ * lack of what their states make of them, `merit` that and what lacks of the balance, squared. Springs of stiffness `hold`
+ * keep the platform where it is. */
 struct WG_NAME(wg_contact_states) {
     int32_t state[WALKGEN_MAX_FEET];
     WG_REAL hold;
@@ -33,7 +34,8 @@ struct WG_NAME(wg_contact_states) {
 /* One foot's state, and how far its force is from what that makes of it. */
 static inline void WG_NAME(wg_slide_judge)(const struct WG_NAME(wg_contact_elastic) * stand, const struct WG_NAME(wg_contact_stand) * at,
                                            int32_t i, struct WG_NAME(wg_contact_states) * states) {
-    const WG_REAL *n = stand->n[i], rho = states->rho[i], N = WG_NAME(wg_elastic_dot)(n, at->f[i]), gap = WG_NAME(wg_elastic_dot)(n, at->u[i]);
+    const WG_REAL *n = stand->n[i], rho = states->rho[i], N = WG_NAME(wg_elastic_dot)(n, at->f[i]),
+        gap = WG_NAME(wg_elastic_dot)(n, at->u[i]);
     const WG_REAL pressing = N - rho * gap;
     WG_REAL *T = states->pushing[i], most, share = WG_C(1.0);
     int j;
@@ -102,7 +104,8 @@ static inline void WG_NAME(wg_slide_condition)(const struct WG_NAME(wg_contact_e
 }
 
 /* Forces f and their slopes X by the platform's motion from all feet's conditions, f - X delta; whether the feet allow it. */
-static inline int WG_NAME(wg_slide_blocks)(const struct WG_NAME(wg_contact_elastic) * stand, const struct WG_NAME(wg_contact_states) * states,
+static inline int WG_NAME(wg_slide_blocks)(const struct WG_NAME(wg_contact_elastic) * stand,
+                                           const struct WG_NAME(wg_contact_states) * states,
                                            WG_REAL f[WALKGEN_MAX_FEET][3], WG_REAL X[WALKGEN_MAX_FEET][3][6]) {
     WG_REAL P[9], Q[9], A[3 * 7], turn[3];
     int32_t i;
@@ -134,7 +137,8 @@ static inline int WG_NAME(wg_slide_blocks)(const struct WG_NAME(wg_contact_elast
 }
 
 /* The same where the feet share links. */
-static inline int WG_NAME(wg_slide_coupled)(const struct WG_NAME(wg_contact_elastic) * stand, const struct WG_NAME(wg_contact_states) * states,
+static inline int WG_NAME(wg_slide_coupled)(const struct WG_NAME(wg_contact_elastic) * stand,
+                                            const struct WG_NAME(wg_contact_states) * states,
                                             WG_REAL f[WALKGEN_MAX_FEET][3], WG_REAL X[WALKGEN_MAX_FEET][3][6]) {
     const int32_t n = 3 * stand->feet, width = n + 7;
     WG_REAL P[9], Q[9], turn[3], *row;
@@ -170,7 +174,8 @@ static inline int WG_NAME(wg_slide_coupled)(const struct WG_NAME(wg_contact_elas
 }
 
 /* The stand that all feet's conditions make: whether there is one. Where they leave the platform a motion, springs hold it. */
-static inline int WG_NAME(wg_slide_solve)(const struct WG_NAME(wg_contact_elastic) * stand, const struct WG_NAME(wg_contact_states) * states,
+static inline int WG_NAME(wg_slide_solve)(const struct WG_NAME(wg_contact_elastic) * stand,
+                                          const struct WG_NAME(wg_contact_states) * states,
                                           struct WG_NAME(wg_contact_stand) * to) {
     WG_REAL X[WALKGEN_MAX_FEET][3][6], K[6 * 7], held[6 * 7];
     int32_t i;
@@ -217,7 +222,8 @@ static inline int WG_NAME(wg_slide_solve)(const struct WG_NAME(wg_contact_elasti
 }
 
 /* from + share (to - from) */
-static inline void WG_NAME(wg_slide_between)(int32_t k, const struct WG_NAME(wg_contact_stand) * from, const struct WG_NAME(wg_contact_stand) * to,
+static inline void WG_NAME(wg_slide_between)(int32_t k, const struct WG_NAME(wg_contact_stand) * from,
+                                             const struct WG_NAME(wg_contact_stand) * to,
                                              WG_REAL share, struct WG_NAME(wg_contact_stand) * at) {
     int32_t i;
     int j;

@@ -2,8 +2,8 @@
  * macros.
  *
  * Inside, lengths are divided by that of the stance and forces by that of the load, both by powers of 2, so that scaling a load scales the
- * forces to the last bit; moments are about the centre of the feet (weighted by 1 / weight). Where the feet stand nearly on a line, the axes
- * are the principal ones, so that what the line cannot carry is one component: `lost`.
+ * forces to the last bit; moments are about the centre of the feet (weighted by 1 / weight). Where the feet stand nearly on a line, the
+ * axes are the principal ones, so that what the line cannot carry is one component: `lost`.
  */
 #include "walkgen_contact_cones.h"
 
@@ -54,7 +54,8 @@ static inline int WG_NAME(wg_contact_finite)(const WG_REAL *values, int32_t coun
 }
 
 /* Whether a stance is one: sizes, unit normals, friction, weights and bounds in their ranges. */
-static inline int WG_NAME(wg_contact_fine)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
+static inline int WG_NAME(wg_contact_fine)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                           const WG_REAL *wrench,
                                            const WG_REAL *weight, const WG_REAL *n_max, int32_t facets) {
     int i, fine = k >= 1 && k <= WALKGEN_MAX_FEET && (facets == 0 || (facets >= 3 && facets <= 1024));
     if (!fine) {
@@ -187,8 +188,8 @@ WG_CALLED int WG_NAME(wg_contact_principal)(WG_REAL noise, struct WG_NAME(wg_con
     return *axis < 0;
 }
 
-/* Multipliers of forces and moments y inside become the certificate of the inputs' frame and units: certificate . wrench = 1, where y . b is
- * `gain`. */
+/* Multipliers of forces and moments y inside become the certificate of the inputs' frame and units: certificate . wrench = 1, where y . b
+ * is `gain`. */
 static inline void WG_NAME(wg_contact_certificate)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL gain,
                                                    WG_REAL certificate[6]) {
     WG_REAL part[6], shift[3];

@@ -1,9 +1,9 @@
 /* walkgen_contact_stiffness.h: how a load spreads over feet on elastic legs (theory 4.3); walkgen_math.h explains the macros.
  *
  * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin), f_i the ground's force on foot i:
- * sum (f_i, p_i x f_i) + wrench = 0. Feet that stick do not move: C f + e + G' delta = 0, f = -C^-1 (G' delta + e), delta = K^-1 (w - G C^-1 e),
- * K = G C^-1 G'. Feet that would pull are free and lift off, feet that leave their cone slide, the friction against their displacement.
- * Takes at most 36 kB of stack in double, 19 kB in float, less than half of it where the feet share no links.
+ * sum (f_i, p_i x f_i) + wrench = 0. Feet that stick do not move: C f + e + G' delta = 0, f = -C^-1 (G' delta + e), delta = K^-1 (w - G
+ * C^-1 e), K = G C^-1 G'. Feet that would pull are free and lift off, feet that leave their cone slide, the friction against their
+ * displacement. Takes at most 36 kB of stack in double, 19 kB in float, less than half of it where the feet share no links.
  */
 #include "walkgen_contact_bonded.h"
 #include "walkgen_contact_carried.h"
@@ -34,7 +34,8 @@ static inline void WG_NAME(wg_stiffness_blank)(int32_t k, WG_REAL *f, int32_t *s
 }
 
 /* Forces, states and motion in the caller's units; what they lack of the balance, or of their conditions where that is more. */
-static inline int32_t WG_NAME(wg_stiffness_deliver)(const struct WG_NAME(wg_contact_elastic) * stand, const struct WG_NAME(wg_contact_stand) * at,
+static inline int32_t WG_NAME(wg_stiffness_deliver)(const struct WG_NAME(wg_contact_elastic) * stand,
+                                                    const struct WG_NAME(wg_contact_stand) * at,
                                                     WG_REAL off, WG_REAL *f, WG_REAL displacement[6], WG_REAL *violation) {
     const WG_REAL yield = stand->yield * stand->force;
     WG_REAL lacking[6], shift[3], worst = off;
@@ -74,7 +75,8 @@ static inline int WG_NAME(wg_stiffness_newton)(const struct WG_NAME(wg_contact_e
 }
 
 /* Lift off and slide; where that is not found at once, with springs that hold the platform and are softened: the status. */
-static inline int32_t WG_NAME(wg_stiffness_slide)(const struct WG_NAME(wg_contact_elastic) * stand, const struct WG_NAME(wg_contact_stand) * start,
+static inline int32_t WG_NAME(wg_stiffness_slide)(const struct WG_NAME(wg_contact_elastic) * stand,
+                                                  const struct WG_NAME(wg_contact_stand) * start,
                                                   WG_REAL *f, int32_t *state, WG_REAL displacement[6], WG_REAL *violation) {
     static const WG_REAL factors[3] = {WG_C(1.0), WG_C(0.1), WG_C(10.0)};
     struct WG_NAME(wg_contact_states) states;
@@ -158,7 +160,8 @@ static inline int WG_NAME(wg_stiffness_shares)(const struct WG_NAME(wg_contact_e
 }
 
 /* Read, spread, and blank what has no answer. `matrix` has room for 3k (3k + 7) numbers, NULL where compliance is [k,3,3]. */
-static inline void WG_NAME(wg_stiffness_run)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
+static inline void WG_NAME(wg_stiffness_run)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                             const WG_REAL *wrench,
                                              const WG_REAL *compliance, const WG_REAL *misfit, WG_REAL *matrix, WG_REAL *f, int32_t *status,
                                              int32_t *state, WG_REAL *displacement, WG_REAL *violation) {
     struct WG_NAME(wg_contact_elastic) stand;
@@ -190,10 +193,10 @@ static inline void WG_NAME(wg_stiffness_run)(int32_t k, const WG_REAL *points, c
 
 /* Forces for compliances [k,3,3] of legs that share no link.
  *
- * k [1, WALKGEN_MAX_FEET], points, normals (unit), misfit [k,3], mu [k] (may be infinite), wrench [6]; f [k,3], state [k] (0 stick, 1 slide,
- * 2 free), displacement [6] of the first platform (of the frame's origin, rotation), violation (N): what lacks of balance and cones. Without
- * an answer (INFEASIBLE: no forces in the cones carry the load, violation is how much of it; NO_CONVERGENCE: forces in the cones do, but no
- * lifting and sliding was found that makes them; SINGULAR: fewer than three feet or feet on a line; BAD_INPUT) f is NaN.
+ * k [1, WALKGEN_MAX_FEET], points, normals (unit), misfit [k,3], mu [k] (may be infinite), wrench [6]; f [k,3], state [k] (0 stick, 1
+ * slide, 2 free), displacement [6] of the first platform (of the frame's origin, rotation), violation (N): what lacks of balance and cones.
+ * Without an answer (INFEASIBLE: no forces in the cones carry the load, violation is how much of it; NO_CONVERGENCE: forces in the cones
+ * do, but no lifting and sliding was found that makes them; SINGULAR: fewer than three feet or feet on a line; BAD_INPUT) f is NaN.
  */
 static inline void WG_NAME(wg_contact_stiffness_blocks)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
                                                         const WG_REAL *wrench, const WG_REAL *compliance, const WG_REAL *misfit, WG_REAL *f,

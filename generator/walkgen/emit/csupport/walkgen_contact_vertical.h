@@ -33,11 +33,11 @@ static inline int WG_NAME(wg_normal_forces)(const struct WG_NAME(wg_stance) * st
     return 1;
 }
 
-/* Forces f [3, 3] along the normals of k = 3 feet that balance the load, or leave the least of it: the unbalanced part, moments over the feet's
- * root mean square distance from their centre, is `violation`. On a plane these are the three equations of force and moments across it, and
- * the load along the plane is the violation. State 0 of a foot, 2 where its force is 0. OK; INFEASIBLE with NaN f where a foot would have to
- * pull, violation the largest pull; SINGULAR with NaN where the feet are on a line or coincide, so that they determine no forces; BAD_INPUT
- * with NaN where k is not 3, a number is not finite or a normal is not a unit vector. */
+/* Forces f [3, 3] along the normals of k = 3 feet that balance the load, or leave the least of it: the unbalanced part, moments over the
+ * feet's root mean square distance from their centre, is `violation`. On a plane these are the three equations of force and moments across
+ * it, and the load along the plane is the violation. State 0 of a foot, 2 where its force is 0. OK; INFEASIBLE with NaN f where a foot
+ * would have to pull, violation the largest pull; SINGULAR with NaN where the feet are on a line or coincide, so that they determine no
+ * forces; BAD_INPUT with NaN where k is not 3, a number is not finite or a normal is not a unit vector. */
 static inline void WG_NAME(wg_contact_vertical)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
                                                 const WG_REAL *WG_RESTRICT wrench, WG_REAL *WG_RESTRICT f, int32_t *WG_RESTRICT status,
                                                 int32_t *WG_RESTRICT state, WG_REAL *WG_RESTRICT violation) {

@@ -1,9 +1,9 @@
-/* walkgen_friction.h: the loads that feet can carry with more or less friction, as a problem of walkgen_conic.h; walkgen_math.h explains the
- * macros.
+/* walkgen_friction.h: the loads that feet can carry with more or less friction, as a problem of walkgen_conic.h; walkgen_math.h explains
+ * the macros.
  *
- * f_i = s n_i + x_i with x_i in the cone |T| <= mu N: s is the normal force that every foot has above what its friction needs,
- * N_i - |T_i| / mu_i >= s. The load can be carried if and only if the greatest s is not negative; else the multipliers are a twist with
- * which the load gains what no foot can take: every foot's velocity V has V . n >= mu |V - n V . n|.
+ * f_i = s n_i + x_i with x_i in the cone |T| <= mu N: s is the normal force that every foot has above what its friction needs, N_i - |T_i|
+ * / mu_i >= s. The load can be carried if and only if the greatest s is not negative; else the multipliers are a twist with which the load
+ * gains what no foot can take: every foot's velocity V has V . n >= mu |V - n V . n|.
  */
 #include "walkgen_conic.h"
 
@@ -20,7 +20,8 @@
 #define WG_NONE WG_C(2e-5)
 #endif
 
-/* Wrenches about the feet's centre of unit forces along normals and two tangents; the orthonormal basis of wrenches in use, and the problem. */
+/* Wrenches about the feet's centre of unit forces along normals and two tangents; the orthonormal basis of wrenches in use, and the
+ * problem. */
 struct WG_NAME(wg_friction) {
     struct WG_NAME(wg_stance) stance;
     WG_REAL tangent[2][WALKGEN_MAX_FEET][3], push[3 * WALKGEN_MAX_FEET][6], basis[6][6];
@@ -42,11 +43,12 @@ static inline int WG_NAME(wg_friction_read)(int32_t k, const WG_REAL *points, co
         WG_NAME(wg_stance_push)(&friction->stance, i, friction->tangent[1][i], friction->push[3 * i + 2]);
     }
     friction->conic.cones = k;
+    friction->conic.mass = NULL;
     return 1;
 }
 
-/* An orthonormal basis, after its first `count` vectors, of what some wrenches of the feet span, the longest rest first: the new count. `first`
- * and `last`: of every foot's three, which count. */
+/* An orthonormal basis, after its first `count` vectors, of what some wrenches of the feet span, the longest rest first: the new count.
+ * `first` and `last`: of every foot's three, which count. */
 static inline int WG_NAME(wg_friction_span)(int first, int last, WG_REAL least, int count, struct WG_NAME(wg_friction) * friction) {
     WG_REAL along[6], rest[6];
     int i, j;
@@ -91,7 +93,8 @@ static inline void WG_NAME(wg_friction_pose)(int from, int to, const WG_REAL *mu
 }
 
 /* A twist about the centre inside becomes one about the frame's origin for the load as given. */
-static inline void WG_NAME(wg_friction_outside)(const struct WG_NAME(wg_stance) * stance, const WG_REAL y[6], WG_REAL factor, WG_REAL twist[6]) {
+static inline void WG_NAME(wg_friction_outside)(const struct WG_NAME(wg_stance) * stance, const WG_REAL y[6], WG_REAL factor,
+                                                WG_REAL twist[6]) {
     WG_REAL shift[3];
     int i;
     WG_NAME(wg_cross)(y + 3, stance->centre, shift);
@@ -125,8 +128,8 @@ static inline void WG_NAME(wg_friction_forces)(const struct WG_NAME(wg_friction)
     }
 }
 
-/* Whether any friction carries the load: 1, with all wrenches of the feet in the basis, `*rank` of them; else 0 with the twist that proves it
- * not, or -1 with none. Wrenches that only tangents steeper than 1e7 reach count as none. */
+/* Whether any friction carries the load: 1, with all wrenches of the feet in the basis, `*rank` of them; else 0 with the twist that proves
+ * it not, or -1 with none. Wrenches that only tangents steeper than 1e7 reach count as none. */
 static inline int WG_NAME(wg_friction_helps)(struct WG_NAME(wg_friction) * friction, int *rank, WG_REAL y[6]) {
     WG_REAL along[6];
     const WG_REAL least = friction->stance.blur <= WG_C(1.0) ? friction->stance.blur : WG_C(0.5);

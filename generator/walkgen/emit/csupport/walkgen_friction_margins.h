@@ -24,8 +24,8 @@ static inline int WG_NAME(wg_friction_rough)(int32_t k, const WG_REAL *mu) {
     return fine;
 }
 
-/* The share of the friction that is needed: the least factor on all mu [k] with which the feet carry the load; above 1 they slip. Infinite and
- * INFEASIBLE where no factor helps, NaN with NO_CONVERGENCE or BAD_INPUT. */
+/* The share of the friction that is needed: the least factor on all mu [k] with which the feet carry the load; above 1 they slip. Infinite
+ * and INFEASIBLE where no factor helps, NaN with NO_CONVERGENCE or BAD_INPUT. */
 static inline void WG_NAME(wg_friction_share)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
                                               const WG_REAL *WG_RESTRICT mu, const WG_REAL *WG_RESTRICT wrench, WG_REAL *WG_RESTRICT share,
                                               int32_t *WG_RESTRICT status) {
@@ -43,10 +43,10 @@ static inline void WG_NAME(wg_friction_share)(int32_t k, const WG_REAL *WG_RESTR
     *share = found > 0 ? *share : found == 0 ? WG_INFINITY : WG_NAN;
 }
 
-/* How much more load in a direction, wrench + reach . direction, the feet [k, 3] with friction mu [k] > 0 carry: reach, infinite from 1e6 of
- * the load on. lift: the greatest normal force that every foot can have at once above what its friction needs, N_i - |T_i| / mu_i: at this
- * distance from slipping and lifting off is the foot nearest to it; infinite where feet can press against each other. INFEASIBLE where the
- * load itself cannot be carried (lift negative, or NaN where no friction helps; reach NaN); NO_CONVERGENCE or BAD_INPUT with NaN. */
+/* How much more load in a direction, wrench + reach . direction, the feet [k, 3] with friction mu [k] > 0 carry: reach, infinite from 1e6
+ * of the load on. lift: the greatest normal force that every foot can have at once above what its friction needs, N_i - |T_i| / mu_i: at
+ * this distance from slipping and lifting off is the foot nearest to it; infinite where feet can press against each other. INFEASIBLE where
+ * the load itself cannot be carried (lift negative, or NaN where no friction helps; reach NaN); NO_CONVERGENCE or BAD_INPUT with NaN. */
 static inline void WG_NAME(wg_load_margin)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
                                            const WG_REAL *WG_RESTRICT mu, const WG_REAL *WG_RESTRICT wrench,
                                            const WG_REAL *WG_RESTRICT direction, WG_REAL *WG_RESTRICT reach, WG_REAL *WG_RESTRICT lift,
@@ -91,8 +91,8 @@ static inline void WG_NAME(wg_load_margin)(int32_t k, const WG_REAL *WG_RESTRICT
     }
 }
 
-/* Where foot number `foot` of k may stand: with a candidate [3] and its normal [3] instead of its own, the share of the friction that is needed,
- * as wg_friction_share says. The foot may stand there where it is at most 1. */
+/* Where foot number `foot` of k may stand: with a candidate [3] and its normal [3] instead of its own, the share of the friction that is
+ * needed, as wg_friction_share says. The foot may stand there where it is at most 1. */
 static inline void WG_NAME(wg_foot_admissible)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
                                                const WG_REAL *WG_RESTRICT mu, const WG_REAL *WG_RESTRICT wrench, int32_t foot,
                                                const WG_REAL *WG_RESTRICT candidate, const WG_REAL *WG_RESTRICT candidate_normal,

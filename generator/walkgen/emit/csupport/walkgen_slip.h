@@ -91,7 +91,8 @@ static inline int WG_NAME(wg_slip_solved)(const WG_REAL power[3], struct WG_NAME
         for (i = 0; i < 3; ++i) {
             slip->T[i] = WG_C(0.0);
         }
-        if ((foot < 0 || WG_NAME(wg_slip_about)(foot, power, slip)) && WG_NAME(wg_slip_newton)(slip) && WG_NAME(wg_slip_holds)(slip, power)) {
+        if ((foot < 0 || WG_NAME(wg_slip_about)(foot, power, slip)) && WG_NAME(wg_slip_newton)(slip) &&
+            WG_NAME(wg_slip_holds)(slip, power)) {
             return 1;
         }
     }
@@ -116,8 +117,8 @@ static inline int WG_NAME(wg_slip_search)(const WG_REAL power[3], struct WG_NAME
     return 0;
 }
 
-/* The twist about the frame's origin, and its axis: a point c = w x v / |w|^2, the direction w / |w|, and the pitch w . v / |w|^2; whether there
- * is one. */
+/* The twist about the frame's origin, and its axis: a point c = w x v / |w|^2, the direction w / |w|, and the pitch w . v / |w|^2; whether
+ * there is one. */
 static inline int WG_NAME(wg_slip_axis)(const struct WG_NAME(wg_tripod) * slip, WG_REAL twist[6], WG_REAL axis[6], WG_REAL *pitch) {
     WG_REAL shift[3], square, size;
     int i, turning;
@@ -144,60 +145,76 @@ static inline int WG_NAME(wg_slip_axis)(const struct WG_NAME(wg_tripod) * slip, 
     return turning;
 }
 
-/* The slip of a tripod, k = 3, at points [3, 3] with unit normals [3, 3], on the verge of which friction mu brings it: mu, normal_forces [3],
- * forces f [3, 3], and the twist [6] (velocity of the frame's origin, angular velocity; length 1) by which it begins: feet slide along the
- * ground against their friction mu N, or one of them stays with less. axis [6]: a point of the twist's axis and its direction; pitch: advance
- * over turn. OK; SINGULAR where the slip is a translation, with no axis (NaN, pitch infinite), where the load has nothing along the ground
- * (mu 0, twist NaN), or with all NaN where feet are on a line; INFEASIBLE where a foot would have to pull on a plane; NO_CONVERGENCE where no
- * slip is found; BAD_INPUT; with NaN. On curved ground there may be another slip. */
+/* The slip of a tripod that was read: its status, and whether it was found in `*found`. */
+static inline int32_t WG_NAME(wg_slip_find)(const WG_REAL *normals, struct WG_NAME(wg_tripod) * slip, int *found) {
+    WG_REAL power[3], left;
+    int i, pulls = 0;
+    *found = WG_NAME(wg_normal_forces)(&slip->stance, normals, slip->N, &left);
+    for (i = 0; i < 3; ++i) {
+        power[i] = WG_NAME(wg_stance_product)(slip->B[i], slip->stance.load);
+        pulls |= slip->N[i] < -WG_NONE;
+        slip->tau[i] = slip->T[i] = WG_C(0.0);
+    }
+    slip->mu = WG_C(0.0);
+    slip->held = -1;
+    if (!(WG_NAME(wg_norm)(power) > WG_MAX(slip->stance.noise, WG_C(8.0) * WG_EPSILON))) {
+        *found = pulls ? 0 : *found;
+        return pulls ? WALKGEN_INFEASIBLE : WALKGEN_SINGULAR;
+    }
+    for (i = 0; i < 3; ++i) {
+        slip->N[i] = WG_MAX(slip->N[i], WG_C(1e-3));
+    }
+    *found = WG_NAME(wg_slip_search)(power, slip);
+    return *found ? WALKGEN_OK : pulls ? WALKGEN_INFEASIBLE : WALKGEN_NO_CONVERGENCE;
+}
+
+/* The forces of a tripod [3], [3, 3]; NaN unless `found`. */
+static inline void WG_NAME(wg_slip_forces)(const struct WG_NAME(wg_tripod) * slip, const WG_REAL *WG_RESTRICT normals, int found,
+                                           WG_REAL *WG_RESTRICT normal_forces, WG_REAL *WG_RESTRICT f) {
+    WG_REAL V[3], rub;
+    int i, j;
+    for (i = 0; i < 3; ++i) {
+        normal_forces[i] = found ? slip->N[i] * slip->stance.force : WG_NAN;
+        for (j = 0; j < 3; ++j) {
+            f[3 * i + j] = normal_forces[i] * normals[3 * i + j];
+        }
+        if (found && slip->mu > WG_C(0.0)) {
+            WG_NAME(wg_slip_velocity)(slip, i, slip->tau, V);
+            rub = slip->mu * slip->N[i] * slip->stance.force / WG_MAX(WG_NAME(wg_norm)(V), WG_TINY);
+            for (j = 0; j < 3; ++j) {
+                f[3 * i + j] += i == slip->held ? slip->T[j] * slip->stance.force : -rub * V[j];
+            }
+        }
+    }
+}
+
+/* The slip of a tripod, k = 3, at points [3, 3] with unit normals [3, 3], on the verge of which friction mu brings it: mu, normal_forces
+ * [3], forces f [3, 3], and the twist [6] (velocity of the frame's origin, angular velocity; length 1) by which it begins: feet slide along
+ * the ground against their friction mu N, or one of them stays with less. axis [6]: a point of the twist's axis and its direction; pitch:
+ * advance over turn. OK; SINGULAR where the slip is a translation, with no axis (NaN, pitch infinite), where the load has nothing along the
+ * ground (mu 0, twist NaN), or with all NaN where feet are on a line; INFEASIBLE where a foot would have to pull on a plane; NO_CONVERGENCE
+ * where no slip is found; BAD_INPUT; with NaN. On curved ground there may be another slip. */
 static inline void WG_NAME(wg_slip)(int32_t k, const WG_REAL *WG_RESTRICT points, const WG_REAL *WG_RESTRICT normals,
                                     const WG_REAL *WG_RESTRICT wrench, WG_REAL *WG_RESTRICT normal_forces, WG_REAL *WG_RESTRICT f,
-                                    WG_REAL *WG_RESTRICT twist, WG_REAL *WG_RESTRICT mu, WG_REAL *WG_RESTRICT axis, WG_REAL *WG_RESTRICT pitch,
+                                    WG_REAL *WG_RESTRICT twist, WG_REAL *WG_RESTRICT mu, WG_REAL *WG_RESTRICT axis,
+                                    WG_REAL *WG_RESTRICT pitch,
                                     int32_t *WG_RESTRICT status) {
     struct WG_NAME(wg_tripod) slip;
-    WG_REAL power[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, V[3], left;
-    int i, j, found = WG_NAME(wg_slip_read)(k, points, normals, wrench, &slip), pulls = 0;
+    int i, found = WG_NAME(wg_slip_read)(k, points, normals, wrench, &slip);
     *status = found < 0 ? WALKGEN_BAD_INPUT : WALKGEN_SINGULAR;
     *mu = *pitch = WG_NAN;
     for (i = 0; i < 6; ++i) {
         twist[i] = axis[i] = WG_NAN;
     }
     if (found > 0) {
-        found = WG_NAME(wg_normal_forces)(&slip.stance, normals, slip.N, &left);
-        for (i = 0; i < 3; ++i) {
-            power[i] = WG_NAME(wg_stance_product)(slip.B[i], slip.stance.load);
-            pulls |= slip.N[i] < -WG_NONE;
-            slip.tau[i] = slip.T[i] = WG_C(0.0);
-        }
-        slip.mu = WG_C(0.0);
-        slip.held = -1;
-        if (WG_NAME(wg_norm)(power) > WG_MAX(slip.stance.noise, WG_C(8.0) * WG_EPSILON)) {
-            for (i = 0; i < 3; ++i) {
-                slip.N[i] = WG_MAX(slip.N[i], WG_C(1e-3));
-            }
-            found = WG_NAME(wg_slip_search)(power, &slip);
-            *status = found ? WALKGEN_OK : pulls ? WALKGEN_INFEASIBLE : WALKGEN_NO_CONVERGENCE;
-            if (found && !WG_NAME(wg_slip_axis)(&slip, twist, axis, pitch)) {
-                *status = WALKGEN_SINGULAR;
-            }
-        } else if (pulls) {
-            found = 0;
-            *status = WALKGEN_INFEASIBLE;
+        *status = WG_NAME(wg_slip_find)(normals, &slip, &found);
+        if (*status == WALKGEN_OK && !WG_NAME(wg_slip_axis)(&slip, twist, axis, pitch)) {
+            *status = WALKGEN_SINGULAR;
         }
         *mu = found ? slip.mu : WG_NAN;
     }
-    for (i = 0; i < 3 && k == 3; ++i) {
-        normal_forces[i] = found > 0 ? slip.N[i] * slip.stance.force : WG_NAN;
-        for (j = 0; j < 3; ++j) {
-            f[3 * i + j] = normal_forces[i] * normals[3 * i + j];
-        }
-        if (found > 0 && slip.mu > WG_C(0.0)) {
-            WG_NAME(wg_slip_velocity)(&slip, i, slip.tau, V);
-            left = slip.mu * slip.N[i] * slip.stance.force / WG_MAX(WG_NAME(wg_norm)(V), WG_TINY);
-            for (j = 0; j < 3; ++j) {
-                f[3 * i + j] += i == slip.held ? slip.T[j] * slip.stance.force : -left * V[j];
-            }
-        }
+    if (k == 3) {
+        WG_NAME(wg_slip_forces)(&slip, normals, found > 0, normal_forces, f);
     }
 }
 

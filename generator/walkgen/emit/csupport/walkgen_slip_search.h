@@ -3,9 +3,9 @@
  * All feet slide, by a twist (v, w) along the ground: n . V = 0 at every foot, V = v + w x p. Friction is mu N against V:
  *     sum N (n - mu V / |V|) [1; p x] + load = 0
  * Admissible twists are spanned by three, t = sum of tau_j B_j; with |tau| = 1 these are 7 equations for N, tau and mu. Along B the normal
- * forces do no work: for given N, tau is where sum N |V| is least for the load's power 1, a convex problem, whose minimum is where Newton on all
- * equations starts from. A foot may stay where it is, with friction less than mu N, and the robot turns about it: then the equations have its
- * friction instead of tau.
+ * forces do no work: for given N, tau is where sum N |V| is least for the load's power 1, a convex problem, whose minimum is where Newton
+ * on all equations starts from. A foot may stay where it is, with friction less than mu N, and the robot turns about it: then the equations
+ * have its friction instead of tau.
  */
 #include "walkgen_contact_vertical.h"
 
@@ -20,8 +20,8 @@
 #define WG_SMALL WG_C(1e-5)
 #endif
 
-/* The tripod: wrenches of unit normal forces, admissible twists, by rows; velocities of foot i by B_j, and the unknowns. `held`: the foot that
- * stays, or -1; T its friction. */
+/* The tripod: wrenches of unit normal forces, admissible twists, by rows; velocities of foot i by B_j, and the unknowns. `held`: the foot
+ * that stays, or -1; T its friction. */
 struct WG_NAME(wg_tripod) {
     struct WG_NAME(wg_stance) stance;
     const WG_REAL *normals;
@@ -37,7 +37,8 @@ static inline void WG_NAME(wg_slip_velocity)(const struct WG_NAME(wg_tripod) * s
     }
 }
 
-/* A linear system of n <= 8 equations, rows [n][n + 1], solved in place by elimination with pivots: whether it has a solution, in column n. */
+/* A linear system of n <= 8 equations, rows [n][n + 1], solved in place by elimination with pivots: whether it has a
+ * solution, in column n. */
 static inline int WG_NAME(wg_slip_eliminate)(int n, WG_REAL rows[8][9]) {
     int i, j, c, pivot;
     for (c = 0; c < n; ++c) {

@@ -1,9 +1,10 @@
-/* walkgen_stance.h: feet on the ground and the load they carry: centre, length, grasp map and what cannot be carried; walkgen_math.h explains
- * the macros.
+/* walkgen_stance.h: feet on the ground and the load they carry: centre, length, grasp map and what cannot be carried; walkgen_math.h
+ * explains the macros.
  *
- * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin) and f_i the ground's force on foot i,
- * so that G f + wrench = 0 with G = [..., [1; [p_i]x], ...]. About the feet's centre, G G' is k 1 for forces and the inertia of unit masses at
- * the feet for moments, without anything between: so singular values are known in closed form, and what is lost are moments about axes.
+ * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin) and f_i the ground's force on foot
+ * i, so that G f + wrench = 0 with G = [..., [1; [p_i]x], ...]. About the feet's centre, G G' is k 1 for forces and the inertia of unit
+ * masses at the feet for moments, without anything between: so singular values are known in closed form, and what is lost are moments about
+ * axes.
  */
 #include "walkgen_spatial.h"
 
@@ -229,17 +230,46 @@ static inline int WG_NAME(wg_stance_moments)(const struct WG_NAME(wg_stance) * s
     return lost;
 }
 
+/* Six numbers, the greatest first. */
+static inline void WG_NAME(wg_stance_descending)(WG_REAL values[6]) {
+    int i, j;
+    for (i = 0; i < 5; ++i) {
+        for (j = 5; j > i; --j) {
+            const WG_REAL less = WG_MIN(values[j - 1], values[j]);
+            values[j - 1] = WG_MAX(values[j - 1], values[j]);
+            values[j] = less;
+        }
+    }
+}
+
+/* G [6, 3k] = [..., [1; [p_i]x], ...] of k points [k, 3]; NaN unless `fine`. */
+static inline void WG_NAME(wg_stance_map)(int32_t k, const WG_REAL *WG_RESTRICT points, int fine, WG_REAL *WG_RESTRICT G) {
+    WG_REAL unit[3], column[3];
+    int i, j, c;
+    for (i = 0; i < 3 * k; ++i) {
+        for (j = 0; j < 3; ++j) {
+            unit[j] = WG_INDICATOR(j == i % 3);
+        }
+        WG_NAME(wg_cross)(points + i / 3 * 3, unit, column);
+        for (c = 0; c < 3; ++c) {
+            G[3 * k * c + i] = fine ? unit[c] : WG_NAN;
+            G[3 * k * (3 + c) + i] = fine ? column[c] : WG_NAN;
+        }
+    }
+}
+
 /* The grasp map of k feet, G [6, 3 k], its singular values [6], its condition (infinite with anything lost) and rank: of forces and moments
  * about the feet's centre, those over the root mean square distance of the feet from it, so that neither the frame nor the unit of length
  * counts. What cannot be carried: the load components lost [3, 6], one a row, zeros where there are fewer; feet carry a wrench only if
  * lost . wrench = 0. OK; SINGULAR with something lost: coincident feet (rank 3) or collinear ones (rank 5); BAD_INPUT and NaN. */
-static inline void WG_NAME(wg_grasp)(int32_t k, const WG_REAL *WG_RESTRICT points, WG_REAL *WG_RESTRICT G, WG_REAL *WG_RESTRICT singular_values,
+static inline void WG_NAME(wg_grasp)(int32_t k, const WG_REAL *WG_RESTRICT points, WG_REAL *WG_RESTRICT G,
+                                     WG_REAL *WG_RESTRICT singular_values,
                                      WG_REAL *WG_RESTRICT lost, WG_REAL *WG_RESTRICT condition, int32_t *WG_RESTRICT rank,
                                      int32_t *WG_RESTRICT status) {
     struct WG_NAME(wg_stance) stance;
-    WG_REAL moments[3], axes[3][3], unit[3], column[3];
-    const int fine = WG_NAME(wg_stance_place)(k, points, &stance), known = k >= 1 && k <= WALKGEN_MAX_FEET ? k : 0;
-    int i, j, c, missing = fine ? WG_NAME(wg_stance_moments)(&stance, moments, axes) : 6;
+    WG_REAL moments[3], axes[3][3];
+    const int fine = WG_NAME(wg_stance_place)(k, points, &stance);
+    int i, missing = fine ? WG_NAME(wg_stance_moments)(&stance, moments, axes) : 6;
     *status = !fine ? WALKGEN_BAD_INPUT : missing > 0 ? WALKGEN_SINGULAR : WALKGEN_OK;
     *rank = 6 - missing;
     for (i = 0; i < 18; ++i) {
@@ -254,24 +284,11 @@ static inline void WG_NAME(wg_grasp)(int32_t k, const WG_REAL *WG_RESTRICT point
             WG_NAME(wg_add)(axes[i], WG_C(0.0), axes[i], row + 3);
         }
     }
-    for (i = 0; i < 5 && fine; ++i) { /* forces' values among those of moments */
-        for (j = 5; j > i; --j) {
-            const WG_REAL less = WG_MIN(singular_values[j - 1], singular_values[j]);
-            singular_values[j - 1] = WG_MAX(singular_values[j - 1], singular_values[j]);
-            singular_values[j] = less;
-        }
+    if (fine) {
+        WG_NAME(wg_stance_descending)(singular_values); /* forces' values among those of moments */
     }
     *condition = fine ? (missing ? WG_INFINITY : singular_values[0] / singular_values[5]) : WG_NAN;
-    for (i = 0; i < 3 * known; ++i) {
-        for (j = 0; j < 3; ++j) {
-            unit[j] = WG_INDICATOR(j == i % 3);
-        }
-        WG_NAME(wg_cross)(points + i / 3 * 3, unit, column);
-        for (c = 0; c < 3; ++c) {
-            G[3 * known * c + i] = fine ? unit[c] : WG_NAN;
-            G[3 * known * (3 + c) + i] = fine ? column[c] : WG_NAN;
-        }
-    }
+    WG_NAME(wg_stance_map)(k >= 1 && k <= WALKGEN_MAX_FEET ? k : 0, points, fine, G);
 }
 
 #undef WG_UNIT

@@ -1,0 +1,120 @@
+"""The contact forces with limits: with sanitizers on any input, in float alone, within their stated stack."""
+
+import re
+import subprocess
+
+import pytest
+from csupport_library import CSUPPORT, STRICT, compile_c
+from limited_library import SOURCE
+
+HEADER = "walkgen_contact_limited.h"
+_ONE = """
+void one@(const REAL *x, walkgen_contact_work@ *work, REAL *f, int32_t *status);
+void one@(const REAL *x, walkgen_contact_work@ *work, REAL *f, int32_t *status) {
+    wg_contact_limited@(4, x, x, x, x, x, x, 0, 6, x, x, work, f, status, status + 1, f, f, f);
+}
+"""
+_DRIVER = """
+#include <stdio.h>
+#include <string.h>
+enum { FEET = 4, ROWS = 5, FIRST = 9 * FEET + 6, INPUTS = FIRST + 3 * FEET * ROWS + ROWS };
+static const double VALUES[] = {0.3, -0.5, 1.0, -1.0, 0.0, 3.0, /* and rarer ones: */
+                                -0.0, 5e-324, 1e-160, 1e-9, 1e20, -1e160, 1e308, NAN, INFINITY, -INFINITY};
+static const int32_t FACETS[] = {0, 4, 0, 7, 0, 3, 2, 1024};
+enum { COUNT = sizeof VALUES / sizeof VALUES[0] };
+static uint32_t seed = 1u;
+static int statuses[16];
+static uint32_t drawn(uint32_t below) {
+    seed = seed * 1664525u + 1013904223u;
+    return (seed >> 16) % below;
+}
+static double number(double from, double to) { return from + (to - from) * drawn(10000) / 10000.0; }
+#define CHECKED(tag, REAL)                                                                                                     \\
+    static int bad##tag(const REAL *x, int k, int32_t facets, int rows, walkgen_contact_work##tag *work) {                     \\
+        REAL *f = (REAL *)malloc((size_t)(3 * k) * sizeof(REAL)), *l = (REAL *)malloc((size_t)(rows + 1) * sizeof(REAL));      \\
+        REAL certificate[6], violation;                                                                                        \\
+        int32_t status = -1, state[FEET];                                                                                      \\
+        int bad = 0;                                                                                                           \\
+        wg_contact_limited##tag(k, x, x + 3 * FEET, x + 6 * FEET, x + 9 * FEET, x + 7 * FEET, x + 8 * FEET, facets, rows,      \\
+                                x + FIRST, x + FIRST + 3 * FEET * ROWS, work, f, &status, state, certificate, &violation, l);  \\
+        for (int i = 0; i < 3 * k; ++i)                                                                                        \\
+            bad += (status == WALKGEN_OK) != !!isfinite(f[i]);                                                                 \\
+        for (int i = 0; i < k; ++i)                                                                                            \\
+            bad += state[i] < 0 || state[i] > 2;                                                                               \\
+        for (int i = 0; i < 6; ++i)                                                                                            \\
+            bad += status != WALKGEN_BAD_INPUT && isnan(certificate[i]);                                                       \\
+        for (int i = 0; i < rows; ++i)                                                                                         \\
+            bad += status == WALKGEN_BAD_INPUT ? !isnan(l[i]) : !(l[i] >= 0);                                                  \\
+        bad += status == WALKGEN_INFEASIBLE && !(violation > 0);                                                               \\
+        statuses[status < 0 ? 15 : status] += 1;                                                                               \\
+        free(f);                                                                                                               \\
+        free(l);                                                                                                               \\
+        return bad + (status < 0) + (status == WALKGEN_OK && !isfinite(violation)) + (work->feet < 0 || work->feet > FEET);    \\
+    }
+CHECKED(, double)
+CHECKED(_f32, float)
+int main(void) {
+    walkgen_contact_work work = {0, {0}};
+    walkgen_contact_work_f32 work_f32 = {0, {0}};
+    int bad = 0;
+    for (int run = 0; run < 350; ++run) {
+        double x[INPUTS];
+        float single[INPUTS];
+        for (int i = 0; i < FEET; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                x[3 * i + j] = number(-0.5, 0.5);
+                x[3 * FEET + 3 * i + j] = j == 2 ? 1.0 : 0.0;
+            }
+            x[6 * FEET + i] = run % 11 ? number(0.1, 1.0) : 0.0;
+            x[7 * FEET + i] = 1.0;
+            x[8 * FEET + i] = run % 7 ? (double)INFINITY : number(20.0, 90.0);
+        }
+        for (int j = 0; j < 6; ++j)
+            x[9 * FEET + j] = number(-10.0, 10.0) - (j == 2 ? 100.0 : 0.0);
+        for (int i = FIRST; i < INPUTS; ++i)
+            x[i] = i < INPUTS - ROWS ? number(-0.3, 0.3) : number(5.0, 40.0);
+        for (int i = 0; i < run % 4; ++i)
+            x[drawn(INPUTS)] = VALUES[drawn(run % 3 ? 6 : COUNT)];
+        if (run % 5 == 0)
+            x[drawn(FIRST)] = VALUES[drawn(COUNT)];
+        for (int i = 0; i < INPUTS; ++i)
+            single[i] = x[i] > 3e38 ? INFINITY : x[i] < -3e38 ? -INFINITY : (float)x[i];
+        bad += bad_(x, FEET - run % 2, FACETS[run % 8], run % (ROWS + 1), &work);
+        bad += bad__f32(single, FEET - run % 2, FACETS[run % 8], run % (ROWS + 1), &work_f32);
+    }
+    printf("%d %d %d %d", bad, statuses[WALKGEN_OK], statuses[WALKGEN_INFEASIBLE], statuses[WALKGEN_BAD_INPUT]);
+    return 0;
+}
+""".replace("bad##tag", "bad_##tag")
+
+
+def test_sanitizers_find_nothing_on_any_input(tmp_path):
+    """Forces and multipliers in memory of their own, so that a value too many is seen."""
+    flags = ("-std=c99", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    program = compile_c(tmp_path, "#include <stdlib.h>\n" + SOURCE + _DRIVER, "driver", *flags, *STRICT)
+    done = subprocess.run([str(program)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    bad, *seen = (int(item) for item in done.stdout.split())
+    assert bad == 0
+    assert min(seen) > 50
+
+
+def alone(bits):
+    text = _ONE.replace("@", "" if bits == "f64" else "_f32").replace("REAL", "double" if bits == "f64" else "float")
+    return f'#include "walkgen_real_{bits}.h"\n#include "{HEADER}"\n{text}'
+
+
+def test_float_needs_no_double_helper(tmp_path):
+    library = compile_c(tmp_path, alone("f32"), "single.o", "-std=c99", "-O1", "-c", *STRICT)
+    needed = subprocess.run(["nm", "-u", str(library)], capture_output=True, text=True, check=True).stdout.split()
+    functions = {name for name in needed if name != "U" and not name.startswith("_")}
+    assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
+
+
+@pytest.mark.parametrize(("bits", "place"), [("f64", 0), ("f32", 1)])
+def test_stack_is_what_the_header_says(tmp_path, bits, place):
+    """Not more than the frames of all functions together, as none calls itself."""
+    stated = re.search(r"t most (\d+) kB of stack in double, (\d+) kB in float", (CSUPPORT / HEADER).read_text()).groups()
+    compile_c(tmp_path, alone(bits), "stack.o", "-std=c99", "-O2", "-c", "-fstack-usage", *STRICT)
+    frames = [int(line.split("\t")[1]) for line in (tmp_path / "stack.su").read_text().splitlines()]
+    assert 0.8 * 1000 * int(stated[place]) <= sum(frames) <= 1000 * int(stated[place]), sum(frames)
