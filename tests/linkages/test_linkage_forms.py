@@ -191,6 +191,8 @@ BAD = {
     "a crossed parallelogram": (MIRRORED.replace('"right"', '"left"'), "WG190", 'c = "right"'),
     "points of another six-bar": (six_form("watt", "I", "coupler", "frame"), "WG190", "stephenson with inversion III"),
     "a second drive": (f"{CLOSED}\npins = [{{ joins = ['frame.D', 'rocker.C'], driven = true }}]", "WG183", "four_bar"),
+    "no name": (CLOSED.replace("foot", "drive = { name = 'a b' }, foot"), "WG130", "drive.name"),
+    "no name of a pin": (f"{CLOSED}\npins = [{{ name = 'while', joins = ['frame.D', 'rocker.C'] }}]", "WG131", "pins[0].name"),
     "no such dyad": (f'{CLOSED}\nassembly = {{ d = "left" }}', "WG187", "assembly"),
 }  # fmt: skip
 
