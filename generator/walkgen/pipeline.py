@@ -11,7 +11,8 @@ from walkgen.emit.casadi_files import serialise
 from walkgen.emit.emit import emit
 from walkgen.emit.landing import BUILD_FOLDER, staged, stale_files
 from walkgen.emit.manifest import operations, source_digest
-from walkgen.errors import ToolchainError
+from walkgen.errors import Problem, SpecError, ToolchainError
+from walkgen.graph.assembly import Coverage, coverage
 from walkgen.graph.differentiate import derivative
 from walkgen.graph.lower import lower
 from walkgen.graph.passes import fused
@@ -19,6 +20,8 @@ from walkgen.graph.program import Composite, Program
 from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Mechanism
+from walkgen.spec.document import open_document
+from walkgen.spec.positions import Positions
 from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
 from walkgen.symbolic.derive import derive
@@ -72,14 +75,41 @@ def build(path: Path, out: Path, options: BuildOptions = BuildOptions(), progres
 
 
 def generate(path: Path, options: BuildOptions = BuildOptions(), progress: Progress = _silent) -> RobotCode:
-    """Everything up to the printers: the robot's programs."""
+    """Everything up to the printers: the robot's programs.
+
+    Raises:
+        SpecError: the spec is not a robot, or one whose linkage assembles nowhere.
+    """
     progress("read")
     spec = read(path)
     mechanism = assemble(spec, path.parent)
+    _refuse_apart(path, spec, mechanism)
     functions = shared(tuple(_bodies(spec, mechanism, options, progress)))
     targets = options.targets or tuple(spec.generate.targets)
     digest = _digest(path, spec)
     return RobotCode(mechanism, functions, digest, targets, options.fma, options.float32)
+
+
+def _refuse_apart(path: Path, spec: RobotSpec, mechanism: Mechanism) -> None:
+    """No linkage that assembles nowhere within the limits of its drives: its code would give nothing but NaN."""
+    users = {leg.design: leg.name for leg in spec.legs if leg.design is not None}
+    legs = {leg.name: leg for leg in mechanism.legs}
+    problems = []
+    for design, user in users.items():
+        found = coverage(mechanism, legs[user])
+        if found is not None and found.assembled == 0:
+            place = Positions(open_document(path)).place(("leg_designs", design))
+            problems.append(
+                Problem("WG189", f"leg_designs.{design}: {_apart(found)}", "mend the lengths that it joins, or the limits", place)
+            )
+    if problems:
+        raise SpecError(*problems)
+
+
+def _apart(found: Coverage) -> str:
+    worst, count = found.failing[0]
+    points = f"0 % of its drives' limits, at none of {found.points} points"
+    return f"the linkage assembles in {points}; at {count} of them the dyad {worst} cannot close"
 
 
 def _digest(path: Path, spec: RobotSpec) -> str:

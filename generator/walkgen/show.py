@@ -7,6 +7,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from walkgen import pipeline
+from walkgen.graph.assembly import Coverage, coverage
 from walkgen.model.classify import inverse_class
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
@@ -125,6 +126,7 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
         yield from _limb(f"chain {chain.name}: {platforms[chain.platform]}{child}", chain)
     for leg in mechanism.legs:
         yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
+        yield from _coverage(coverage(mechanism, leg))
         yield from _inverse(mechanism, leg)
 
 
@@ -149,9 +151,23 @@ def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:
         yield f"    {drive.name}  {drive.kind} drive{limits}"
     for group in linkage.forward.groups:
         sides = SIDES[group.kind]
-        chosen = f", {sides[0 if linkage.side(group) > 0 else 1]} of {' and '.join(sides)}" if sides else ""
+        chosen = f", on side {sides[0 if linkage.side(group) > 0 else 1]} ({' or '.join(sides)})" if sides else ""
         base, first, second = (names[body] for body in group.bodies)
         yield f"    dyad {group.name}  {group.kind}: {first} and {second} on {base}{chosen}"
+
+
+def _coverage(found: Coverage | None) -> Iterator[str]:
+    """How much of the drives' limits assembles, and what fails in the rest."""
+    if found is not None:
+        failing = "".join(f"; dyad {name} cannot close in {_percent(count, found.points)}" for name, count in found.failing)
+        yield f"    assembles in {_percent(found.assembled, found.points)} of the drives' limits{failing}"
+
+
+def _percent(count: int, points: int) -> str:
+    """Rounded, but neither all nor nothing unless it is."""
+    share = 100 * count / points
+    rounded = round(share) if count in (0, points) else min(max(round(share), 1), 99)
+    return f"{rounded} %"
 
 
 def _joint(joint: Joint) -> str:

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from linkages.branches import check_branches
+
 CASE = json.loads((Path(__file__).parents[1] / "cases" / "minitaur_five_bar.json").read_text(encoding="utf-8"))
 SAMPLES = CASE["samples"]
 
@@ -54,3 +56,7 @@ def test_all_motor_angles_of_a_foot(leg):
         assert len(kept) == case["n_solutions"]
         for row in wanted:
             assert min(np.abs(np.angle(np.exp(1j * (row - other)))).max() for other in kept) < 1e-11
+
+
+def test_one_branch_is_its_row_of_all(shipped):
+    check_branches(shipped("minitaur"))

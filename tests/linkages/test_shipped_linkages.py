@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from linkages.branches import check_branches
 from linkages.theory import BOXES, FEET
 
 STEP = 1e-6
@@ -71,6 +72,10 @@ def test_every_branch_of_the_inverse_that_is_ok_reaches(shipped, name, branches)
     assert (np.abs(found - q[:, None]).max(-1) < 1e-11).any(axis=1).all()
     assert np.isin(status, (0, 5)).all()
     assert leg.inverse_near(target, q)[0] == pytest.approx(q, abs=1e-11)
+
+
+def test_one_branch_is_its_row_of_all(shipped):
+    check_branches(shipped("odex"))
 
 
 def test_targets_out_of_reach_are_said_to_be(shipped):

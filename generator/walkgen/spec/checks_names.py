@@ -4,11 +4,13 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 from walkgen.spec.functions import CHAIN_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, ROUTE_FUNCTIONS, TERRAIN_FUNCTIONS
+from walkgen.spec.linkage import PairSpec
+from walkgen.spec.linkage_forms import DriveSpec
 from walkgen.spec.names import PATTERN, RESERVED, is_own_prefix, suggestion
 from walkgen.spec.problems import Finding, shown
 from walkgen.spec.schema import ChainDesign, Design, LegDesign, LegSpec, PlatformSpec, RobotSpec
 from walkgen.spec.shapes import STAND_IN_NAME
-from walkgen.spec.table import Path
+from walkgen.spec.table import Path, entries
 from walkgen.spec.tree import design_of, platform_of
 
 _LONGEST_TEXT = 500
@@ -53,11 +55,20 @@ def _named(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     for path, design in _designs(spec):
         yield from (((*path, "joints", index, "name"), joint.name) for index, joint in enumerate(design.joints))
     yield from _branch_names(spec)
+    yield from _pair_names(spec)
 
 
 def _branch_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     for key, design in spec.leg_designs.items():
         yield from ((("leg_designs", key, "branches", index), name) for index, name in enumerate(design.branches or ()))
+
+
+def _pair_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
+    """Of linkages: pairs, and the drives of short forms."""
+    for key, design in spec.leg_designs.items():
+        for path, table in entries(design, ("leg_designs", key)):
+            if isinstance(table, PairSpec | DriveSpec) and (name := getattr(table, "name", None)) is not None:
+                yield (*path, "name"), name
 
 
 def _designs(spec: RobotSpec) -> Iterator[tuple[Path, LegDesign | ChainDesign]]:

@@ -7,6 +7,8 @@ from itertools import combinations
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
+from walkgen.spec.linkage import CylinderSpec, PinSpec, SliderSpec
+from walkgen.spec.linkage_forms import DriveSpec, FiveBar, FourBar, Parallelogram, Stephenson, Watt
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
 from walkgen.spec.schema import AdaptSpec, Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec, SoleSpec
@@ -14,12 +16,18 @@ from walkgen.spec.table import Path, Table, entries, is_scalar
 from walkgen.spec.terrain import Domain, TerrainPatch
 
 _TOLERANCE = 1e-9
+_FOUR_BARS = ("ground", "crank", "coupler", "rocker")
 _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     JointRow: ("max_speed", "max_speed_deg", "max_speed_mm", "max_effort"),
     SectionSpec: ("E", "G", "A", "Iy", "Iz", "J"),
     Damping: ("epsilon", "lambda_max"),
     SoleSpec: ("length", "length_mm", "width", "width_mm", "kn", "kt"),
     TerrainPatch: ("spacing", "kn", "kt"),
+    FourBar: _FOUR_BARS,
+    **dict.fromkeys((Watt, Stephenson), (*_FOUR_BARS, "second_coupler", "second_rocker")),
+    Parallelogram: ("ground", "crank"),
+    FiveBar: ("cranks", "couplers"),
+    **dict.fromkeys((DriveSpec, PinSpec, SliderSpec, CylinderSpec), ("max_speed", "max_effort")),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Link: ("mass",),
@@ -27,6 +35,7 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Friction: ("viscous", "coulomb"),
     Rotor: ("inertia",),
     TerrainPatch: ("mu",),
+    FiveBar: ("ground",),
     AdaptSpec: ("limit_weight", "normal_weight", "clearance_weight"),
 }
 _PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")
@@ -74,8 +83,9 @@ def check_ranges(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
 
 def _signs(path: Path, table: Table, numbers: Numbers) -> Iterator[Finding]:
     for key in _POSITIVE.get(type(table), ()):
-        number = numbers.number(getattr(table, key))
-        if number is not None and number <= 0:
+        value = getattr(table, key)
+        sizes = [numbers.number(entry) for entry in (value if isinstance(value, tuple) else (value,))]
+        if any(size is not None and size <= 0 for size in sizes):
             yield Finding(
                 "WG161", (*path, key), f"{key} must be more than 0", "give a positive number, or leave the key out where it is optional"
             )

@@ -25,11 +25,9 @@ class PlanarLinkSpec(Table):
     """About the centre of mass, normal to the plane (kg m^2)."""
 
 
-class PairSpec(Table):
-    """What pins, sliders and cylinders have in common: a pair that may be driven."""
+class ActuatorSpec(Table):
+    """What a driven pair can do."""
 
-    driven: StrictBool = False
-    """Whether an actuator moves it; its value is then one of the leg's q."""
     limits: Pair | None = None
     """Least and largest q (rad or m)."""
     max_speed: Number | None = None
@@ -38,6 +36,13 @@ class PairSpec(Table):
     """N m or N"""
     friction: Friction | None = None
     rotor: Rotor | None = None
+
+
+class PairSpec(ActuatorSpec):
+    """What pins, sliders and cylinders have in common: a pair that may be driven."""
+
+    driven: StrictBool = False
+    """Whether an actuator moves it; its value is then one of the leg's q."""
 
 
 class PinSpec(PairSpec):

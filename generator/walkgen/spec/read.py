@@ -7,14 +7,15 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from walkgen.errors import Problem, SpecError, UnsupportedMechanism
+from walkgen.spec.checks_forms import check_forms
 from walkgen.spec.checks_joints import check_joints, check_units
-from walkgen.spec.checks_linkage import check_linkages
 from walkgen.spec.checks_names import check_joined_names, check_names, check_texts
 from walkgen.spec.checks_terrain import check_height_maps, check_terrain
 from walkgen.spec.checks_tree import check_references, check_tree
 from walkgen.spec.checks_values import check_expressions, check_inertias, check_ranges
 from walkgen.spec.document import Document, open_document
 from walkgen.spec.evaluate import numbers_of
+from walkgen.spec.expand import expanded_spec
 from walkgen.spec.positions import Positions
 from walkgen.spec.problems import Finding, dotted
 from walkgen.spec.schema import RobotSpec
@@ -26,7 +27,7 @@ _UNSUPPORTED = "WG150"
 
 
 def read(path: Path) -> RobotSpec:
-    """The robot described in a TOML file.
+    """The robot described in a TOML file, linkages in the long form.
 
     Raises:
         SpecError: every problem of the file, each with its place and cure.
@@ -40,7 +41,7 @@ def read(path: Path) -> RobotSpec:
     findings = tuple(findings_of(spec, path.parent))
     if findings:
         raise _error(document, findings)
-    return spec
+    return expanded_spec(spec)
 
 
 def findings_of(spec: RobotSpec, folder: Path) -> Iterator[Finding]:
@@ -54,7 +55,7 @@ def findings_of(spec: RobotSpec, folder: Path) -> Iterator[Finding]:
         check_references(spec),
         check_tree(spec),
         check_joints(spec, numbers),
-        check_linkages(spec, numbers),
+        check_forms(spec, numbers),
         check_units(spec, numbers),
         check_expressions(spec, numbers),
         check_ranges(spec, numbers),

@@ -7,6 +7,7 @@ from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_val
 
 from walkgen.spec.joint_tables import JointRow, Pose
 from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec
+from walkgen.spec.linkage_forms import FiveBar, FourBar, LinkageForm, Parallelogram, Stephenson, Watt
 from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
 from walkgen.spec.terrain import TerrainPatch
 
@@ -16,6 +17,8 @@ _MOST_NAMES = 1000
 _MOST_LIMBS = 100
 _MOST_JOINTS = 64
 _MOST_LINKS = 100
+FORMS = ("four_bar", "five_bar", "watt", "stephenson", "parallelogram")
+"""Keys of the short forms of linkages."""
 
 
 class Damping(Table):
@@ -88,11 +91,27 @@ class LegDesign(Design):
     """Where the linkage's X (forward) and Y (up) lie in the frame after the joints."""
     assembly: dict[StrictStr, StrictStr] = Field(default_factory=dict, max_length=_MOST_LINKS)
     """The side on which each dyad is assembled, by its name; `walkgen show` lists them."""
+    four_bar: FourBar | None = None
+    """Short for the links and pins of a four-bar; `links` then adds masses and points to them."""
+    five_bar: FiveBar | None = None
+    """Short for those of a five-bar."""
+    watt: Watt | None = None
+    """Short for those of a Watt six-bar."""
+    stephenson: Stephenson | None = None
+    """Short for those of a Stephenson six-bar."""
+    parallelogram: Parallelogram | None = None
+    """Short for those of a parallelogram."""
 
     @property
     def planar(self) -> bool:
         """Whether the leg ends in a linkage."""
-        return bool(self.links or self.pins or self.sliders or self.cylinders)
+        return bool(self.links or self.pins or self.sliders or self.cylinders or self.forms)
+
+    @property
+    def forms(self) -> dict[str, LinkageForm]:
+        """The short forms that describe the linkage, by their keys; more than one is an error."""
+        given = ((key, getattr(self, key)) for key in FORMS)
+        return {key: form for key, form in given if form is not None}
 
 
 class ChainDesign(Design):

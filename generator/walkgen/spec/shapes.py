@@ -6,6 +6,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from walkgen.spec.linkage_forms import SIX_BAR_POINTS
 from walkgen.spec.problems import Finding, did_you_mean, nearest, shown
 from walkgen.spec.schema import TAGS, RobotSpec
 from walkgen.spec.table import Path, Table
@@ -33,6 +34,10 @@ _STAND_INS: Mapping[str, Any] = {
     "surface": "plane",
     "gravity": [0, 0, -1],
     **dict.fromkeys(("value", "epsilon", "lambda_max", "E", "G", "A", "Iy", "Iz", "J"), 1),
+    **dict.fromkeys(("ground", "crank", "coupler", "rocker", "second_coupler", "second_rocker"), 1),
+    "cranks": [1, 1],
+    "couplers": [1, 1],
+    "inversion": "I",
 }
 STAND_IN_NAME = "?"
 
@@ -122,6 +127,10 @@ def _shape_cure(path: Path) -> str:
     key = str(path[-1])
     if key == "inertia":
         return "give six numbers: ixx, iyy, izz, ixy, ixz, iyz"
+    if key in {"cranks", "couplers"}:
+        return f"give two numbers: {key} = [first, second]"
+    if path[0] == "leg_designs" and (key in SIX_BAR_POINTS or (key == "foot" and len(path) > len(("leg_designs", "name", "foot")))):
+        return f"give two numbers: {key} = [x, y]"
     pair = "limits" in key or key in {"bounds", "x", "y", "u", "v"}
     return "give two numbers: [least, largest]" if pair else f"give three numbers: {key} = [x, y, z]"
 

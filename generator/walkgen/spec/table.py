@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 from pydantic import BaseModel, ConfigDict, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
@@ -20,7 +20,9 @@ _SNAP = Fraction(1, 10**15)
 
 
 def _scalar(value: Any) -> Scalar:
-    """A TOML number, or a text of whitelisted arithmetic, kept exact."""
+    """A TOML number, or a text of whitelisted arithmetic, kept exact; what is exact already stays."""
+    if is_scalar(value):
+        return cast(Scalar, value)
     if isinstance(value, str):
         return _parsed(value)
     number = Decimal(repr(value)) if isinstance(value, float) else value

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 
 import sympy
@@ -14,20 +13,22 @@ from walkgen.signature import Port
 from walkgen.spec.assur import SIDES, Group
 from walkgen.spec.scalar import ZERO
 from walkgen.symbolic.branches import BAD_INPUT, DUPLICATE, INFEASIBLE, OK, SINGULAR, UNREACHABLE
-from walkgen.symbolic.choices import less
+from walkgen.symbolic.choices import both, chosen, less
 from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of, parameter_symbols
-from walkgen.symbolic.function import Angle, Finite, Function, Residue, Select, Solve, Step
+from walkgen.symbolic.function import Angle, Both, Finite, Function, Less, LessEqual, Residue, Select, Solve, Step
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import Planar, difference, outer, square
 from walkgen.symbolic.ports import joint_port, joint_unit, signature
 from walkgen.symbolic.rows import TARGET, parameters_of
-from walkgen.symbolic.selection import by_index, nearest
+from walkgen.symbolic.selection import nearest
 from walkgen.symbolic.tape import Tape, Vec, dot, minus, symbols_of
 
 _TOLERANCE = sympy.Rational(1, 10**11)
 """Of a group's margin: what rounding leaves of a target at the edge, 1e-12 of the reach outside it."""
 _SOURCE = "theory 2.3: dyads in closed form, run backwards"
 _STATUS = Port("status", kind="integer")
+
+_ONE = sympy.S.One
 
 Exprs = Sequence[sympy.Expr]
 
@@ -49,30 +50,39 @@ def linkage_inverse(mechanism: Mechanism, leg: Limb) -> tuple[Solve | Function, 
     if not found.name:
         return ()
     results = (Port("q", (len(found.branch_names), len(leg.joints)), joint_unit(leg.joints)), _states("status", found))
-    return (_inverse(mechanism, leg, "inverse", results), *(_picked(mechanism, leg, found, name) for name in _PICKS))
-
-
-_PICKS: dict[str, str] = {
-    "inverse_branch": "The joint values of one branch that reach p.",
-    "inverse_near": "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen.",
-}
+    return (_inverse(mechanism, leg, "inverse", results), _inverse_branch(mechanism, leg, found), _inverse_near(mechanism, leg, found))
 
 
 def _states(name: str, found: InverseClass) -> Port:
     return Port(name, (len(found.branch_names),), kind="integer")
 
 
-def _picked(mechanism: Mechanism, leg: Limb, found: InverseClass, name: str) -> Solve:
+def _inverse_branch(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Function:
+    """One row by its number, without the others."""
+    assert leg.linkage is not None
+    tape, slots, port = Tape(), len(found.branch_names), Port("branch", kind="integer")
+    branch = symbols_of(port)[0]
+    rows = LinkageRows(leg, leg.linkage, symbols_of(TARGET), parameter_symbols(mechanism), tape)
+    values, status = rows.one(branch, slots)
+    known = Both(LessEqual(0, branch), Less(branch, slots))
+    stray = tape.let("stray", Select(known, 0, sympy.sqrt(-1 - branch**2)))  # NaN for an unknown branch
+    doc = "The joint values of one branch that reach p."
+    outputs = [joint_port("q", leg.joints), _STATUS]
+    words = signature(mechanism, leg.name, "inverse_branch", [TARGET, port], outputs, doc, _SOURCE)
+    return tape.function(words, [*(value + stray for value in values), Select(known, status, BAD_INPUT)])
+
+
+def _inverse_near(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve:
     """One row of all."""
     slots = len(found.branch_names)
     rows = (Port("rows", (slots, len(leg.joints)), joint_unit(leg.joints)), _states("states", found))
-    port = Port("branch", kind="integer") if name == "inverse_branch" else joint_port("q_seed", leg.joints)
-    pick = (by_index if name == "inverse_branch" else nearest)(mechanism, leg, slots)
-    words = signature(mechanism, leg.name, name, [TARGET, port], [joint_port("q", leg.joints), _STATUS], _PICKS[name], _SOURCE)
+    port = joint_port("q_seed", leg.joints)
+    doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
+    words = signature(mechanism, leg.name, "inverse_near", [TARGET, port], [joint_port("q", leg.joints), _STATUS], doc, _SOURCE)
     kernel = _inverse(mechanism, leg, "inverse_rows", rows)
     steps = (
         Step(kernel, ("p", *parameters_of(mechanism), "rows", "states")),
-        Step(pick, ("rows", "states", port.name, "q", "status")),
+        Step(nearest(mechanism, leg, slots), ("rows", "states", port.name, "q", "status")),
     )
     return Solve(words, rows, steps, Solve(words, rows, steps))
 
@@ -99,33 +109,44 @@ class LinkageRows:
 
     def all(self) -> list[tuple[list[sympy.Expr], sympy.Expr]]:
         """q and status of every branch, in order."""
-        groups = [group for group in self._linkage.inverse.groups if SIDES[group.kind]]
-        rows = []
-        for number, plane in enumerate(self._planes):
-            for signs in product((1, -1), repeat=len(groups)):
-                sides = {group.name: sign for group, sign in zip(groups, signs, strict=True)}
-                rows.append(self._row(plane, sides, bool(number)))
-        return rows
+        planes = [(self._plane(turn), less(turn, 0)) for turn in ((_ONE, -_ONE) if self._leg.serial else (_ONE,))]
+        choices = [dict(zip(self._sided, signs, strict=True)) for signs in product((_ONE, -_ONE), repeat=len(self._sided))]
+        return [self._row(plane, signs, second) for plane, second in planes for signs in choices]
 
-    @cached_property
-    def _planes(self) -> tuple[Plane, ...]:
+    def one(self, branch: sympy.Expr, slots: int) -> tuple[list[sympy.Expr], sympy.Expr]:
+        """q and status of the branch of this number, whose binary digits are its signs."""
+        signs = []
+        for _ in range(slots.bit_length() - 1):
+            slots //= 2
+            upper = Less(branch, slots)
+            signs.append(self._tape.let("sign", Select(upper, 1, -1)))
+            branch = self._tape.let("rest", Select(upper, branch, branch - slots))
+        turn = signs.pop(0) if self._leg.serial else _ONE
+        return self._row(self._plane(turn), dict(zip(self._sided, signs, strict=True)), less(turn, 0))
+
+    @property
+    def _sided(self) -> list[str]:
+        """Names of the groups that have two sides."""
+        return [group.name for group in self._linkage.inverse.groups if SIDES[group.kind]]
+
+    def _plane(self, turn: sympy.Expr) -> Plane:
+        """Where the joint before the linkage, if there is one, puts its plane; `turn` is 1 or -1."""
         mount = frame_of(self._leg.mount, self._parameters)
         plane = frame_of(self._leg.tip, self._parameters)
         if not self._leg.serial:
             x, y, z = self._local(mount * plane, self._p)
-            return (Plane((), (x, y), self._tape.let("off_plane", z**2), sympy.false),)
+            return Plane((), (x, y), self._tape.let("off_plane", z**2), sympy.false)
         joint = self._leg.serial[0]
         base = mount * frame_of(joint.before, self._parameters)
         self._hung = frame_of(joint.after, self._parameters) * plane
-        w = self._tape.vector("seen", self._local(base, self._p))
-        return tuple(self._turned(w, sign) for sign in (1, -1))
+        return self._turned(self._tape.vector("seen", self._local(base, self._p)), turn)
 
     def _local(self, frame: Frame, point: Vec) -> Vec:
         offset = minus(point, frame.origin)
         x, y, z = (dot(column, offset) for column in frame.rotation)
         return (x, y, z)
 
-    def _turned(self, w: Vec, sign: int) -> Plane:
+    def _turned(self, w: Vec, sign: sympy.Expr) -> Plane:
         """The joint turns the plane onto the target: A cos t + B sin t = C."""
         (nx, ny, nz), tape, joint = self._hung.rotation[2], self._tape, self._leg.serial[0]
         a, b = tape.let("plane_a", nx * w[0] + ny * w[1]), tape.let("plane_b", nx * w[1] - ny * w[0])
@@ -146,7 +167,7 @@ class LinkageRows:
         misses = tape.let("plane_misses", Select(free, 0, Select(less(inside, 0), -inside, 0)))
         return Plane((tape.let("turn", value),), (tape.let("target_x", x), tape.let("target_y", y)), misses, free)
 
-    def _row(self, plane: Plane, signs: dict[str, int], second: bool) -> tuple[list[sympy.Expr], sympy.Expr]:
+    def _row(self, plane: Plane, signs: dict[str, sympy.Expr], second: sympy.Basic) -> tuple[list[sympy.Expr], sympy.Expr]:
         tape, order = self._tape, self._linkage.inverse
         root = lambda square: sympy.sqrt(Select(less(square, 0), 0, square))  # noqa: E731 - a formula
         placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, plane.target, "", root)
@@ -159,7 +180,7 @@ class LinkageRows:
         first, second = (placing.joint(index) for index, pair in enumerate(self._linkage.structure.pairs) if bar in pair.bodies)
         return sympy.sqrt(square(difference(second, first)))
 
-    def _status(self, plane: Plane, placing: Placing, signs: dict[str, int], second: bool) -> sympy.Expr:
+    def _status(self, plane: Plane, placing: Placing, signs: dict[str, sympy.Expr], second: sympy.Basic) -> sympy.Expr:
         """The worst of what can be said."""
         status: sympy.Expr = OK
         for group in self._linkage.forward.groups:
@@ -168,9 +189,10 @@ class LinkageRows:
         for margin in placing.margins:
             if not SIDES[margin.group.kind]:
                 status = Select(less(margin.value, _TOLERANCE**2), SINGULAR, status)
-            elif signs[margin.group.name] < 0:
-                status = Select(less(margin.value, _TOLERANCE**2), DUPLICATE, status)
-        status = Select(plane.free, SINGULAR if not second else DUPLICATE, status)
+            else:
+                repeated = both(less(signs[margin.group.name], 0), less(margin.value, _TOLERANCE**2))
+                status = Select(repeated, DUPLICATE, status)
+        status = Select(plane.free, chosen(second, DUPLICATE, SINGULAR), status)
         for margin in placing.margins:
             status = Select(less(margin.value, -_TOLERANCE), UNREACHABLE, status)
         status = Select(less(_TOLERANCE**2, plane.misses), UNREACHABLE, status)

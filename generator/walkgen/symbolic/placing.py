@@ -71,7 +71,7 @@ class Placing:
         tape: Tape,
         values: Mapping[int, sympy.Expr],
         bars: Mapping[int, sympy.Expr],
-        signs: Mapping[str, int],
+        signs: Mapping[str, sympy.Expr],
         parameters: Parameters,
         target: Planar | None = None,
         label: str = "",
