@@ -279,7 +279,7 @@ class Placing:
 
     def _settle(self, clusters: Sequence[int], poses: Mapping[int, PlanarPose], group: Group) -> None:
         """Join first and second to the base, whatever the poses are relative to."""
-        back = poses[0].inverse()
+        back = poses[0].named(self._tape, f"{self._label}{group.name}_base").inverse()
         for index, name in ((1, "first"), (2, "second")):
             self._join(clusters[0], clusters[index], back * poses[index], f"{group.name}_{name}")
 
