@@ -13,12 +13,12 @@
 static const double PARAM[] = {0.0};
 
 /* The larger of two errors; NaN counts as the largest. */
-static double larger(double worst, double error) {
+static inline double larger(double worst, double error) {
     return error < worst ? worst : error <= HUGE_VAL ? error : HUGE_VAL;
 }
 
 /* The largest error so far, relative to numbers above 1. */
-static double worse(double worst, const double *got, const double *expected, int count) {
+static inline double worse(double worst, const double *got, const double *expected, int count) {
     for (int i = 0; i < count; ++i) {
         worst = larger(worst, fabs(got[i] - expected[i]) / fmax(1.0, fabs(expected[i])));
     }
@@ -34,7 +34,7 @@ static inline double nearer(double least, const double *got, const double *expec
     return distance < least ? distance : least;
 }
 
-static int report(const char *name, double error, double allowed) {
+static inline int report(const char *name, double error, double allowed) {
     const int failed = !(error <= allowed);
     printf("%-6s %s, worst error %.2g\n", failed ? "FAILED" : "ok", name, error);
     return failed;
