@@ -11,6 +11,7 @@ from walkgen.emit.emit import emit
 SPECS = {path.stem: path for path in sorted((Path(__file__).parents[2] / "specs").glob("*.toml"))}
 LARGE = ("bessonov", "garrec", "mero_star", "mero_style", "minitaur", "odex", "solo12")  # kin of those that every run compiles
 EVERY = [pytest.param(name, marks=pytest.mark.nightly) if name in LARGE else name for name in SPECS]
+SMALL = [pytest.param(name, marks=pytest.mark.nightly) if name in (*LARGE, "mero") else name for name in SPECS]
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
 LANGUAGES = {"c99": ("gcc", "-std=c99"), "c++11": ("g++", "-x", "c++", "-std=c++11")}
 SANITIZE = ("-O0", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -37,14 +38,22 @@ def sources(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("name", EVERY)
-def test_compiles_without_a_warning(sources, name, language):
+def test_compiles_without_a_warning(sources, name):
+    compiled(sources, name, "c99")
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_compiles_as_cpp_without_a_warning(sources, name):
+    compiled(sources, name, "c++11")
+
+
+def compiled(sources, name, language):
     files = [f"{name}.c", f"{name}_f32.c", f"{name}_test.c"]
     run((*LANGUAGES[language], *WARNINGS, "-O0", "-c", *files), sources(name))
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", SMALL)
 def test_selftest_passes_under_sanitizers(sources, name):
     folder = sources(name)
     run(("gcc", "-std=c99", *WARNINGS, *SANITIZE, f"{name}.c", f"{name}_test.c", "-o", "selftest", "-lm"), folder)
