@@ -4,8 +4,8 @@ import tomllib
 
 import numpy as np
 
-DAMPED, PLAIN = 25, 3
-CLOSED = 1e-9
+DAMPED, PLAIN, AT_ONCE = 25, 6, 1000
+NEAR, CLOSED = 1e-2, 1e-9
 
 
 class Closure:
@@ -141,12 +141,12 @@ def newton(closure, x, strength):
         normal = np.swapaxes(slope, 1, 2)
         damping = strength * np.minimum(np.sum(value**2, -1), 1) + 1e-13 * np.sum(slope**2, (1, 2))
         x = x - np.linalg.solve(normal @ slope + damping[:, None, None] * np.eye(closure.size), normal @ value[..., None])[..., 0]
-    closed = np.abs(closure.equations(x)[0]).max(-1) < CLOSED
+    near = np.abs(closure.equations(x)[0]).max(-1) < NEAR  # as far as it is damped, it creeps to poses far away
     for _ in range(PLAIN):
         value, slope = closure.equations(x)
-        slope[~closed] = np.eye(closure.size)
+        slope[~near] = np.eye(closure.size)
         x = x - np.linalg.solve(slope, value[..., None])[..., 0]
-    return x, closed
+    return x, near & (np.abs(closure.equations(x)[0]).max(-1) < CLOSED)
 
 
 def assembled(text, sides, parameters, drives, random, rounds):
@@ -154,10 +154,11 @@ def assembled(text, sides, parameters, drives, random, rounds):
     found = np.full((len(drives), Closure(text, parameters, drives).size), np.nan)
     for number in range(max(rounds)):
         many = np.repeat(np.flatnonzero(np.isnan(found[:, 0]) & (rounds > number)), 8 * 4**number)
-        closure = Closure(text, parameters[many], drives[many])
-        x, closed = newton(closure, _start(closure, random), 10 ** random.uniform(-6, 0, closure.count))
-        good = closed & closure.as_wanted(x, sides)
-        found[many[good]] = x[good]
+        for part in np.array_split(many, len(many) // AT_ONCE + 1):
+            closure = Closure(text, parameters[part], drives[part])
+            x, closed = newton(closure, _start(closure, random), 10 ** random.uniform(-6, 0, closure.count))
+            good = closed & closure.as_wanted(x, sides)
+            found[part[good]] = x[good]
     return found
 
 
