@@ -144,8 +144,9 @@ def newton(closure, x, strength):
     near = np.abs(closure.equations(x)[0]).max(-1) < NEAR  # as far as it is damped, it creeps to poses far away
     for _ in range(PLAIN):
         value, slope = closure.equations(x)
+        near &= np.abs(value).max(-1) < 1
         slope[~near] = np.eye(closure.size)
-        x = x - np.linalg.solve(slope, value[..., None])[..., 0]
+        x = x - np.linalg.solve(slope + 1e-14 * np.eye(closure.size), value[..., None])[..., 0]  # a start may end in a singular pose
     return x, near & (np.abs(closure.equations(x)[0]).max(-1) < CLOSED)
 
 
