@@ -19,7 +19,7 @@ from walkgen.symbolic.derive import derive
 
 SPECS = Path(__file__).parents[2] / "specs"
 BAD_INPUT = STATUSES.index("BAD_INPUT")
-ROBOTS = ("mero_leg", "mero_leg_param", "ambler_rrp", "hydraulic_leg", pytest.param("mero_style", marks=pytest.mark.nightly))
+ROBOTS = ("mero_leg", "mero_leg_param", "ambler_rrp", pytest.param("mero_style", marks=pytest.mark.nightly))
 
 
 class Targets:
