@@ -27,10 +27,9 @@ class Linkage:
     """Bodies are the links, the frame first, then one bar for each driven cylinder, pinned at (0, 0) and (q, 0).
 
     `points` are those of every pair of the structure, one a body, in the body's axes, None for a bar's far end; a slider's are the
-    sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). `drives` are the structure's
-    driven pairs, then its bars: the order of q. `masses` are those of every link, with what cylinders lump at
-    its points. `sides` name how groups are assembled, the first
-    side where they are silent.
+    sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). q is in the order of the
+    structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders lump at its points. `sides` name
+    how groups are assembled, the first side where they are silent.
     """
 
     structure: Structure

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from decimal import Decimal
 from math import hypot
-from typing import Literal, cast
+from typing import Literal
 
 from walkgen.model.limbs import joints_of, pose_transform, reflected, sole_of
 from walkgen.model.linkage import Linkage, linkage_of
@@ -65,4 +65,4 @@ def _damping(design: LegDesign, linkage: Linkage, values: Values) -> tuple[Scala
     points = [point for ends in linkage.points for point in ends if point is not None]
     size = max((hypot(values.number(x), values.number(y)) for x, y in (*points, linkage.foot[1])), default=0.0) or 1.0
     default = exact(Decimal(f"{min(size, 1.0):.2g}") * _DAMPING_PER_SIZE)
-    return cast(tuple[Scalar, Scalar], (default, default))
+    return default, default

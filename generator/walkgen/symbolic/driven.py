@@ -19,7 +19,7 @@ from walkgen.symbolic.frames import Parameters
 from walkgen.symbolic.path import Kinematics, path_of
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
-from walkgen.symbolic.tape import Columns, Tape, Vec, dot
+from walkgen.symbolic.tape import Columns, Tape, Vec, dot, plus
 
 _PLANAR = 3
 Exprs = Sequence[sympy.Expr]
@@ -91,7 +91,7 @@ class DrivenKinematics:
         cosine, sine = pose.rotor
         columns = (_mixed((x, y), (cosine, sine)), _mixed((x, y), (-sine, cosine)), z)
         away = _mixed((x, y), (pose.origin[0] - foot_x, pose.origin[1] - foot_y))
-        return columns, self.tape.vector(f"link_{body}_origin", _sum(self.position, away))
+        return columns, self.tape.vector(f"link_{body}_origin", plus(self.position, away))
 
     @property
     def frames(self) -> tuple[tuple[Columns, Vec], ...]:
@@ -104,7 +104,7 @@ class DrivenKinematics:
         linear, angular = self._inner.bias((*rates[: self._serial], *self._motion.rates(drives)))
         own = self._motion.curved(drives)
         columns = (self._inner.jacobian[self._serial :], self._inner.angular[self._serial :])
-        return _sum(linear, _mixed(columns[0], own)), _sum(angular, _mixed(columns[1], own))
+        return plus(linear, _mixed(columns[0], own)), plus(angular, _mixed(columns[1], own))
 
 
 def forward_placing(linkage: Linkage, drives: Exprs, parameters: Parameters, tape: Tape) -> Placing:
@@ -146,7 +146,3 @@ def _joint(name: str, kind: Literal["revolute", "prismatic"], before: Transform,
 def _mixed(columns: Sequence[Vec], factors: Exprs) -> Vec:
     x, y, z = (dot([column[row] for column in columns], factors) for row in range(3))
     return (x, y, z)
-
-
-def _sum(a: Vec, b: Vec) -> Vec:
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

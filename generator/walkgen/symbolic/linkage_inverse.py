@@ -138,19 +138,19 @@ class LinkageRows:
             return Plane((), (x, y), self._tape.let("off_plane", z**2), sympy.false)
         joint = self._leg.serial[0]
         base = mount * frame_of(joint.before, self._parameters)
-        self._hung = frame_of(joint.after, self._parameters) * plane
-        return self._turned(self._tape.vector("seen", self._local(base, self._p)), turn)
+        hung = frame_of(joint.after, self._parameters) * plane
+        return self._turned(hung, self._tape.vector("seen", self._local(base, self._p)), turn)
 
     def _local(self, frame: Frame, point: Vec) -> Vec:
         offset = minus(point, frame.origin)
         x, y, z = (dot(column, offset) for column in frame.rotation)
         return (x, y, z)
 
-    def _turned(self, w: Vec, sign: sympy.Expr) -> Plane:
-        """The joint turns the plane onto the target: A cos t + B sin t = C."""
-        (nx, ny, nz), tape, joint = self._hung.rotation[2], self._tape, self._leg.serial[0]
+    def _turned(self, hung: Frame, w: Vec, sign: sympy.Expr) -> Plane:
+        """The joint turns the plane, `hung` on it, onto the target: A cos t + B sin t = C."""
+        (nx, ny, nz), tape, joint = hung.rotation[2], self._tape, self._leg.serial[0]
         a, b = tape.let("plane_a", nx * w[0] + ny * w[1]), tape.let("plane_b", nx * w[1] - ny * w[0])
-        c = tape.let("plane_c", dot((nx, ny, nz), self._hung.origin) - nz * w[2])
+        c = tape.let("plane_c", dot((nx, ny, nz), hung.origin) - nz * w[2])
         size = tape.let("plane_size", a**2 + b**2)
         inside = tape.let("plane_inside", size - c**2)
         root = tape.let("plane_root", sign * sympy.sqrt(Select(less(inside, 0), 0, inside)))
@@ -160,7 +160,7 @@ class LinkageRows:
         turn = tape.let("plane_turn", angle)
         cos, sin = tape.let("plane_cosine", sympy.cos(turn)), tape.let("plane_sine", sympy.sin(turn))
         back = (cos * w[0] + sin * w[1], cos * w[1] - sin * w[0], w[2])
-        x, y, _ = self._local(self._hung, tape.vector("turned_back", back))
+        x, y, _ = self._local(hung, tape.vector("turned_back", back))
         value = joint.sign * (turn - expression(joint.zero, self._parameters))
         if joint.zero != ZERO:
             value = Angle(sympy.sin(value), sympy.cos(value))
@@ -170,7 +170,7 @@ class LinkageRows:
     def _row(self, plane: Plane, signs: dict[str, sympy.Expr], second: sympy.Basic) -> tuple[list[sympy.Expr], sympy.Expr]:
         tape, order = self._tape, self._linkage.inverse
         root = lambda square: sympy.sqrt(Select(less(square, 0), 0, square))  # noqa: E731 - a formula
-        placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, plane.target, "", root)
+        placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, plane.target, root)
         bars = sorted(self._linkage.structure.bars)
         drives = [placing.measured(pair) for pair in self._linkage.driven] + [self._length(placing, bar) for bar in bars]
         values = [tape.let("drive", value + self._taint) for value in (*plane.q, *drives)]

@@ -60,7 +60,6 @@ class Placing:
         signs: of every group's name, +1 or -1.
         parameters: the runtime parameters.
         target: where the foot is pinned to the frame, for the inverse.
-        label: begins the names on the tape.
         root: of what is negative where a group cannot be assembled.
     """
 
@@ -74,10 +73,9 @@ class Placing:
         signs: Mapping[str, sympy.Expr],
         parameters: Parameters,
         target: Planar | None = None,
-        label: str = "",
         root: Callable[[sympy.Expr], sympy.Expr] = sympy.sqrt,
     ) -> None:
-        self._linkage, self._tape, self._parameters, self._label = linkage, tape, parameters, label
+        self._linkage, self._tape, self._parameters = linkage, tape, parameters
         self._values, self._bars, self._signs, self._target, self._root = values, bars, signs, target, root
         count = len(linkage.structure.names)
         self._cluster = list(range(count))
@@ -158,11 +156,11 @@ class Placing:
         """Put a cluster, whose pose in the base's axes is found, among the base's bodies; the frame's cluster takes the other in."""
         if self._cluster[0] == moved:
             base, moved, pose = moved, base, pose.inverse()
-        pose = pose.named(self._tape, f"{self._label}{name}")
+        pose = pose.named(self._tape, name)
         for body, cluster in enumerate(self._cluster):
             if cluster == moved:
                 joined = pose * self._pose[body]
-                self._pose[body] = joined.named(self._tape, f"{self._label}{self._linkage.structure.names[body]}")
+                self._pose[body] = joined.named(self._tape, self._linkage.structure.names[body])
                 self._cluster[body] = base
 
     def _drive(self, drive: Drive) -> None:
@@ -201,7 +199,7 @@ class Placing:
         own = [
             (self._end(pair, body), self._end(group.pairs[2], body)) for pair, body in zip(group.pairs[:2], (first, second), strict=True)
         ]
-        name = f"{self._label}{group.name}"
+        name = group.name
         span = named(self._tape, f"{name}_span", difference(q, p))
         apart = self._tape.let(f"{name}_apart", square(span))
         r, s = (self._tape.let(f"{name}_radius", square(difference(*points))) for points in own)
@@ -222,7 +220,7 @@ class Placing:
         fixed, sliding = (index for index in range(3) if index != third)
         way = self._way(slider, clusters[fixed], clusters[sliding])
         pins = {self.other(group, pair, third): pair for pair in group.pairs if pair != slider}
-        name = f"{self._label}{group.name}"
+        name = group.name
         start, own = self._end(pins[fixed], clusters[fixed]), tuple(self._end(pins[index], clusters[third]) for index in (fixed, sliding))
         run = self._end(pins[sliding], clusters[sliding])
         offset = named(self._tape, f"{name}_offset", difference(way.start.point(run), start))
@@ -242,7 +240,7 @@ class Placing:
         one, two = (index for index in range(3) if index != middle)
         slides = {self.other(group, pair, middle): pair for pair in group.pairs if pair != pin}
         ways = [self._way(slides[index], clusters[middle], clusters[index]) for index in (one, two)]
-        name = f"{self._label}{group.name}"
+        name = group.name
         ends = [way.start.point(self._end(pin, clusters[index])) for way, index in zip(ways, (one, two), strict=True)]
         gap = named(self._tape, f"{name}_gap", difference(ends[1], ends[0]))
         sine = self._tape.let(f"{name}_sine", outer(ways[0].step, ways[1].step))
@@ -263,13 +261,13 @@ class Placing:
         x, y = (sympy.Rational(part.numerator, part.denominator) for part in found.ratio)
         ends = ways[0].start.point(self._end(found.top, top)), ways[1].start.point(self._end(found.middle, middle))
         wanted = sum_of(turned((x, y), ends[0]), turned((1 - x, -y), self._target))
-        gap = named(self._tape, f"{self._label}pantograph_gap", difference(wanted, ends[1]))
-        back = named(self._tape, f"{self._label}pantograph_back", stretched(-_ONE, turned((x, y), ways[0].step)))
-        sine = self._tape.let(f"{self._label}pantograph_sine", outer(ways[1].step, back))
+        gap = named(self._tape, "pantograph_gap", difference(wanted, ends[1]))
+        back = named(self._tape, "pantograph_back", stretched(-_ONE, turned((x, y), ways[0].step)))
+        sine = self._tape.let("pantograph_sine", outer(ways[1].step, back))
         self.margins.append(Margin(group, sine**2 / square(back)))
         values = outer(ways[1].step, gap) / sine, outer(gap, back) / sine
         for way, cluster, value, name in zip(ways, (top, middle), values, ("top", "middle"), strict=True):
-            self._join(base, cluster, way.at(self._tape.let(f"{self._label}pantograph_{name}", value)), f"pantograph_{name}")
+            self._join(base, cluster, way.at(self._tape.let(f"pantograph_{name}", value)), f"pantograph_{name}")
 
     def _spanned(self, group: Group) -> None:
         """A body by two pins whose places are known."""
@@ -279,7 +277,7 @@ class Placing:
 
     def _settle(self, clusters: Sequence[int], poses: Mapping[int, PlanarPose], group: Group) -> None:
         """Join first and second to the base, whatever the poses are relative to."""
-        back = poses[0].named(self._tape, f"{self._label}{group.name}_base").inverse()
+        back = poses[0].named(self._tape, f"{group.name}_base").inverse()
         for index, name in ((1, "first"), (2, "second")):
             self._join(clusters[0], clusters[index], back * poses[index], f"{group.name}_{name}")
 
