@@ -16,6 +16,7 @@ from walkgen.symbolic.frames import Frame, frame_of, parameter_symbols
 from walkgen.symbolic.inertia import inertia_of
 from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
+from walkgen.symbolic.robot import joint_indices
 from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tape import Tape
 from walkgen.symbolic.tree import BASE, Attachment, Foot, Growth, Tree
@@ -38,33 +39,32 @@ def spread_robot(mechanism: Mechanism, q: Exprs, tape: Tape) -> tuple[Tree, Spre
         for chain in mechanism.ancestors(index):
             assert chain.child is not None
             if chain.child not in places:
-                places[chain.child] = _grow_chain(growth, spread, chain, places[chain.platform], q, mechanism.offset(chain))
+                indices = joint_indices(mechanism, chain)
+                places[chain.child] = _grow_series(growth, spread, chain, places[chain.platform], q, indices, f"{chain.name}_")
     for index, platform in enumerate(mechanism.platforms):
         if platform.body:
             body = inertia_of(platform.body, growth.parameters, tape, platform.name)
             growth.carry(places[index], body, platform.name)
     for leg in mechanism.legs:
-        start = mechanism.offset(leg)
-        grow_leg(growth, spread, leg, places[leg.platform], q, range(start, start + len(leg.joints)), f"{leg.name}_")
+        grow_leg(growth, spread, leg, places[leg.platform], q, joint_indices(mechanism, leg), f"{leg.name}_")
     return growth.tree(), spread
 
 
-def _grow_chain(growth: Growth, spread: Spread, chain: Limb, start: Attachment, q: Exprs, first: int) -> Attachment:
-    place = Attachment(start.link, start.frame * frame_of(chain.mount, growth.parameters))
-    for index, joint in enumerate(chain.joints, first):
-        place = growth.joint(joint, place, spread.joint(index, q[index]), f"{chain.name}_{joint.name}")
-    return Attachment(place.link, place.frame * frame_of(chain.tip, growth.parameters))
+def _grow_series(
+    growth: Growth, spread: Spread, limb: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str
+) -> Attachment:
+    """Add a limb's joints in series; its tip."""
+    place = Attachment(start.link, start.frame * frame_of(limb.mount, growth.parameters))
+    for joint, index in zip(limb.serial, indices, strict=False):
+        place = growth.joint(joint, place, spread.joint(index, q[index]), prefix + joint.name)
+    return Attachment(place.link, place.frame * frame_of(limb.tip, growth.parameters))
 
 
 def grow_leg(growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str) -> None:
     """Add a leg with its foot; `indices` are its joints' in the robot's q."""
-    serial = len(leg.serial)
-    place = Attachment(start.link, start.frame * frame_of(leg.mount, growth.parameters))
-    for joint, index in zip(leg.serial, indices, strict=False):
-        place = growth.joint(joint, place, spread.joint(index, q[index]), prefix + joint.name)
-    place = Attachment(place.link, place.frame * frame_of(leg.tip, growth.parameters))
+    place = _grow_series(growth, spread, leg, start, q, indices, prefix)
     if leg.linkage is not None:
-        drives = indices[serial:]
+        drives = indices[len(leg.serial) :]
         place = _grow_linkage(growth, spread, leg.linkage, place, [q[index] for index in drives], drives, prefix)
     origin = growth.tape.vector(f"{prefix}foot", place.frame.origin) if prefix else place.frame.origin
     growth.feet.append(Foot(place.link, origin))

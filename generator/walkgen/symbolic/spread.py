@@ -13,7 +13,7 @@ from walkgen.symbolic.planar_motion import PlanarMotion
 from walkgen.symbolic.tape import Tape
 
 Exprs = Sequence[sympy.Expr]
-_ZERO, _ONE = sympy.S.Zero, sympy.S.One
+_ONE = sympy.S.One
 
 
 @dataclass
