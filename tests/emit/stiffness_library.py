@@ -23,10 +23,6 @@ void spread_rows@(int rows, int k, int whole, const REAL *points, const REAL *no
                                          e + 3 * k * i, f + 3 * k * i, status + i, state + k * i, displacement + 6 * i, violation + i);
     }
 }
-void springs@(int k, const REAL *normals, const REAL *kn, const REAL *kt, const REAL *compliance, REAL *soft);
-void springs@(int k, const REAL *normals, const REAL *kn, const REAL *kt, const REAL *compliance, REAL *soft) {
-    wg_contact_terrain_springs@(k, normals, kn, kt, compliance, soft);
-}
 """
 }
 SOURCE = source("".join(ONE.values()), *HEADERS)
@@ -105,12 +101,6 @@ class Spreading:
         status, state = np.full(rows, -1, np.int32), np.full((rows, k), -1, np.int32)
         call(self._library, "spread_rows", dtype, rows, k, int(whole), *given, f, status, state, displacement, violation)
         return f, status, state, displacement, violation
-
-    def springs(self, normals, kn, kt, compliance):
-        given = [np.array(item, float, order="C") for item in (normals, kn, kt, compliance)]
-        soft = np.full_like(given[-1], 7.0)
-        call(self._library, "springs", np.float64, len(normals), *given, soft)
-        return soft
 
 
 def by_numpy(points, normals, mu, wrench, compliance, misfit):

@@ -50,7 +50,6 @@ _KNOWN = (
     Routine("wg_contact_limited", "walkgen_contact_limited.h", "contact", inputs=11, inouts=1, outputs=6),
     Routine("wg_contact_stiffness", "walkgen_contact_stiffness.h", "contact_stiffness", inputs=7, outputs=5),
     Routine("wg_contact_stiffness_blocks", "walkgen_contact_stiffness.h", "contact_stiffness", inputs=7, outputs=5),
-    Routine("wg_contact_terrain_springs", "walkgen_contact_stiffness.h", "contact_stiffness", inputs=5, outputs=1),
     Routine("wg_contact_vertical", "walkgen_contact_vertical.h", "contact_vertical", inputs=4, outputs=4),
     Routine("wg_grasp", "walkgen_stance.h", "stance", inputs=2, outputs=6),
     Routine("wg_friction_needed", "walkgen_friction_needed.h", "friction_needed", inputs=4, outputs=4),

@@ -224,17 +224,6 @@ static inline void WG_NAME(wg_contact_stiffness)(int32_t k, const WG_REAL *point
     WG_NAME(wg_stiffness_run)(k, points, normals, mu, wrench, compliance, misfit, matrix, f, status, state, displacement, violation);
 }
 
-/* Compliances `soft` [k,3,3] on ground that gives kn [k] along its normals, kt [k] across (N/m, infinite where it is rigid): in series. */
-static inline void WG_NAME(wg_contact_terrain_springs)(int32_t k, const WG_REAL *normals, const WG_REAL *kn, const WG_REAL *kt,
-                                                       const WG_REAL *compliance, WG_REAL *soft) {
-    int32_t i;
-    for (i = 0; i < 9 * k; ++i) {
-        const int32_t foot = i / 9, row = i % 9 / 3, column = i % 3;
-        const WG_REAL along = normals[3 * foot + row] * normals[3 * foot + column], one = row == column ? WG_C(1.0) : WG_C(0.0);
-        soft[i] = compliance[i] + along / kn[foot] + (one - along) / kt[foot];
-    }
-}
-
 #undef WG_ALIKE
 #undef WG_FAIR
 #endif

@@ -71,14 +71,6 @@ def contact_stiffness_blocks(
     return contact_stiffness(points, normals, mu, wrench, whole, misfit)
 
 
-def contact_terrain_springs(normals: ArrayLike, kn: ArrayLike, kt: ArrayLike, compliance: ArrayLike) -> Reals:
-    """Compliances [..., k, 3, 3] on ground that gives kn [..., k] along its normals and kt across (N/m); infinite where it is rigid."""
-    n = np.asarray(normals, dtype=float)
-    along = n[..., :, None] * n[..., None, :]
-    soft = 1.0 / np.asarray(kn, dtype=float)[..., None, None], 1.0 / np.asarray(kt, dtype=float)[..., None, None]
-    return np.asarray(np.asarray(compliance, dtype=float) + along * soft[0] + (np.eye(3) - along) * soft[1])
-
-
 def _one(k: int, points: Reals, normals: Reals, mu: Reals, wrench: Reals, compliance: Reals, misfit: Reals) -> _Row:
     """One stance."""
     stand = read_stand(points, normals, mu, wrench, compliance.reshape(3 * k, 3 * k), misfit)
