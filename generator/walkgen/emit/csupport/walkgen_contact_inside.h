@@ -8,10 +8,12 @@
 #define WALKGEN_CONTACT_INSIDE_F64
 #define WG_UNIT WG_C(1e-9)
 #define WG_SAFE WG_C(1e40)
+#define WG_FLAT WG_C(1e-6)
 #else
 #define WALKGEN_CONTACT_INSIDE_F32
 #define WG_UNIT WG_C(1e-5)
 #define WG_SAFE WG_C(1e5)
+#define WG_FLAT WG_C(1e-2)
 #endif
 
 /* a = A^-1 m for the symmetric A of points' second moments (xx, yy, zz, xy, xz, yz); whether it is well conditioned. */
@@ -39,50 +41,54 @@ WG_CALLED int WG_NAME(wg_contact_in_squares)(int32_t k, const WG_REAL *normals, 
     return fine;
 }
 
-/* Forces in the inside of all cones with equal weights (of |T| <= share mu N, `square`: of squares whose half sides these are): whether
- * they are the answer. Numbers far from 1 are left to the scaled search. */
-static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
-                                               const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, WG_REAL share,
-                                               int square,
-                                               WG_REAL *f, WG_REAL *violation) {
-    const WG_REAL each = WG_C(1.0) / (WG_REAL)k;
-    WG_REAL c[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, s[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};
-    WG_REAL m[3], a[3], lacking[6], load, length, worst = WG_C(0.0);
-    int i, j, fine, inside = 1;
-    for (i = 0; i < k; ++i) {
-        c[0] += each * points[3 * i];
-        c[1] += each * points[3 * i + 1];
-        c[2] += each * points[3 * i + 2];
+/* The centre c of points and their second moments about it (xx, yy, zz, xy, xz, yz), by one pass about the first point. */
+static inline void WG_NAME(wg_contact_moments)(int32_t k, const WG_REAL *points, WG_REAL c[3], WG_REAL s[6]) {
+    const WG_REAL each = WG_C(1.0) / (WG_REAL)k, px = points[0], py = points[1], pz = points[2];
+    WG_REAL ex = WG_C(0.0), ey = ex, ez = ex, xx = ex, yy = ex, zz = ex, xy = ex, xz = ex, yz = ex;
+    int i;
+    for (i = 1; i < k; ++i) {
+        const WG_REAL x = points[3 * i] - px, y = points[3 * i + 1] - py, z = points[3 * i + 2] - pz;
+        ex += x;
+        ey += y;
+        ez += z;
+        xx += x * x;
+        yy += y * y;
+        zz += z * z;
+        xy += x * y;
+        xz += x * z;
+        yz += y * z;
     }
-    for (i = 0; i < k; ++i) {
-        const WG_REAL x = points[3 * i] - c[0], y = points[3 * i + 1] - c[1], z = points[3 * i + 2] - c[2];
-        s[0] += x * x;
-        s[1] += y * y;
-        s[2] += z * z;
-        s[3] += x * y;
-        s[4] += x * z;
-        s[5] += y * z;
-    }
-    WG_NAME(wg_cross)(c, wrench, m);
-    for (j = 0; j < 3; ++j) {
-        m[j] -= wrench[3 + j];
-        lacking[j] = wrench[j];
-        lacking[3 + j] = -m[j];
-    }
-    fine = WG_NAME(wg_contact_turning)(s, m, a);
-    length = s[0] + s[1] + s[2];
-    load = WG_NAME(wg_dot)(wrench, wrench);
-    fine &= length > WG_C(1.0) / WG_SAFE && length < WG_SAFE && load > WG_C(1.0) / (WG_SAFE * WG_SAFE) &&
-            load < WG_SAFE * WG_SAFE;
+    s[0] = xx - each * ex * ex;
+    s[1] = yy - each * ey * ey;
+    s[2] = zz - each * ez * ez;
+    s[3] = xy - each * ex * ey;
+    s[4] = xz - each * ex * ez;
+    s[5] = yz - each * ey * ez;
+    c[0] = px + each * ex;
+    c[1] = py + each * ey;
+    c[2] = pz + each * ez;
+}
+
+/* The forces a x r_i - wrench / k; whether they lie in the inside of all cones, and in `usual` whether the numbers are those that this way
+ * is for. By sums, least and greatest values rather than by a comparison each: these weigh most here. No NaN passes: of n_max and weights it fails the
+ * comparison, of all else that with the cone. */
+static inline int WG_NAME(wg_contact_turned)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                             const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, WG_REAL share,
+                                             const WG_REAL c[3], const WG_REAL a[3], WG_REAL *f, WG_REAL lacking[6], int *usual) {
+    const WG_REAL each = WG_C(1.0) / (WG_REAL)k, ax = each * wrench[0], ay = each * wrench[1], az = each * wrench[2];
+    WG_REAL least = WG_INFINITY, low = mu[0], high = mu[0], unit = WG_C(0.0), unequal = WG_C(0.0);
+    int i, fine = 1, inside = 1;
     for (i = 0; i < k; ++i) {
         const WG_REAL *n = normals + 3 * i, x = points[3 * i] - c[0], y = points[3 * i + 1] - c[1], z = points[3 * i + 2] - c[2];
-        const WG_REAL fx = a[1] * z - a[2] * y - each * wrench[0], fy = a[2] * x - a[0] * z - each * wrench[1];
-        const WG_REAL fz = a[0] * y - a[1] * x - each * wrench[2], N = fx * n[0] + fy * n[1] + fz * n[2];
-        const WG_REAL tx = fx - N * n[0], ty = fy - N * n[1], tz = fz - N * n[2], most = share * mu[i] * N;
-        const WG_REAL unit = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - WG_C(1.0);
-        inside &= tx * tx + ty * ty + tz * tz <= most * most;
-        fine &= (N > WG_C(0.0)) & (N <= n_max[i]) & (mu[i] > WG_C(0.0));
-        fine &= (WG_ABS(unit) <= WG_C(2.0) * WG_UNIT) & (mu[i] < WG_C(1.0) / WG_UNIT) & (weight[i] >= weight[0]) & (weight[i] <= weight[0]);
+        const WG_REAL fx = a[1] * z - a[2] * y - ax, fy = a[2] * x - a[0] * z - ay, fz = a[0] * y - a[1] * x - az;
+        const WG_REAL N = fx * n[0] + fy * n[1] + fz * n[2], most = share * mu[i] * N;
+        inside &= fx * fx + fy * fy + fz * fz - N * N <= most * most;
+        fine &= N <= n_max[i];
+        least = WG_MIN(N, least);
+        low = WG_MIN(mu[i], low);
+        high = WG_MAX(mu[i], high);
+        unit = WG_MAX(WG_ABS(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - WG_C(1.0)), unit);
+        unequal += WG_ABS(weight[i] - weight[0]);
         f[3 * i] = fx;
         f[3 * i + 1] = fy;
         f[3 * i + 2] = fz;
@@ -93,14 +99,38 @@ static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points,
         lacking[4] += z * fx - x * fz;
         lacking[5] += x * fy - y * fx;
     }
-    for (j = 0; j < 6; ++j) {
-        worst = WG_MAX(worst, WG_ABS(lacking[j]));
+    *usual = fine & (least > WG_C(0.0)) & (low > WG_FLAT) & (high < WG_C(1.0) / WG_UNIT) & (unit <= WG_C(2.0) * WG_UNIT) & (unequal <= WG_C(0.0));
+    return inside;
+}
+
+/* Forces in the inside of all cones with equal weights (of |T| <= share mu N, `square`: of squares whose half sides these are): whether
+ * they are the answer. Numbers far from 1 are left to the scaled search. */
+static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                               const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, WG_REAL share,
+                                               int square,
+                                               WG_REAL *f, WG_REAL *violation) {
+    WG_REAL c[3], s[6], m[3], a[3], lacking[6], worst = WG_C(0.0);
+    int j, inside, usual, fine;
+    WG_NAME(wg_contact_moments)(k, points, c, s);
+    WG_NAME(wg_cross)(c, wrench, m);
+    for (j = 0; j < 3; ++j) {
+        m[j] -= wrench[3 + j];
+        lacking[j] = wrench[j];
+        lacking[3 + j] = -m[j];
+    }
+    fine = WG_NAME(wg_contact_turning)(s, m, a);
+    const WG_REAL length = s[0] + s[1] + s[2], load = WG_NAME(wg_dot)(wrench, wrench);
+    fine &= (length > WG_C(1.0) / WG_SAFE) & (length < WG_SAFE) & (load > WG_C(1.0) / (WG_SAFE * WG_SAFE)) & (load < WG_SAFE * WG_SAFE);
+    inside = WG_NAME(wg_contact_turned)(k, points, normals, mu, wrench, weight, n_max, share, c, a, f, lacking, &usual);
+    for (j = 0; j < 3; ++j) {
+        worst = WG_MAX(worst, WG_MAX(WG_ABS(lacking[j]), WG_ABS(lacking[3 + j])));
     }
     *violation = worst;
-    fine &= (weight[0] > WG_C(0.0)) & (weight[0] <= WG_HUGE);
+    fine &= usual & (weight[0] > WG_C(0.0)) & (weight[0] <= WG_HUGE);
     return fine && (inside || (square && WG_NAME(wg_contact_in_squares)(k, normals, mu, f, share)));
 }
 
 #undef WG_UNIT
 #undef WG_SAFE
+#undef WG_FLAT
 #endif
