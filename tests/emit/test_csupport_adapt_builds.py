@@ -80,8 +80,8 @@ def constants(robot: Robot, targets, start) -> str:
     return f"enum {{ {enum} }};\nstatic const double NUMBERS[] = {{{numbers}}};\nstatic const int32_t TOPOLOGY[] = {{{links}}};\n"
 
 
-@pytest.mark.parametrize("level", ["-O0", "-O2"])
-@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), ("-std=c++11", "g++")])
+@pytest.mark.parametrize("level", ["-O0", pytest.param("-O2", marks=pytest.mark.nightly)])
+@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), pytest.param("-std=c++11", "g++", marks=pytest.mark.nightly)])
 def test_strict_flags(tmp_path, level, standard, compiler):
     assert compile_c(tmp_path, SOURCE, "strict.o", standard, level, "-c", *STRICT, compiler=compiler).exists()
 
@@ -96,7 +96,8 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
-@pytest.mark.parametrize("robot", ["chapter", pytest.param("random", marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("robot", ["chapter", "random"])
 def test_sanitizers_find_nothing_on_any_input(tmp_path, robot):
     module = chapter_module()
     ground, start = random_ground(2, serial=False)
@@ -108,6 +109,7 @@ def test_sanitizers_find_nothing_on_any_input(tmp_path, robot):
     assert done.stdout == "0"
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("header", HEADERS)
 @pytest.mark.parametrize(("bits", "place"), [("f64", 0), ("f32", 1)])
 def test_stack_is_what_the_header_says(tmp_path, header, bits, place):

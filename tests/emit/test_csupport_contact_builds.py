@@ -77,7 +77,7 @@ int main(void) {
 """.replace("bad##tag", "bad_##tag")
 
 
-@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), ("-std=c++11", "g++")])
+@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), pytest.param("-std=c++11", "g++", marks=pytest.mark.nightly)])
 def test_strict_flags(tmp_path, standard, compiler):
     """Without optimisation; the other tests' library is built with."""
     assert compile_c(tmp_path, SOURCE, "strict.o", standard, "-O0", "-c", *STRICT, compiler=compiler).exists()
@@ -99,6 +99,7 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     flags = ("-std=c99", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     program = compile_c(tmp_path, SOURCE + _DRIVER, "driver", *flags, *STRICT)
@@ -107,6 +108,7 @@ def test_sanitizers_find_nothing_on_any_input(tmp_path):
     assert done.stdout == "0"
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("header", HEADERS)
 @pytest.mark.parametrize(("bits", "place"), [("f64", 0), ("f32", 1)])
 def test_stack_is_what_the_header_says(tmp_path, header, bits, place):

@@ -88,6 +88,7 @@ int main(void) {
 """.replace("bad##tag", "bad_##tag")
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     """Forces and multipliers in memory of their own, so that a value too many is seen."""
     flags = ("-std=c99", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -111,6 +112,7 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("bits", "place"), [("f64", 0), ("f32", 1)])
 def test_stack_is_what_the_header_says(tmp_path, bits, place):
     """Not more than the frames of all functions together, as none calls itself."""

@@ -58,7 +58,7 @@ int main(void) {
 
 
 @pytest.mark.parametrize("level", ["-O0", pytest.param("-O2", marks=pytest.mark.nightly)])
-@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), ("-std=c++11", "g++")])
+@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), pytest.param("-std=c++11", "g++", marks=pytest.mark.nightly)])
 def test_strict_flags(tmp_path, level, standard, compiler):
     assert compile_c(tmp_path, SOURCE, "strict.o", standard, level, "-c", *STRICT, compiler=compiler).exists()
 
@@ -72,6 +72,7 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     flags = ("-std=c99", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-Wno-missing-braces")
     program = compile_c(tmp_path, SOURCE + _DRIVER, "driver", *flags, *STRICT)
@@ -82,6 +83,7 @@ def test_sanitizers_find_nothing_on_any_input(tmp_path):
     assert fine >= 40
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("bits", "place"), [("f64", 0), ("f32", 1)])
 def test_stack_is_what_the_header_says(tmp_path, bits, place):
     """Not more than the frames of all functions together, as none calls itself."""

@@ -190,6 +190,7 @@ int main(void) {
 """
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     flags = ("-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     program = compile_c(tmp_path, SOURCE + DRIVER, "driver", *flags, *STRICT)
@@ -198,7 +199,7 @@ def test_sanitizers_find_nothing_on_any_input(tmp_path):
     assert done.stdout == "0"
 
 
-@pytest.mark.parametrize("level", ["-O0", "-O3"])
-@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), ("-std=c++11", "g++")])
+@pytest.mark.parametrize("level", ["-O0", pytest.param("-O3", marks=pytest.mark.nightly)])
+@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), pytest.param("-std=c++11", "g++", marks=pytest.mark.nightly)])
 def test_strict_flags(tmp_path, level, standard, compiler):
     assert compile_c(tmp_path, SOURCE, "strict.o", standard, level, "-c", *STRICT, compiler=compiler).exists()

@@ -109,11 +109,12 @@ def test_nearest_points_are_the_references(library, shape, bicubic):
     assert np.all(status[1:] == 0) if bicubic else set(status[1:].tolist()) <= {0, 4}
 
 
-@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), ("-std=c++11", "g++")])
+@pytest.mark.parametrize(("standard", "compiler"), [("-std=c99", "gcc"), pytest.param("-std=c++11", "g++", marks=pytest.mark.nightly)])
 def test_strict_flags(tmp_path, standard, compiler):
     assert compile_c(tmp_path, SOURCE, "strict.o", standard, "-O3", "-c", *STRICT, compiler=compiler).exists()
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     flags = ("-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     program = compile_c(tmp_path, SOURCE + _DRIVER, "driver", *flags, *STRICT)

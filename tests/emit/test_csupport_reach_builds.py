@@ -88,7 +88,10 @@ int main(void) {
 """
 
 
-@pytest.mark.parametrize(("standard", "compiler", "level"), [("-std=c99", "gcc", "-O0"), ("-std=c++11", "g++", "-O1")])
+@pytest.mark.parametrize(
+    ("standard", "compiler", "level"),
+    [("-std=c99", "gcc", "-O0"), pytest.param("-std=c++11", "g++", "-O1", marks=pytest.mark.nightly)],
+)
 def test_strict_flags(tmp_path, standard, compiler, level):
     assert compile_c(tmp_path, REACH_SOURCE, "strict.o", standard, level, "-c", *STRICT, compiler=compiler).exists()
 
@@ -101,6 +104,7 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     flags = ("-std=c99", "-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     program = compile_c(tmp_path, REACH_SOURCE + _DRIVER, "driver", *flags, *STRICT)

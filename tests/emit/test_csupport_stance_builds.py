@@ -85,6 +85,7 @@ int main(void) {
 """
 
 
+@pytest.mark.nightly
 def test_strict_flags_as_cpp(tmp_path):
     """As C99 the library of the other tests is built with them."""
     assert compile_c(tmp_path, stance_source(), "strict.o", "-std=c++11", "-O1", "-c", *STRICT, compiler="g++").exists()
@@ -108,6 +109,7 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     flags = ("-std=c99", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     program = compile_c(tmp_path, stance_source() + _DRIVER, "driver", *flags, *STRICT)
