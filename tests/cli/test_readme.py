@@ -1,14 +1,14 @@
 """The README says only what is so: its spec becomes its C, its programs run and print what it prints."""
 
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from walkgen import pipeline
-from walkgen.toolchain import build_program
+from walkgen import pipeline, toolchain
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 
@@ -42,8 +42,11 @@ def test_twelve_lines_become_the_function_shown(tmp_path):
 
 
 @pytest.mark.parametrize("program", blocks("python"))
-def test_python_runs(workplace, program):
-    subprocess.run([sys.executable, "-c", program], cwd=workplace, check=True)
+def test_python_runs(workplace, tmp_path, program, monkeypatch):
+    """In this process: another would compile the library once more, with its own flags."""
+    (tmp_path / "program.py").write_text(program, encoding="utf-8")
+    monkeypatch.chdir(workplace)
+    runpy.run_path(str(tmp_path / "program.py"))
 
 
 def test_the_c_program_prints_what_is_shown(workplace, tmp_path):
@@ -51,7 +54,7 @@ def test_the_c_program_prints_what_is_shown(workplace, tmp_path):
     (tmp_path / "main.c").write_text(blocks("c")[1], encoding="utf-8")
     for source in mero.glob("*.[ch]"):
         (tmp_path / source.name).write_bytes(source.read_bytes())
-    program = build_program(tmp_path, ("main.c", "mero.c"), tmp_path / "main")
+    program = toolchain.build_program(tmp_path, ("main.c", "mero.c"), tmp_path / "main", toolchain.FLAGS)
     printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
     assert blocks("console")[0].partition("\n")[2] == printed
 

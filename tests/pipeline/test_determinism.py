@@ -16,21 +16,21 @@ SETTINGS = (
 )
 
 
-def build(folder, setting):
-    """Two robots built by the command line in a process of its own, without a compiler: what the compiler makes is not committed."""
+def build(folder, setting, robots):
+    """Robots built by the command line in a process of its own, without a compiler: what the compiler makes is not committed."""
     folder.mkdir()
     small = written(folder / "small.toml", text())
     environment = {**os.environ, **setting, "CC": str(folder / "no-compiler")}
-    command = (sys.executable, "-m", "walkgen.cli", "build", small, SPECS / "mero_leg_param.toml", SPECS / "mero_star.toml")
+    command = (sys.executable, "-m", "walkgen.cli", "build", small, *(SPECS / f"{robot}.toml" for robot in robots))
     subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
     return committed(folder / "generated")
 
 
-@pytest.fixture(scope="module")
-def outputs(tmp_path_factory):
+@pytest.fixture(scope="module", params=[("mero_leg_param",), pytest.param(("mero_star", "hydraulic_leg"), marks=pytest.mark.nightly)])
+def outputs(request, tmp_path_factory):
     """One output for each setting, in folders of different names."""
     root = tmp_path_factory.mktemp("determinism")
-    return [build(root / f"place {index}", setting) for index, setting in enumerate(SETTINGS)]
+    return [build(root / f"place {index}", setting, request.param) for index, setting in enumerate(SETTINGS)]
 
 
 def test_bytes_do_not_depend_on_the_process(outputs):
