@@ -9,16 +9,8 @@ from walkgen import pipeline
 from walkgen.emit.emit import emit
 
 SPECS = {path.stem: path for path in sorted((Path(__file__).parents[2] / "specs").glob("*.toml"))}
-LARGE = (
-    "bessonov",
-    "garrec",
-    "mero_star",
-    "mero_style",
-    "minitaur",
-    "odex",
-    "pantograph",
-    "solo12",
-)  # kin of those that every run compiles
+# kin of those that every run compiles
+LARGE = ("bessonov", "garrec", "mero_star", "mero_style", "minitaur", "odex", "pantograph", "solo12")
 EVERY = [pytest.param(name, marks=pytest.mark.nightly) if name in LARGE else name for name in SPECS]
 SMALL = [pytest.param(name, marks=pytest.mark.nightly) if name in (*LARGE, "mero") else name for name in SPECS]
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
