@@ -19,7 +19,8 @@ from walkgen.graph.passes import fused
 from walkgen.graph.program import Composite, Program
 from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
-from walkgen.model.mechanism import Mechanism
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.runtime.solves.assembly import assemble as assemble_triads
 from walkgen.spec.document import open_document
 from walkgen.spec.positions import Positions
 from walkgen.spec.read import read
@@ -96,7 +97,7 @@ def _refuse_apart(path: Path, spec: RobotSpec, mechanism: Mechanism) -> None:
     legs = {leg.name: leg for leg in mechanism.legs}
     problems = []
     for design, user in users.items():
-        found = coverage(mechanism, legs[user])
+        found = coverage_of(mechanism, legs[user])
         if found is not None and found.assembled == 0:
             place = Positions(open_document(path)).place(("leg_designs", design))
             problems.append(
@@ -104,6 +105,11 @@ def _refuse_apart(path: Path, spec: RobotSpec, mechanism: Mechanism) -> None:
             )
     if problems:
         raise SpecError(*problems)
+
+
+def coverage_of(mechanism: Mechanism, leg: Limb) -> Coverage | None:
+    """How much of its drives' limits a leg's linkage assembles in."""
+    return coverage(mechanism, leg, assemble_triads)
 
 
 def _apart(found: Coverage) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from walkgen import pipeline
-from walkgen.graph.assembly import Coverage, coverage
+from walkgen.graph.assembly import Coverage
 from walkgen.model.classify import inverse_class
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
@@ -126,7 +126,7 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
         yield from _limb(f"chain {chain.name}: {platforms[chain.platform]}{child}", chain)
     for leg in mechanism.legs:
         yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
-        yield from _coverage(coverage(mechanism, leg))
+        yield from _coverage(pipeline.coverage_of(mechanism, leg))
         yield from _inverse(mechanism, leg)
 
 

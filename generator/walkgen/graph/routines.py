@@ -58,6 +58,7 @@ _KNOWN = (
     Routine("wg_foot_admissible", "walkgen_friction_margins.h", "friction_margins", inputs=8, outputs=2),
     Routine("wg_slip", "walkgen_slip.h", "slip", inputs=4, outputs=7),
     Routine("wg_settle", "walkgen_settle.h", "settle", inputs=11, outputs=5),
+    Routine("wg_assemble", "walkgen_assembly.h", "assembly", inputs=5, outputs=2),
     Routine("wg_damped_inverse_3", "walkgen_damped.h", "damped", inputs=4, outputs=2),
     Routine("wg_damped_inverse", "walkgen_damped_general.h", "damped_general", inputs=5, outputs=2),
 )

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from math import hypot
 
 from walkgen.model.values import Values
-from walkgen.spec.assur import SIDES, Group, Order, Structure, order
+from walkgen.spec.assur import SIDES, Group, Order, Structure, Triad, order
 from walkgen.spec.planar import End, joined_pairs, link_names, structure_of
 from walkgen.spec.scalar import ZERO, Scalar, add, div, exact, mul, power, sub
 from walkgen.spec.schema import LegDesign
@@ -23,13 +25,26 @@ class PlanarBody:
 
 
 @dataclass(frozen=True)
+class Start:
+    """Values of the drives at which triads are assembled, where given, and what is known of the assembly there.
+
+    `points` hold a body, one of its points and about where that is in the frame; `angles` a body and about its angle to the frame.
+    """
+
+    drives: tuple[Scalar, ...] = ()
+    points: tuple[tuple[int, Point, Point], ...] = ()
+    angles: tuple[tuple[int, Scalar], ...] = ()
+
+
+@dataclass(frozen=True)
 class Linkage:
     """Bodies are the links, the frame first, then one bar for each driven cylinder, pinned at (0, 0) and (q, 0).
 
     `points` are those of every pair of the structure, one a body, in the body's axes, None for a bar's far end; a slider's are the
     sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). q is in the order of the
     structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders lump at its points. `sides` name
-    how groups are assembled, the first side where they are silent.
+    how dyads are assembled, the first side where they are silent; `start` says how triads are, none where there is none. `size` (m) is
+    that of the longest link, to two digits.
     """
 
     structure: Structure
@@ -38,6 +53,8 @@ class Linkage:
     foot: tuple[int, Point]
     masses: tuple[PlanarBody | None, ...]
     sides: tuple[tuple[str, str], ...]
+    size: Scalar
+    start: Start = Start()
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -59,7 +76,7 @@ class Linkage:
         """From the foot to every link."""
         return order(self.structure.released(self.foot[0]))
 
-    def side(self, group: Group) -> int:
+    def side(self, group: Group | Triad) -> int:
         """1 for the first of the group's sides, -1 for the other."""
         return -1 if dict(self.sides).get(group.name) in SIDES[group.kind][1:] else 1
 
@@ -70,13 +87,36 @@ def linkage_of(design: LegDesign, values: Values) -> Linkage:
     names = link_names(design)
     link, _, point = str(design.foot).partition(".")
     angles = [values.resolve(slider.guide.si("angle")) for slider in design.sliders]
+    points = tuple(tuple(_end(end, values) for end in joined.points) for joined in joined_pairs(design))
+    foot = _point(design.links[link].points[point], values)
     return Linkage(
         structure,
-        tuple(tuple(_end(end, values) for end in joined.points) for joined in joined_pairs(design)),
+        points,
         (*(ZERO,) * (len(structure.pairs) - len(angles)), *angles),
-        (names.index(link), _point(design.links[link].points[point], values)),
+        (names.index(link), foot),
         tuple(_whole(tuple(_masses(name, design, values))) for name in names),
         tuple(design.assembly.items()),
+        _size([*(end for ends in points for end in ends if end is not None), foot], values),
+        _start(design, names, values),
+    )
+
+
+def _size(points: Iterable[Point], values: Values) -> Scalar:
+    """Of what lies farthest from the origin of its link; a metre where everything lies there."""
+    size = max(hypot(values.number(x), values.number(y)) for x, y in points) or 1.0
+    return exact(Decimal(f"{size:.2g}"))
+
+
+def _start(design: LegDesign, names: Sequence[str], values: Values) -> Start:
+    """As the spec has it."""
+    given = design.start
+    if given is None:
+        return Start()
+    points = ((text.partition(".")[::2], at) for text, at in given.points.items())
+    return Start(
+        tuple(values.resolve(drive) for drive in given.si("drives") or ()),
+        tuple((names.index(link), _point(design.links[link].points[name], values), _point(at, values)) for (link, name), at in points),
+        tuple((names.index(link), values.resolve(angle)) for link, angle in given.turned.items()),
     )
 
 

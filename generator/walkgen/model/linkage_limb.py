@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from decimal import Decimal
-from math import hypot
 from typing import Literal
 
 from walkgen.model.limbs import joints_of, pose_transform, reflected, sole_of
@@ -62,7 +61,5 @@ def _damping(design: LegDesign, linkage: Linkage, values: Values) -> tuple[Scala
     """The spec's, else a hundredth of the linkage's size: its longest link, or what a metre of a slider moves."""
     if design.damping is not None:
         return values.resolve(design.damping.epsilon), values.resolve(design.damping.lambda_max)
-    points = [point for ends in linkage.points for point in ends if point is not None]
-    size = max((hypot(values.number(x), values.number(y)) for x, y in (*points, linkage.foot[1])), default=0.0) or 1.0
-    default = exact(Decimal(f"{min(size, 1.0):.2g}") * _DAMPING_PER_SIZE)
+    default = exact(Decimal(f"{min(values.number(linkage.size), 1.0):.2g}") * _DAMPING_PER_SIZE)
     return default, default

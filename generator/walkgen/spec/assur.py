@@ -1,8 +1,10 @@
-"""Which bodies of a planar linkage can be placed one after another in closed form: Assur groups of class II, found by their pairs alone.
+"""Which bodies of a planar linkage can be placed one after another: Assur groups of class II and triads, found by their pairs alone.
 
 Bodies that are joined pair by pair in a triangle are rigid together: three pins (an RRR dyad on its base), two pins and a slider (RRP,
-RPR) or a pin and two sliders (PRP, RPP). Placing them makes one cluster of three, until the linkage is a single cluster; what is left
-otherwise holds a group of a higher class. Driven pairs join their bodies first, driven cylinders are bodies of a given length.
+RPR) or a pin and two sliders (PRP, RPP). Placing them makes one cluster of three, until the linkage is a single cluster. Where no triangle
+is left, five clusters may be rigid together: two that are joined by three others. That is every Assur group of four links and six pairs: with
+one of the two as its base a ternary link on three binary ones (class III), with one of the three a loop of four links (class IV). What is
+left otherwise holds a larger group. Driven pairs join their bodies first, driven cylinders are bodies of a given length.
 """
 
 from collections.abc import Iterator
@@ -11,9 +13,9 @@ from fractions import Fraction
 from itertools import combinations, product
 from typing import Literal
 
-GroupKind = Literal["RRR", "RRP", "RPP", "pantograph", "spanned"]
+GroupKind = Literal["RRR", "RRP", "RPP", "pantograph", "spanned", "triad"]
 _KINDS: dict[str, GroupKind] = {"RRR": "RRR", "PRR": "RRP", "PPR": "RPP"}
-SIDES = {"RRR": ("left", "right"), "RRP": ("ahead", "behind"), "RPP": (), "pantograph": (), "spanned": ()}
+SIDES = {"RRR": ("left", "right"), "RRP": ("ahead", "behind"), "RPP": (), "pantograph": (), "spanned": (), "triad": ()}
 """How a group may be assembled. left: the inner pin lies left of the ray from the first outer pin to the second; ahead: the slider lies
 further along its guide."""
 
@@ -82,7 +84,34 @@ class Group:
     guide: int = 0
 
 
-Placement = Drive | Group
+@dataclass(frozen=True)
+class Strut:
+    """A cluster, by one of its bodies, between the two ends of a triad, with the pair to the first and the pair to the second."""
+
+    body: int
+    pairs: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Triad:
+    """Two clusters, each by one of its bodies, that three struts join; where the base is a strut, it is the first."""
+
+    name: str
+    ends: tuple[int, int]
+    struts: tuple[Strut, Strut, Strut]
+
+    @property
+    def kind(self) -> GroupKind:
+        """As that of a dyad."""
+        return "triad"
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """The base first, one body of every cluster."""
+        return tuple(sorted((*self.ends, *(strut.body for strut in self.struts))))
+
+
+Placement = Drive | Group | Triad
 
 
 @dataclass(frozen=True)
@@ -93,16 +122,26 @@ class Order:
     clusters: tuple[frozenset[int], ...]
 
     @property
-    def groups(self) -> tuple[Group, ...]:
-        """The dyads."""
+    def groups(self) -> tuple[Group | Triad, ...]:
+        """All but the drives."""
+        return tuple(placement for placement in self.placements if not isinstance(placement, Drive))
+
+    @property
+    def dyads(self) -> tuple[Group, ...]:
+        """In closed form."""
         return tuple(placement for placement in self.placements if isinstance(placement, Group))
+
+    @property
+    def triads(self) -> tuple[Triad, ...]:
+        """Each with two unknowns."""
+        return tuple(placement for placement in self.placements if isinstance(placement, Triad))
 
 
 def order(structure: Structure) -> Order:
     """Place what can be placed, from the frame outwards first."""
     search = _Search(structure)
     search.drive()
-    while search.span() or search.place() or search.place_pantograph():
+    while search.span() or search.place() or search.place_pantograph() or search.place_triad():
         pass
     bars = structure.bars if not any(pair.driven or structure.bars & set(pair.bodies) for pair in structure.pairs) else frozenset()
     clusters = {cluster for cluster in search.clusters if not cluster <= bars}
@@ -134,6 +173,34 @@ class _Search:
                 self._join(*group.bodies)
                 return True
         return False
+
+    def place_triad(self) -> bool:
+        """Place one group of four links if there is any; those on the frame's cluster come first."""
+        ordered = sorted(self.clusters, key=min)
+        for first, second in combinations(ordered, 2):
+            between = [cluster for cluster in ordered if cluster not in (first, second)]
+            struts = [strut for cluster in between if (strut := self._strut(cluster, first, second))]
+            for three in combinations(struts, 3):
+                if sum(self._slides(strut) == 2 for strut in three) < 2:
+                    triad = self._triad((min(first), min(second)), three)
+                    self.placements.append(triad)
+                    self._join(*triad.bodies)
+                    return True
+        return False
+
+    def _strut(self, cluster: frozenset[int], first: frozenset[int], second: frozenset[int]) -> Strut | None:
+        pairs = next(self._between(cluster, first), None), next(self._between(cluster, second), None)
+        return None if pairs[0] is None or pairs[1] is None or pairs[0] == pairs[1] else Strut(min(cluster), (pairs[0], pairs[1]))
+
+    def _slides(self, strut: Strut) -> int:
+        return sum(self._structure.pairs[pair].kind == "P" for pair in strut.pairs)
+
+    def _triad(self, ends: tuple[int, int], struts: tuple[Strut, ...]) -> Triad:
+        """First the strut that is the base, else one of two sliders, whose ends do not turn to each other, else as the spec has them."""
+        base = min(*ends, *(strut.body for strut in struts))
+        first, second, third = sorted(struts, key=lambda strut: (strut.body != base, self._slides(strut) < 2, strut.pairs))
+        ternary = next(end for end in ends if end != base)
+        return Triad(self._free(self._structure.names[ternary]), ends, (first, second, third))
 
     def place_pantograph(self) -> bool:
         """Place two sliders on the frame by the pantograph between them, once the foot is held."""
@@ -199,7 +266,9 @@ class _Search:
         """The cylinder's, else the slider's, else the inner pin's; then with a number where it is taken."""
         bar = next((self._structure.names[body] for body in bodies if body in self._structure.bars), "")
         slider = next((self._structure.pairs[pair].name for pair in pairs if self._structure.pairs[pair].kind == "P"), "")
-        name = bar or slider or self._structure.pairs[pairs[2]].name
+        return self._free(bar or slider or self._structure.pairs[pairs[2]].name)
+
+    def _free(self, name: str) -> str:
         free = next(text for text in (name, *(f"{name}_{number}" for number in range(2, 99))) if text not in self._used)
         self._used.add(free)
         return free

@@ -5,6 +5,7 @@ from typing import ClassVar
 from pydantic import Field, StrictBool, StrictStr
 
 from walkgen.spec.joint_tables import Friction, Rotor
+from walkgen.spec.scalar import Scalar, degrees
 from walkgen.spec.table import Number, Pair, Table
 
 FRAME = "frame"
@@ -97,3 +98,25 @@ class CylinderSpec(PairSpec):
     """Two points, each as link.point."""
     masses: EndMasses = EndMasses()
     limits_mm: Pair | None = None
+
+
+class StartSpec(Table):
+    """Where triads are assembled, and which of their assemblies is meant: of all that there are at `drives` the one nearest to the hints."""
+
+    drives: tuple[Number, ...] | None = None
+    """Values of the drives, in the order of q (rad or m); the middles of their limits, or near, where left out."""
+    drives_deg: tuple[Number, ...] | None = None
+    """The same in degrees."""
+    drives_mm: tuple[Number, ...] | None = None
+    """The same in mm."""
+    points: dict[StrictStr, Pair] = Field(default_factory=dict, max_length=_MOST_ENDS)
+    """About where points, each as link.point, lie in the frame's axes (m)."""
+    angles: dict[StrictStr, Number] = Field(default_factory=dict, max_length=_MOST_ENDS)
+    """About the angles of links to the frame (rad)."""
+    angles_deg: dict[StrictStr, Number] = Field(default_factory=dict, max_length=_MOST_ENDS)
+    """The same in degrees."""
+
+    @property
+    def turned(self) -> dict[str, Scalar]:
+        """Angles of links (rad)."""
+        return {**self.angles, **{link: degrees(angle) for link, angle in self.angles_deg.items()}}

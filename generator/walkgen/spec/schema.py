@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 
 from walkgen.spec.joint_tables import JointRow, Pose
-from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec
+from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec, StartSpec
 from walkgen.spec.linkage_forms import FiveBar, FourBar, LinkageForm, Parallelogram, Stephenson, Watt
 from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
 from walkgen.spec.terrain import TerrainPatch
@@ -91,6 +91,8 @@ class LegDesign(Design):
     """Where the linkage's X (forward) and Y (up) lie in the frame after the joints."""
     assembly: dict[StrictStr, StrictStr] = Field(default_factory=dict, max_length=_MOST_LINKS)
     """The side on which each dyad is assembled, by its name; `walkgen show` lists them."""
+    start: StartSpec | None = None
+    """Which of its assemblies a triad has: drive values where it is assembled, and about where its links are there."""
     four_bar: FourBar | None = None
     """Short for the links and pins of a four-bar; `links` then adds masses and points to them."""
     five_bar: FiveBar | None = None

@@ -8,6 +8,7 @@ from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.spec.functions import TERRAIN_FUNCTIONS
 from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.chain_reactions import chain_reactions
+from walkgen.symbolic.closing import closed
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
@@ -59,7 +60,10 @@ Wanted = Callable[[str], bool]
 
 def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
     """Derive the named functions, all when no names are given; a name serves every leg, chain or route that has it."""
+    yield from (closed(mechanism, derivation) for derivation in _derived(mechanism, names))
 
+
+def _derived(mechanism: Mechanism, names: tuple[str, ...]) -> Iterator[Derivation]:
     def wanted(name: str) -> bool:
         return not names or name in names
 

@@ -15,9 +15,9 @@ from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Body, Joint, Limb, Transform
 from walkgen.model.transform import QUARTER_TURN, X, Y, rotation
 from walkgen.spec.scalar import ZERO, neg
+from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.frames import Parameters
 from walkgen.symbolic.path import Kinematics, path_of
-from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
 from walkgen.symbolic.tape import Columns, Tape, Vec, dot, plus
 
@@ -39,7 +39,7 @@ class DrivenKinematics:
         count = linkage.drive_count
         self._linkage, self.parameters = linkage, parameters
         self.tape, self._serial, self._drives = tape, len(q) - count, tuple(q[len(q) - count :])
-        self.placing = forward_placing(linkage, self._drives, parameters, tape)
+        self.placing = forward_placing(limbs[-1], self._drives, parameters, tape)
         self._foot = self.placing.pose(linkage.foot[0])
         x, y = self.placing.point(linkage.foot[0], self.placing.planar(linkage.foot[1]))
         self._at = (tape.let("foot_x", x), tape.let("foot_y", y))
@@ -105,14 +105,6 @@ class DrivenKinematics:
         own = self._motion.curved(drives)
         columns = (self._inner.jacobian[self._serial :], self._inner.angular[self._serial :])
         return plus(linear, _mixed(columns[0], own)), plus(angular, _mixed(columns[1], own))
-
-
-def forward_placing(linkage: Linkage, drives: Exprs, parameters: Parameters, tape: Tape) -> Placing:
-    """Every link for the drives' values, each dyad on the side that the spec says."""
-    driven, order = linkage.driven, linkage.forward
-    values = dict(zip(driven, drives, strict=False))
-    bars = dict(zip(sorted(linkage.structure.bars), drives[len(driven) :], strict=True))
-    return Placing(linkage, order, tape, values, bars, {group.name: linkage.side(group) for group in order.groups}, parameters)
 
 
 def moved_links(linkage: Linkage) -> tuple[int, ...]:

@@ -1,15 +1,15 @@
 """Forces in the pairs of a planar linkage, body by body: what is placed last is cut free first, and hands its load on."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import sympy
 
 from walkgen.model.linkage import Linkage
-from walkgen.spec.assur import Drive, Group, Order
+from walkgen.spec.assur import Drive, Group, Order, Placement, Strut, Triad
 from walkgen.symbolic.placing import Placing
-from walkgen.symbolic.planar import Planar, difference, inner, outer, stretched, sum_of
+from walkgen.symbolic.planar import Planar, difference, inner, outer, square, stretched, sum_of
 from walkgen.symbolic.tape import Tape
 
 _ZERO = sympy.S.Zero
@@ -27,6 +27,10 @@ class Load:
 
     def __neg__(self) -> "Load":
         return Load(stretched(sympy.S.NegativeOne, self.force), -self.moment)
+
+    def times(self, factor: sympy.Expr) -> "Load":
+        """A multiple."""
+        return Load(stretched(factor, self.force), factor * self.moment)
 
     def about(self, point: Planar) -> sympy.Expr:
         """Its moment about a point."""
@@ -136,13 +140,65 @@ class FreeBodies:
         else:
             self._give(slides[one], bodies[middle], bodies[one], needs[middle] + needs[two] + joint)
 
+    def _triad(self, triad: Triad, clusters: list[frozenset[int]]) -> None:
+        """Every strut but the first leaves its push unknown; both follow from what the first strut's pairs cannot carry."""
+        first, *others = triad.struts
+        ends = [_of(body, clusters) for body in triad.ends]
+        base, own = _of(triad.bodies[0], clusters), _of(first.body, clusters)
+        pushes = [self._push(strut, _of(strut.body, clusters)) for strut in others]
+        lacks = [self._whole(end) for end in ends]  # of the ends, from the first strut, but for the pushes
+        for (known, _), strut in zip(pushes, others, strict=True):
+            lacks = [lacks[0] + self._whole(_of(strut.body, clusters)) + -known, lacks[1] + known]
+        factors = [-1, 1]
+        if base != own:  # the end that is not the base hands its load on through the strut
+            near = ends.index(base)
+            lacks[near], factors[near] = lacks[1 - near] + self._whole(own), factors[1 - near]
+        rests = [self._carried(pair, lack) for pair, lack in zip(first.pairs, lacks, strict=True)]
+        rows = [[factor * self._carried(pair, push) for _, push in pushes] for pair, factor in zip(first.pairs, factors, strict=True)]
+        size = self._tape.let("pushes", rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0])
+        found = (rows[0][1] * rests[1] - rows[1][1] * rests[0]) / size, (rows[1][0] * rests[0] - rows[0][0] * rests[1]) / size
+        for factor, (known, push), strut in zip(found, pushes, others, strict=True):
+            held = _of(strut.body, clusters)
+            self._give(strut.pairs[1], held, ends[1], known + push.times(self._tape.let("push", factor)))
+            self._give(strut.pairs[0], held, ends[0], self._whole(held))
+        order = [1, 0] if base == ends[0] else [0, 1]
+        for place in order:
+            outer_part = ends[place] if ends[place] != base else own
+            self._give(first.pairs[place], outer_part, own if outer_part != own else base, self._whole(outer_part))
+
+    def _carried(self, pair: int, load: Load) -> sympy.Expr:
+        """What a pair cannot carry: a pin's moment, a slider's force along its guide."""
+        if self._pairs[pair].kind == "R":
+            return self._tape.let("moment", load.about(self._point(pair)))
+        return self._tape.let("along", inner(load.force, self._placing.along(pair)))
+
+    def _push(self, strut: Strut, held: frozenset[int]) -> tuple[Load, Load]:
+        """What a triad's second end gives a strut that the first end holds: what it needs, and what it may have as well."""
+        need, points = self._whole(held), [self._point(pair) for pair in strut.pairs]
+        ways = [None if self._pairs[pair].kind == "R" else self._placing.along(pair) for pair in strut.pairs]
+        if ways[0] is None and ways[1] is None:
+            span = difference(points[1], points[0])
+            turn = self._tape.let("turn", need.about(points[0]) / square(span))
+            return at(points[1], (-turn * span[1], turn * span[0])), at(points[1], span)
+        if ways[0] is None or ways[1] is None:
+            return self._push_of_one_slider(need, points, ways)
+        across = _normal(ways[1])
+        force = stretched(inner(need.force, ways[0]) / inner(across, ways[0]), across)
+        return at(points[1], force), Load(moment=sympy.S.One)
+
+    def _push_of_one_slider(self, need: Load, points: Sequence[Planar], ways: Sequence[Planar | None]) -> tuple[Load, Load]:
+        if ways[1] is None:
+            assert ways[0] is not None
+            return at(points[1], stretched(inner(need.force, ways[0]), ways[0])), at(points[1], _normal(ways[0]))
+        return Load(moment=need.about(points[0])), at(points[0], _normal(ways[1]))
+
     def _crossed(self, a: Planar, b: Planar, moment_a: sympy.Expr, moment_b: sympy.Expr) -> Planar:
         """The force whose moments with two levers are known."""
         size = self._tape.let("levers", outer(a, b))
         x, y = (self._tape.let("pin_force", (b[axis] * moment_a - a[axis] * moment_b) / size) for axis in range(2))
         return (x, y)
 
-    _GROUPS: ClassVar = {"RRR": _rrr, "RRP": _rrp, "RPP": _rpp}
+    _GROUPS: ClassVar = {"RRR": _rrr, "RRP": _rrp, "RPP": _rpp, "triad": _triad}
 
 
 def _normal(along: Planar) -> Planar:
@@ -154,7 +210,7 @@ def _of(body: int, clusters: Iterable[frozenset[int]]) -> frozenset[int]:
     return next(cluster for cluster in clusters if body in cluster)
 
 
-def _history(order: Order, count: int) -> Iterable[tuple[Drive | Group, list[frozenset[int]]]]:
+def _history(order: Order, count: int) -> Iterable[tuple[Placement, list[frozenset[int]]]]:
     """Every placement with the clusters before it."""
     clusters = [frozenset({body}) for body in range(count)]
     for placement in order.placements:

@@ -7,10 +7,10 @@ import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
-from walkgen.spec.assur import SIDES, Group
+from walkgen.spec.assur import SIDES, Group, Triad
 from walkgen.symbolic.branches import BAD_INPUT, OK, SINGULAR, UNREACHABLE
 from walkgen.symbolic.choices import less
-from walkgen.symbolic.driven import forward_placing
+from walkgen.symbolic.closure import assembled_port, forward_placing
 from walkgen.symbolic.drives import effort_unit
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.free_bodies import FreeBodies, Load, at
@@ -21,6 +21,7 @@ from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import difference, inner, outer
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.tape import Tape, symbols_of
+from walkgen.symbolic.triads import transmission
 
 Exprs = Sequence[sympy.Expr]
 _DEAD = sympy.Rational(1, 10**12)
@@ -43,26 +44,26 @@ class LinkageFunctions:
 
     def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
         assert leg.linkage is not None
-        self._mechanism, self._leg, self.linkage = mechanism, leg, leg.linkage
+        self._mechanism, self.leg, self.linkage = mechanism, leg, leg.linkage
         self.parameters = parameter_symbols(mechanism)
 
     def function(self, name: str) -> Function:
         """One of `LINKAGE`."""
         entry = LINKAGE[name]
         self.tape = Tape()
-        tree, spread = spread_leg(self._mechanism, self._leg, symbols_of(joint_port("q", self._leg.joints)), self.tape)
-        self.dynamics = LegDynamics(self._mechanism, self._leg, tree, spread, self.tape)
-        self.drives = self._leg.joints[len(self._leg.serial) :]
-        self.placing = forward_placing(self.linkage, self.dynamics.symbols["q"][len(self._leg.serial) :], self.parameters, self.tape)
+        tree, spread = spread_leg(self._mechanism, self.leg, symbols_of(joint_port("q", self.leg.joints)), self.tape)
+        self.dynamics = LegDynamics(self._mechanism, self.leg, tree, spread, self.tape)
+        self.drives = self.leg.joints[len(self.leg.serial) :]
+        self.placing = forward_placing(self.leg, self.dynamics.symbols["q"][len(self.leg.serial) :], self.parameters, self.tape)
         ports, values = entry.build(self)
         inputs = [self.dynamics.ports[port] for port in entry.inputs]
         doc = entry.doc.format(pairs=", ".join(self._ends), groups=", ".join(group.name for group in self.groups))
-        return self.tape.function(signature(self._mechanism, self._leg.name, name, inputs, ports, doc, entry.source), values)
+        return self.tape.function(signature(self._mechanism, self.leg.name, name, inputs, ports, doc, entry.source), values)
 
     @property
-    def groups(self) -> tuple[Group, ...]:
-        """Dyads that have a transmission angle."""
-        return tuple(group for group in self.linkage.forward.groups if SIDES[group.kind])
+    def groups(self) -> tuple[Group | Triad, ...]:
+        """Those that have a transmission angle."""
+        return tuple(group for group in self.linkage.forward.groups if SIDES[group.kind] or isinstance(group, Triad))
 
     @property
     def ends(self) -> list[tuple[int, int]]:
@@ -83,7 +84,7 @@ class LinkageFunctions:
     def demands(self) -> dict[int, Load]:
         """By link, what its pairs must give it in the plane: what the tree's joints of each link would."""
         virtual = self.dynamics.virtual_efforts()
-        start, found = len(self._leg.serial), dict[int, Load]()
+        start, found = len(self.leg.serial), dict[int, Load]()
         for body, mass in bodies_with_mass(self.linkage):
             centre = self.placing.point(body, self.placing.planar(mass.com))
             found[body] = at(centre, (virtual[start], virtual[start + 1])) + Load(moment=virtual[start + 2])
@@ -99,6 +100,9 @@ def _assembly_status(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
     status: sympy.Expr = OK
     for margin in reversed(leg.placing.margins):
         status = Select(less(margin.value, 0), UNREACHABLE, Select(less(margin.value, _DEAD), SINGULAR, status))
+    if leg.linkage.forward.triads:
+        (assembled,) = symbols_of(assembled_port(leg.leg))
+        status = Select(Less(0, assembled), assembled, status)
     taint = leg.tape.let("taint", sympy.Add(*(Residue(value) for value in (*leg.dynamics.symbols["q"], *leg.parameters.values()))))
     return (Port("status", kind="integer"),), [Select(Finite(taint), status, BAD_INPUT)]
 
@@ -107,7 +111,10 @@ def _transmission_angles(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs
     return (Port("angles", (len(leg.groups),), "rad"),), [_angle(leg.placing, group) for group in leg.groups]
 
 
-def _angle(placing: Placing, group: Group) -> sympy.Expr:
+def _angle(placing: Placing, group: Group | Triad) -> sympy.Expr:
+    if isinstance(group, Triad):
+        push, velocity = transmission(placing, group)
+        return Angle(inner(push, velocity), outer(push, velocity))
     if group.kind == "RRR":
         p, q, pin = (placing.joint(pair) for pair in group.pairs)
         a, b = difference(p, pin), difference(q, pin)

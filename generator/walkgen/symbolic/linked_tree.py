@@ -11,7 +11,8 @@ import sympy
 from walkgen.model.linkage import Linkage, PlanarBody
 from walkgen.model.mechanism import Body, Limb, Mechanism
 from walkgen.spec.scalar import ZERO, div, exact
-from walkgen.symbolic.driven import forward_placing, planar_joints
+from walkgen.symbolic.closure import forward_placing
+from walkgen.symbolic.driven import planar_joints
 from walkgen.symbolic.frames import Frame, frame_of, parameter_symbols
 from walkgen.symbolic.inertia import inertia_of
 from walkgen.symbolic.planar import Planar
@@ -65,16 +66,18 @@ def grow_leg(growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Ex
     place = _grow_series(growth, spread, leg, start, q, indices, prefix)
     if leg.linkage is not None:
         drives = indices[len(leg.serial) :]
-        place = _grow_linkage(growth, spread, leg.linkage, place, [q[index] for index in drives], drives, prefix)
+        place = _grow_linkage(growth, spread, leg, place, [q[index] for index in drives], drives, prefix)
     origin = growth.tape.vector(f"{prefix}foot", place.frame.origin) if prefix else place.frame.origin
     growth.feet.append(Foot(place.link, origin))
 
 
 def _grow_linkage(
-    growth: Growth, spread: Spread, linkage: Linkage, place: Attachment, drives: Exprs, indices: Sequence[int], prefix: str
+    growth: Growth, spread: Spread, leg: Limb, place: Attachment, drives: Exprs, indices: Sequence[int], prefix: str
 ) -> Attachment:
     """Add every link that has mass, and the foot point without any; where the foot is."""
-    placing = forward_placing(linkage, drives, growth.parameters, growth.tape)
+    linkage = leg.linkage
+    assert linkage is not None
+    placing = forward_placing(leg, drives, growth.parameters, growth.tape)
     parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in bodies_with_mass(linkage)]
     coordinates: list[Coordinate] = []
     for name, body, mass in parts:

@@ -1,10 +1,15 @@
-"""Forward differentiation of what is on a tape: every line's partial derivatives once, then a tangent for every variable."""
+"""Forward differentiation of what is on a tape: every line's partial derivatives once, then a tangent for every variable.
 
-from collections.abc import Sequence
+Inputs that a closure makes functions of others move with them, by the theorem of implicit functions: du = -(dr/du)^-1 dr.
+"""
+
+from collections.abc import Iterator, Sequence
 
 import sympy
 
-from walkgen.symbolic.tape import Tape
+from walkgen.symbolic.tape import Closure, Tape
+
+Known = dict[sympy.Symbol, sympy.Expr]
 
 
 def tangents(tape: Tape, outputs: Sequence[sympy.Expr], variables: Sequence[tuple[str, sympy.Symbol]]) -> list[list[sympy.Expr]]:
@@ -15,17 +20,69 @@ def tangents(tape: Tape, outputs: Sequence[sympy.Expr], variables: Sequence[tupl
         outputs: expressions in the tape's names and its inputs.
         variables: inputs, each with the name that its tangents end in.
     """
-    lines = [(symbol, definition, _partials(definition, tape)) for symbol, definition in _needed(tape, outputs)]
-    ends = [_partials(output, tape) for output in outputs]
-    columns = []
-    for label, variable in variables:
-        known: dict[sympy.Symbol, sympy.Expr] = {variable: sympy.S.One}
-        for symbol, _, partials in lines:
+    forward, closures = _Forward(tape, outputs), _used(tape, outputs)
+    columns = [forward.column(label, _moving(tape, closures, label, variable)) for label, variable in variables]
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def partial_tangents(tape: Tape, outputs: Sequence[sympy.Expr], variables: Sequence[tuple[str, sympy.Symbol]]) -> list[list[sympy.Expr]]:
+    """The same, but every input moves on its own."""
+    forward = _Forward(tape, outputs)
+    return [list(row) for row in zip(*(forward.column(label, {variable: sympy.S.One}) for label, variable in variables), strict=True)]
+
+
+class _Forward:
+    """Lines that some outputs need, with their partial derivatives."""
+
+    def __init__(self, tape: Tape, outputs: Sequence[sympy.Expr]) -> None:
+        self._tape = tape
+        self._lines = [(symbol, _partials(definition, tape)) for symbol, definition in _needed(tape, outputs)]
+        self._ends = [_partials(output, tape) for output in outputs]
+
+    def column(self, label: str, moving: Known) -> list[sympy.Expr]:
+        """Tangents of the outputs where inputs move as said."""
+        known = dict(moving)
+        for symbol, partials in self._lines:
             slope = _chained(partials, known)
             if slope != 0:
-                known[symbol] = tape.let(f"{symbol}_d_{label}", slope)
-        columns.append([_chained(partials, known) for partials in ends])
-    return [list(row) for row in zip(*columns, strict=True)]
+                known[symbol] = self._tape.let(f"{symbol}_d_{label}", slope)
+        return [_chained(partials, known) for partials in self._ends]
+
+
+def _used(tape: Tape, outputs: Sequence[sympy.Expr]) -> list[Closure]:
+    """The closures whose unknowns the outputs rest on, in order."""
+    found: list[Closure] = []
+    wanted = list(outputs)
+    for closure in reversed(tape.closures):
+        if not _inputs(tape, wanted).isdisjoint(closure.unknowns):
+            found.append(closure)
+            wanted += closure.residuals
+    return found[::-1]
+
+
+def _inputs(tape: Tape, outputs: Sequence[sympy.Expr]) -> set[sympy.Basic]:
+    definitions = [definition for _, definition in _needed(tape, outputs)]
+    return set().union(*(expression.free_symbols for expression in (*outputs, *definitions)))
+
+
+def _moving(tape: Tape, closures: Sequence[Closure], label: str, variable: sympy.Symbol) -> Known:
+    """The variable, and what it moves of the closures' unknowns."""
+    known = {variable: sympy.S.One}
+    for closure in closures:
+        known |= dict(_implied(tape, closure, label, known))
+    return known
+
+
+def _implied(tape: Tape, closure: Closure, label: str, known: Known) -> Iterator[tuple[sympy.Symbol, sympy.Expr]]:
+    """Slopes of two unknowns by Cramer's rule; none where the residuals do not move."""
+    own = [tape.let("residual_slope", slope) for slope in _Forward(tape, closure.residuals).column(label, known)]
+    if not any(own):
+        return
+    named = [(str(unknown), unknown) for unknown in closure.unknowns]
+    (a, b), (c, d) = ([tape.let("closure_slope", entry) for entry in row] for row in partial_tangents(tape, closure.residuals, named))
+    determinant = tape.let("closure_determinant", a * d - b * c)
+    for unknown, slope in zip(closure.unknowns, (b * own[1] - d * own[0], c * own[0] - a * own[1]), strict=True):
+        yield unknown, tape.let(f"{unknown}_d_{label}", slope / determinant)
 
 
 def _needed(tape: Tape, outputs: Sequence[sympy.Expr]) -> list[tuple[sympy.Symbol, sympy.Expr]]:
@@ -48,5 +105,5 @@ def _partials(expression: sympy.Expr, tape: Tape) -> dict[sympy.Symbol, sympy.Ex
     return {symbol: expression.diff(symbol) for symbol in sorted(expression.free_symbols, key=str)}
 
 
-def _chained(partials: dict[sympy.Symbol, sympy.Expr], known: dict[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
+def _chained(partials: dict[sympy.Symbol, sympy.Expr], known: Known) -> sympy.Expr:
     return sympy.Add(*(partial * known[symbol] for symbol, partial in partials.items() if symbol in known))

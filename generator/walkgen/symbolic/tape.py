@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import sympy
 
@@ -16,10 +17,19 @@ Columns = tuple[Vec, Vec, Vec]
 """A 3x3 matrix by columns."""
 
 
+@dataclass(frozen=True)
+class Closure:
+    """Inputs of a tape that are what makes as many of its lines 0: functions of the other inputs."""
+
+    unknowns: tuple[sympy.Symbol, ...]
+    residuals: tuple[sympy.Expr, ...]
+
+
 class Tape:
     """Records `name = expression` in order; equal expressions share one name, so derivations may recompute freely."""
 
     def __init__(self) -> None:
+        self._closures: dict[tuple[sympy.Symbol, ...], Closure] = {}
         self._entries: list[tuple[sympy.Symbol, sympy.Expr]] = []
         self._known: dict[sympy.Expr, sympy.Symbol] = {}
         self._uses: Counter[str] = Counter()
@@ -45,10 +55,20 @@ class Tape:
         """What is on the tape, in order."""
         return tuple(self._entries)
 
+    @property
+    def closures(self) -> tuple[Closure, ...]:
+        """Inputs that depend on others, in order."""
+        return tuple(self._closures.values())
+
+    def close(self, unknowns: tuple[sympy.Symbol, ...], residuals: tuple[sympy.Expr, ...]) -> None:
+        """Inputs that make the residuals 0; they may rest on those of earlier closures. Said again, it is the same."""
+        self._closures.setdefault(unknowns, Closure(unknowns, residuals))
+
     def fork(self) -> "Tape":
         """Another tape that begins with what is on this one."""
         other = Tape()
         other._entries, other._known, other._uses = list(self._entries), dict(self._known), Counter(self._uses)
+        other._closures = dict(self._closures)
         return other
 
     def vector(self, name: str, vector: Sequence[sympy.Expr]) -> Vec:

@@ -1,0 +1,209 @@
+/* walkgen_assembly.h: what closes the triads of a linkage, continued from a known assembly; for the macros see walkgen_math.h.
+ *
+ * The unknowns u are roots of a closure r(z, u) = 0, where z are drives and parameters. From the start (z0, u0) the drives go straight to
+ * their values, z0 + s (z - z0) with s from 0 to 1, and u with them: the first try is the whole way in one step. A step is taken where
+ * Newton's method converges at once (its first correction is short, each is at most half of the one before) and where the determinant of
+ * dr/du, which changes its sign at a dead point, stays near what it was; else it is cut to a quarter. The guess after the first step is
+ * the secant's. So the result is the assembly that the linkage moves to from the start without passing a dead point, or none.
+ */
+#include "walkgen_math.h"
+#include "walkgen_status.h"
+
+#if (WG_REAL_BITS == 64 && !defined(WALKGEN_ASSEMBLY_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_ASSEMBLY_F32))
+#ifndef WG_MOST_UNKNOWNS
+#define WG_MOST_UNKNOWNS 8
+#define WG_MOST_OF_POINT 128
+#endif
+#if WG_REAL_BITS == 64
+#define WALKGEN_ASSEMBLY_F64
+#define WG_ROUGH WG_C(1e-4)
+#define WG_FINE WG_C(1e-10)
+#define WG_LEAST_PART WG_C(1e-8)
+#define WG_AT_THE_END WG_C(1e-6)
+#else
+#define WALKGEN_ASSEMBLY_F32
+#define WG_ROUGH WG_C(1e-3)
+#define WG_FINE WG_C(3e-6)
+#define WG_LEAST_PART WG_C(1e-4)
+#define WG_AT_THE_END WG_C(1e-3)
+#endif
+
+/* r [n], then dr/du [n][n], at a point: z, then u [n]. */
+typedef void (*WG_NAME(wg_closure))(const WG_REAL *point, WG_REAL *closure, const void *data);
+
+/* The closure, where it starts, where it goes, and how far it is: u and the determinant there. */
+struct WG_NAME(wg_assembling) {
+    WG_NAME(wg_closure) closure;
+    const void *data;
+    const WG_REAL *from, *to;
+    int given, unknowns;
+    WG_REAL u[WG_MOST_UNKNOWNS], determinant;
+};
+
+/* M x = b for M [n][n]; both are lost, b becomes x. The determinant, 0 where there is no x. */
+static inline WG_REAL WG_NAME(wg_assembly_eliminate)(int n, WG_REAL *M, WG_REAL *b) {
+    WG_REAL determinant = WG_C(1.0);
+    int i, j, k;
+    for (k = 0; k < n; ++k) {
+        int best = k;
+        for (i = k + 1; i < n; ++i) {
+            best = WG_ABS(M[n * i + k]) > WG_ABS(M[n * best + k]) ? i : best;
+        }
+        if (!(WG_ABS(M[n * best + k]) > WG_C(0.0))) {
+            return WG_C(0.0);
+        }
+        if (best != k) {
+            const WG_REAL own = b[k];
+            b[k] = b[best];
+            b[best] = own;
+            for (j = 0; j < n; ++j) {
+                const WG_REAL entry = M[n * k + j];
+                M[n * k + j] = M[n * best + j];
+                M[n * best + j] = entry;
+            }
+            determinant = -determinant;
+        }
+        determinant *= M[n * k + k];
+        for (i = k + 1; i < n; ++i) {
+            const WG_REAL factor = M[n * i + k] / M[n * k + k];
+            for (j = k; j < n; ++j) {
+                M[n * i + j] -= factor * M[n * k + j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for (i = n - 1; i >= 0; --i) {
+        for (j = i + 1; j < n; ++j) {
+            b[i] -= M[n * i + j] * b[j];
+        }
+        b[i] /= M[n * i + i];
+    }
+    return determinant;
+}
+
+/* Newton's method from u at a part of the way; 1 where it converges at once, with the determinant met last. */
+static inline int WG_NAME(wg_assembly_newton)(const struct WG_NAME(wg_assembling) * linkage, WG_REAL part, WG_REAL close, WG_REAL *u,
+                                              WG_REAL *determinant) {
+    WG_REAL point[WG_MOST_OF_POINT], closure[WG_MOST_UNKNOWNS * (WG_MOST_UNKNOWNS + 1)], last = WG_C(0.5);
+    const int n = linkage->unknowns;
+    int turn, i;
+    for (i = 0; i < linkage->given; ++i) {
+        point[i] = part < WG_C(1.0) ? linkage->from[i] + part * (linkage->to[i] - linkage->from[i]) : linkage->to[i];
+    }
+    for (turn = 0; turn < 16; ++turn) {
+        WG_REAL step = WG_C(0.0);
+        for (i = 0; i < n; ++i) {
+            point[linkage->given + i] = u[i];
+        }
+        linkage->closure(point, closure, linkage->data);
+        *determinant = WG_NAME(wg_assembly_eliminate)(n, closure + n, closure);
+        for (i = 0; i < n; ++i) {
+            step = WG_ABS(closure[i]) <= step ? step : WG_ABS(closure[i]);
+            u[i] -= closure[i];
+        }
+        if (!(WG_ABS(*determinant) > WG_C(0.0)) || !(step <= WG_C(0.5) * last || step <= close)) {
+            return 0;
+        }
+        if (step <= close) {
+            return 1;
+        }
+        last = step;
+    }
+    return 0;
+}
+
+/* One step from part to part, whose guess changes u by `slope` per part; 1 where it is taken. */
+static inline int WG_NAME(wg_assembly_step)(struct WG_NAME(wg_assembling) * linkage, WG_REAL part, WG_REAL next, WG_REAL *slope) {
+    WG_REAL u[WG_MOST_UNKNOWNS], determinant, change = WG_C(0.0);
+    int i;
+    for (i = 0; i < linkage->unknowns; ++i) {
+        u[i] = linkage->u[i] + (next - part) * slope[i];
+    }
+    if (!WG_NAME(wg_assembly_newton)(linkage, next, next < WG_C(1.0) ? WG_ROUGH : WG_FINE, u, &determinant)) {
+        return 0;
+    }
+    for (i = 0; i < linkage->unknowns; ++i) {
+        change = WG_MAX(WG_ABS(u[i] - linkage->u[i]), change);
+    }
+    determinant /= linkage->determinant;
+    if (!(change <= WG_C(0.5) && determinant >= WG_C(0.4) && determinant <= WG_C(2.5))) {
+        return 0;
+    }
+    for (i = 0; i < linkage->unknowns; ++i) {
+        slope[i] = (u[i] - linkage->u[i]) / (next - part);
+        linkage->u[i] = u[i];
+    }
+    linkage->determinant *= determinant;
+    return 1;
+}
+
+/* From the start to the drives. */
+static inline int32_t WG_NAME(wg_assembly_move)(struct WG_NAME(wg_assembling) * linkage) {
+    WG_REAL part = WG_C(0.0), length = WG_C(1.0), slope[WG_MOST_UNKNOWNS];
+    int turn, i;
+    if (!WG_NAME(wg_assembly_newton)(linkage, part, WG_ROUGH, linkage->u, &linkage->determinant)) {
+        return WALKGEN_NO_CONVERGENCE;
+    }
+    for (i = 0; i < linkage->unknowns; ++i) {
+        slope[i] = WG_C(0.0);
+    }
+    for (turn = 0; turn < 400; ++turn) {
+        const WG_REAL next = WG_MIN(part + length, WG_C(1.0));
+        if (WG_NAME(wg_assembly_step)(linkage, part, next, slope)) {
+            length = WG_C(2.0) * (next - part);
+            part = next;
+        } else {
+            length = WG_C(0.25) * (next - part);
+        }
+        if (!(part < WG_C(1.0))) {
+            return WALKGEN_OK;
+        }
+        if (length < WG_LEAST_PART) {
+            return part > WG_C(1.0) - WG_AT_THE_END ? WALKGEN_SINGULAR : WALKGEN_UNREACHABLE;
+        }
+    }
+    return WALKGEN_NO_CONVERGENCE;
+}
+
+/* The unknowns of a linkage's triads for its drives: the assembly that the start moves to.
+ *
+ * given        how many drives and parameters there are; with the unknowns at most 128
+ * unknowns     how many, at most 8
+ * z            [given] drives and parameters
+ * start        [given + unknowns] a point where the linkage is assembled
+ * u            [unknowns] NaN unless the status is OK
+ * status       OK; UNREACHABLE: on the way the linkage comes to a dead point, or something before the triads does not assemble; SINGULAR:
+ *              the drives are at such a point; NO_CONVERGENCE: the start is no assembly, or 400 steps were not enough; BAD_INPUT: z is not
+ *              finite
+ */
+static inline void WG_NAME(wg_assemble)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start,
+                                        WG_NAME(wg_closure) closure, const void *data, WG_REAL *u, int32_t *status) {
+    struct WG_NAME(wg_assembling) linkage;
+    int i, fine = given >= 0 && unknowns > 0 && unknowns <= WG_MOST_UNKNOWNS && given + unknowns <= WG_MOST_OF_POINT;
+    *status = WALKGEN_BAD_INPUT;
+    for (i = 0; fine && i < given; ++i) {
+        fine = isfinite(z[i]) != 0;
+    }
+    if (fine) {
+        linkage.closure = closure;
+        linkage.data = data;
+        linkage.from = start;
+        linkage.to = z;
+        linkage.given = given;
+        linkage.unknowns = unknowns;
+        linkage.determinant = WG_C(0.0);
+        for (i = 0; i < unknowns; ++i) {
+            linkage.u[i] = start[given + i];
+        }
+        *status = WG_NAME(wg_assembly_move)(&linkage);
+    }
+    for (i = 0; i < unknowns; ++i) {
+        u[i] = *status == WALKGEN_OK ? linkage.u[i] : WG_NAN;
+    }
+}
+
+#undef WG_ROUGH
+#undef WG_FINE
+#undef WG_LEAST_PART
+#undef WG_AT_THE_END
+#endif

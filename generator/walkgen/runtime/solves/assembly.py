@@ -1,0 +1,126 @@
+"""What closes the triads of a linkage, continued from a known assembly: the reference of walkgen_assembly.h."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from walkgen.signature import STATUSES
+
+Reals = NDArray[np.float64]
+Integers = NDArray[np.int32]
+Truths = NDArray[np.bool_]
+Callback = tuple[Callable[[Reals], Reals]]
+"""The closure of points [..., z and u]: residuals [n], then their slopes by u, row by row."""
+
+_OK, _UNREACHABLE, _BAD_INPUT, _SINGULAR, _NO_CONVERGENCE = (
+    STATUSES.index(name) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "NO_CONVERGENCE")
+)
+_ROUGH, _FINE, _LEAST_PART, _AT_THE_END = 1e-4, 1e-10, 1e-8, 1e-6
+_TURNS, _STEPS = 16, 400
+
+
+def assemble(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) -> tuple[Reals, Integers]:
+    """The unknowns of a linkage's triads for its drives: the assembly that the start moves to while the drives go straight to z.
+
+    Args:
+        unknowns: how many, n.
+        z: drives and parameters [..., k].
+        start: a point where the linkage is assembled [k + n].
+        callback: the closure.
+
+    Returns:
+        u [..., n], NaN unless the status [...] is OK: UNREACHABLE where the linkage comes to a dead point on the way, or something before
+        the triads does not assemble; SINGULAR where z is such a point; NO_CONVERGENCE where the start is no assembly, or 400 steps were
+        not enough; BAD_INPUT where z is not finite.
+    """
+    given, point = np.asarray(z, float), np.asarray(start, float)
+    shape = given.shape[:-1]
+    rows = given.reshape(-1, given.shape[-1])
+    with np.errstate(all="ignore"):
+        move = _Move(callback[0], point[:-unknowns], rows, np.tile(point[-unknowns:], (len(rows), 1)))
+        status = move.status()
+    u = np.where((status == _OK)[:, None], move.u, np.nan)
+    return u.reshape(*shape, unknowns), status.reshape(shape)
+
+
+@dataclass
+class _Tried:
+    """Whether Newton's method converged at once, where, and with which determinant."""
+
+    taken: Truths
+    u: Reals
+    determinant: Reals
+
+
+class _Move:
+    """All rows on their ways."""
+
+    def __init__(self, closure: Callable[[Reals], Reals], start: Reals, z: Reals, u: Reals) -> None:
+        self._closure, self._from, self._to, self.u = closure, start, z, u
+        self._determinant = np.zeros(len(z))
+        self._slope = np.zeros_like(u)
+
+    def status(self) -> Integers:
+        """Of every row, once it is there or cannot go on."""
+        count = len(self._to)
+        status = np.where(np.isfinite(self._to).all(-1), _NO_CONVERGENCE, _BAD_INPUT).astype(np.int32)
+        part, length = np.zeros(count), np.ones(count)
+        first = self._newton(np.arange(count), part, np.full(count, _ROUGH), self.u)
+        self.u, self._determinant = first.u, first.determinant
+        going = first.taken & (status != _BAD_INPUT)
+        for _ in range(_STEPS):
+            rows = np.flatnonzero(going)
+            if not len(rows):
+                break
+            further = np.minimum(part[rows] + length[rows], 1.0)
+            taken = self._step(rows, part[rows], further)
+            length[rows] = np.where(taken, 2.0, 0.25) * (further - part[rows])
+            part[rows] = np.where(taken, further, part[rows])
+            there, stuck = ~(part[rows] < 1.0), length[rows] < _LEAST_PART
+            ended = np.where(part[rows] > 1.0 - _AT_THE_END, _SINGULAR, _UNREACHABLE)
+            status[rows] = np.where(there, _OK, np.where(stuck, ended, status[rows]))
+            going[rows] = ~(there | stuck)
+        return status
+
+    def _step(self, rows: NDArray[np.intp], part: Reals, further: Reals) -> Truths:
+        """One step of some rows; those that take it are moved."""
+        guess = self.u[rows] + (further - part)[:, None] * self._slope[rows]
+        tried = self._newton(rows, further, np.where(further < 1.0, _ROUGH, _FINE), guess)
+        ratio = tried.determinant / self._determinant[rows]
+        change = tried.u - self.u[rows]
+        taken = tried.taken & (np.abs(change).max(-1) <= 0.5) & (ratio >= 0.4) & (ratio <= 2.5)
+        moved = rows[taken]
+        self._slope[moved] = (change / (further - part)[:, None])[taken]
+        self.u[moved], self._determinant[moved] = tried.u[taken], tried.determinant[taken]
+        return taken
+
+    def _newton(self, rows: NDArray[np.intp], part: Reals, close: Reals, guess: Reals) -> _Tried:
+        """Newton's method at a part of the way: each correction at most half of the one before, the first at most a quarter."""
+        way = np.where(part[:, None] < 1.0, self._from + part[:, None] * (self._to[rows] - self._from), self._to[rows])
+        u, last, taken = guess.copy(), np.full(len(rows), 0.5), np.zeros(len(rows), bool)
+        determinant, going = np.zeros(len(rows)), np.ones(len(rows), bool)
+        for _ in range(_TURNS):
+            own = np.flatnonzero(going)
+            if not len(own):
+                break
+            step, determinant[own] = self._correction(np.concatenate([way[own], u[own]], -1))
+            size = np.abs(step).max(-1)
+            u[own] -= step
+            fine = (np.abs(determinant[own]) > 0.0) & ((size <= 0.5 * last[own]) | (size <= close[own]))
+            taken[own], last[own] = fine & (size <= close[own]), size
+            going[own] = fine & ~taken[own]
+        return _Tried(taken, u, determinant)
+
+    def _correction(self, points: Reals) -> tuple[Reals, Reals]:
+        """(dr/du)^-1 r, NaN where there is none, and the determinant."""
+        closure: Any = self._closure(points)
+        count = self.u.shape[-1]
+        r, slopes = closure[:, :count], closure[:, count:].reshape(-1, count, count)
+        determinant = np.linalg.det(slopes)
+        regular = np.isfinite(closure).all(-1) & (np.abs(determinant) > 0.0)
+        slopes = np.where(regular[:, None, None], slopes, np.eye(count))
+        step = np.linalg.solve(slopes, r[..., None])[..., 0]
+        return np.where(regular[:, None], step, np.nan), np.where(regular, determinant, 0.0)

@@ -1,0 +1,17 @@
+"""What is on a tape, for NumPy's arrays: for the generator's own use, where many points are wanted at once."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import sympy
+
+from walkgen.symbolic.tape import Tape
+
+
+def compiled(tape: Tape, inputs: Sequence[sympy.Symbol], outputs: Sequence[sympy.Expr]) -> Callable[..., list[Any]]:
+    """The outputs by NumPy, for numbers or arrays of the inputs."""
+    plain = {symbol: sympy.Symbol(f"v{number}") for number, symbol in enumerate((*inputs, *(symbol for symbol, _ in tape.lines)))}
+    lines = [(plain[symbol], definition.xreplace(plain)) for symbol, definition in tape.lines]
+    given, wanted = [plain[symbol] for symbol in inputs], [sympy.sympify(output).xreplace(plain) for output in outputs]
+    found: Callable[..., list[Any]] = sympy.lambdify(given, wanted, "numpy", cse=lambda expressions: (lines, expressions))
+    return found

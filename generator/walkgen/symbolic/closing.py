@@ -1,0 +1,190 @@
+"""Functions of linkages with triads: what closes the triads is found first, from the spec's start, then everything follows in closed form."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import sympy
+
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.signature import Port, Table
+from walkgen.symbolic.closure import assembled_port, closure_function, drive_count, point_parameters, unknowns_port
+from walkgen.symbolic.closure_steps import advance, begin, finish
+from walkgen.symbolic.function import Angle, Derivation, Function, LessEqual, Select, Solve, Step
+from walkgen.symbolic.ports import signature
+from walkgen.symbolic.starts import found_start
+from walkgen.symbolic.tape import Tape, symbols_of
+
+_SOURCE = "Newton's method on the closure of triads, continued from the start (walkgen_assembly.h)"
+_REPEATS = 40
+
+
+def closed(mechanism: Mechanism, derivation: Derivation) -> Derivation:
+    """The derivation, with the unknowns of linkages found before the functions that use them; itself where there are none.
+
+    Raises:
+        UnsupportedMechanism: a triad assembles nowhere (WG189).
+    """
+    if not _rests_on_unknowns(mechanism, derivation):
+        return derivation
+    form = derivation if isinstance(derivation, Function) else derivation.closed_form
+    iterated = None if form is None else _Iterated(mechanism).result(form, None)
+    return _Closing(mechanism).result(derivation, iterated)
+
+
+def _rests_on_unknowns(mechanism: Mechanism, derivation: Derivation) -> bool:
+    if isinstance(derivation, Solve):
+        callees = (step.callee for step in derivation.steps if isinstance(step.callee, Function))
+        forms = (derivation.closed_form,) if derivation.closed_form else ()
+        return any(_rests_on_unknowns(mechanism, part) for part in (*callees, *forms))
+    return any(_extra(leg, derivation) for leg in mechanism.legs)
+
+
+def _extra(leg: Limb, function: Function) -> tuple[Port, ...]:
+    """What a function needs of the leg's closing."""
+    if leg.linkage is None or not leg.linkage.forward.triads:
+        return ()
+    free = _free(function)
+    return tuple(port for port in (unknowns_port(leg), assembled_port(leg)) if not free.isdisjoint(symbols_of(port)))
+
+
+def _free(function: Function) -> set[sympy.Basic]:
+    """Symbols that the outputs rest on and nothing defines."""
+    used = set().union(*(output.free_symbols for output in function.outputs))
+    for symbol, definition in reversed(function.intermediates):
+        if symbol in used:
+            used |= definition.free_symbols
+    return used - set(function.inputs)
+
+
+@dataclass(frozen=True)
+class _Joints:
+    """Where a leg's drives stand: in which argument, from which element on."""
+
+    leg: Limb
+    port: Port
+    first: int
+
+
+class _Closing:
+    """Grows the steps of one function."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self._mechanism = mechanism
+        self._locals: list[Port] = []
+        self._tables: list[Table] = []
+        self._callbacks: list[Solve] = []
+        self._found: set[str] = set()
+
+    def result(self, derivation: Derivation, form: Solve | None) -> Solve:
+        """The function with its closings, and what stands in for it where there are no routines."""
+        own = derivation if isinstance(derivation, Solve) else Solve(derivation.signature, (), (_whole(derivation),))
+        steps = tuple(step for each in own.steps for step in self._steps(each))
+        found = (*own.locals, *self._locals)
+        return Solve(own.signature, found, steps, form, (*own.tables, *self._tables), (*own.callbacks, *self._callbacks))
+
+    def _steps(self, step: Step) -> Iterator[Step]:
+        """The step, after what closes the legs that it rests on."""
+        if isinstance(step.callee, str):
+            yield step
+            return
+        function, extras = step.callee, list[Port]()
+        for leg in self._mechanism.legs:
+            needed = _extra(leg, function)
+            extras += needed
+            if needed and leg.name not in self._found:
+                self._found.add(leg.name)
+                yield from self._closing(_joints(self._mechanism, leg, function), step)
+        count = len(function.signature.inputs)
+        names = (*step.arguments[:count], *(port.name for port in extras), *step.arguments[count:])
+        yield replace(step, callee=_with_inputs(function, extras), arguments=names)
+
+    def _closing(self, joints: _Joints, step: Step) -> Iterator[Step]:
+        """From the drives, and the parameters that matter, to the unknowns."""
+        leg = joints.leg
+        gathered = _gathered(self._mechanism, joints)
+        point = gathered.signature.outputs[0]
+        assert isinstance(step.callee, Function)
+        given = dict(zip((port.name for port in step.callee.signature.inputs), step.arguments, strict=False))
+        self._locals += [point, *self._rest(leg)]
+        yield Step(gathered, (*(given[port.name] for port in gathered.signature.inputs), point.name))
+        yield from self._found_by(leg, point)
+
+    def _rest(self, leg: Limb) -> tuple[Port, ...]:
+        return (unknowns_port(leg), assembled_port(leg))
+
+    def _found_by(self, leg: Limb, point: Port) -> Iterator[Step]:
+        callback, table = _callback(self._mechanism, leg), _table(self._mechanism, leg)
+        self._callbacks.append(callback)
+        self._tables.append(table)
+        unknowns, assembled = unknowns_port(leg), assembled_port(leg)
+        arguments = (point.size, unknowns.size, point.name, table.name, callback.signature.full_name, unknowns.name, assembled.name)
+        yield Step("wg_assemble", arguments)
+
+
+class _Iterated(_Closing):
+    """The same by so many steps, for targets without routines."""
+
+    def _rest(self, leg: Limb) -> tuple[Port, ...]:
+        return (begin(self._mechanism, leg).signature.outputs[0], *super()._rest(leg))
+
+    def _found_by(self, leg: Limb, point: Port) -> Iterator[Step]:
+        first, step, last = (make(self._mechanism, leg) for make in (begin, advance, finish))
+        state = first.signature.outputs[0].name
+        yield Step(first, (point.name, state))
+        yield Step(step, (point.name, state, state), repeat=_REPEATS)
+        yield Step(last, (point.name, state, unknowns_port(leg).name, assembled_port(leg).name))
+
+
+def _whole(function: Function) -> Step:
+    """All of a function as a step."""
+    ports = (*function.signature.inputs, *function.signature.outputs)
+    return Step(function, tuple(port.name for port in ports))
+
+
+def _with_inputs(function: Function, extras: Sequence[Port]) -> Function:
+    """A function that takes what closes legs as well."""
+    words = replace(function.signature, inputs=(*function.signature.inputs, *extras))
+    return replace(function, signature=words, inputs=(*function.inputs, *(symbol for port in extras for symbol in symbols_of(port))))
+
+
+def _joints(mechanism: Mechanism, leg: Limb, function: Function) -> _Joints:
+    """Of the robot's q where the function takes all of it, else the last of the path's."""
+    port = next(port for port in function.signature.inputs if port.name == "q")
+    whole = not function.signature.owner
+    first = mechanism.offset(leg) + len(leg.serial) if whole else port.size - drive_count(leg)
+    return _Joints(leg, port, first)
+
+
+def _gathered(mechanism: Mechanism, joints: _Joints) -> Function:
+    """The drives, turned to within half a turn of the start, and the parameters that matter."""
+    leg, tape = joints.leg, Tape()
+    start, used = found_start(mechanism, leg), point_parameters(mechanism, leg)
+    drives = symbols_of(joints.port)[joints.first : joints.first + drive_count(leg)]
+    turned = [
+        _near(value, sympy.Rational(str(at)), tape) if joint.kind == "revolute" else value
+        for value, at, joint in zip(drives, start.drives, leg.joints[len(leg.serial) :], strict=True)
+    ]
+    own = f"drives_in_{joints.port.size}"
+    port = Port(f"{leg.name}_drives", (len(turned) + len(used),), "rad, m or as declared")
+    words = signature(mechanism, leg.name, own, [joints.port], [port], "", _SOURCE)
+    return tape.function(words, [*turned, *used.values()])
+
+
+def _near(value: sympy.Expr, centre: sympy.Expr, tape: Tape) -> sympy.Expr:
+    """The angle without whole turns; as it is where it has none, so that nothing is rounded."""
+    away = tape.let("away", value - centre)
+    half_turn = sympy.pi.evalf(50)
+    inside = LessEqual(tape.let("away2", away**2), half_turn**2)
+    return tape.let("drive", Select(inside, value, centre + Angle(sympy.sin(away), sympy.cos(away))))
+
+
+def _callback(mechanism: Mechanism, leg: Limb) -> Solve:
+    """The closure of a point, for the routine."""
+    function = closure_function(mechanism, leg)
+    words = replace(function.signature, name="closure")
+    return Solve(words, (), (_whole(function),))
+
+
+def _table(mechanism: Mechanism, leg: Limb) -> Table:
+    start = found_start(mechanism, leg)
+    return Table(f"{mechanism.name}_{leg.name}_start", (*start.drives, *start.parameters, *start.unknowns))

@@ -1,0 +1,218 @@
+"""The configuration that triads are continued from: every assembly at the start's drive values, and the one that the spec means.
+
+This is done once, when code is generated: Newton's method from a lattice of unknowns finds the assemblies (at most six of a triad), the
+start's hints choose one, 50 digits make it exact.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from walkgen.errors import Problem, UnsupportedMechanism
+from walkgen.model.mechanism import Joint, Limb, Mechanism
+from walkgen.model.walk import CONTEXT, defaults
+from walkgen.spec.scalar import evaluate
+from walkgen.symbolic.arrays import compiled
+from walkgen.symbolic.closure import Closing, closing_at, point_parameters, point_port, unknowns_port
+from walkgen.symbolic.planar import Planar
+from walkgen.symbolic.tape import Tape, symbols_of
+from walkgen.symbolic.tape_values import tape_values, value
+
+Reals = NDArray[np.float64]
+_DIGITS = 20
+_ANGLES, _WAYS = 16, 9
+_STEPS, _STRIDE, _CLOSED, _APART = 40, 0.5, 1e-10, 1e-6
+_FRACTIONS = (0.5, 0.375, 0.625, 0.25, 0.75, 0.125, 0.875, 0.0, 1.0)
+_TURNS = (0, 3, -3, 6, -6, 1, -1, 2, -2, 4, -4, 5, -5)
+"""Sixths of half a turn."""
+_STRETCHES = (1.0, 0.8, 1.25, 0.6, 1.5, 0.4, 2.0)
+_MOST_CANDIDATES = 40
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Unknowns of a configuration, the least sine of its triads' transmission angles, and how badly it meets the start's hints."""
+
+    unknowns: tuple[float, ...]
+    sine: float
+    misfit: float
+
+
+@dataclass(frozen=True)
+class FoundStart:
+    """Drives, parameters that matter and unknowns, 20 digits; the sign of every triad's determinant; all assemblies, the chosen first."""
+
+    drives: tuple[Decimal, ...]
+    parameters: tuple[Decimal, ...]
+    unknowns: tuple[Decimal, ...]
+    senses: tuple[int, ...]
+    assemblies: tuple[Assembly, ...]
+
+
+def found_start(mechanism: Mechanism, leg: Limb) -> FoundStart:
+    """Of a leg whose linkage has triads.
+
+    Raises:
+        UnsupportedMechanism: no assembly is found (WG189).
+    """
+    found = start_of(mechanism, leg)
+    if found is None:
+        triads = ", ".join(triad.name for triad in leg.linkage.forward.triads) if leg.linkage else ""
+        message = f"leg {leg.name}: the triad {triads} has no assembly at the start"
+        raise UnsupportedMechanism(Problem("WG189", message, "mend the lengths that it joins, or give start other drives"))
+    return found
+
+
+@cache
+def start_of(mechanism: Mechanism, leg: Limb) -> FoundStart | None:
+    """The same, None where no assembly is found."""
+    numbers = _Numbers(mechanism, leg)
+    for drives in numbers.candidates():
+        found = numbers.assemblies(drives)
+        if found:
+            return numbers.start(drives, sorted(found, key=lambda one: (one.misfit, -one.sine, one.unknowns)))
+    return None
+
+
+class _Numbers:
+    """A linkage's closure in numbers."""
+
+    def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
+        assert leg.linkage is not None
+        self._leg, self._linkage, self._values = leg, leg.linkage, defaults(mechanism)
+        self._parameters = [self._values[name] for name in point_parameters(mechanism, leg)]
+        self._symbols = symbols_of(point_port(mechanism, leg))
+        self._count = unknowns_port(leg).size
+        self._closing = closing_at(mechanism, leg, self._symbols[: -self._count], self._symbols[-self._count :], Tape())
+        self._hints = list(self._hinted())
+        margins = [margin.value for margin in self._closing.placing.margins]
+        told = [entry for hint in self._hints for entry in hint.told(self._closing)]
+        slopes = [entry for row in self._closing.slopes for entry in row]
+        self._closure = compiled(self._closing.tape, self._symbols, [*self._closing.residuals, *slopes])
+        self._told = compiled(self._closing.tape, self._symbols, [sympy.Min(*margins), *told])
+
+    def _hinted(self) -> Iterator["Hint"]:
+        size, planar = float(self._number(self._linkage.size)), self._closing.placing.planar
+        for body, point, at in self._linkage.start.points:
+            yield Hint(body, planar(point), tuple(float(self._number(entry)) for entry in at), size)
+        for body, angle in self._linkage.start.angles:
+            yield Hint(body, None, (float(self._number(angle)),), size)
+
+    def _number(self, scalar: Any) -> Any:
+        return evaluate(scalar, CONTEXT, self._values)
+
+    def candidates(self) -> Iterator[tuple[Any, ...]]:
+        """Values of the drives to start from: the spec's, else the middles of their limits and places around."""
+        if self._linkage.start.drives:
+            yield tuple(self._number(drive) for drive in self._linkage.start.drives)
+            return
+        options = [self._options(joint) for joint in self._leg.joints[len(self._leg.serial) :]]
+        ranked = sorted(product(*(range(len(own)) for own in options)), key=lambda places: (sum(places), places))
+        for places in ranked[:_MOST_CANDIDATES]:
+            yield tuple(own[place] for own, place in zip(options, places, strict=True))
+
+    def _options(self, joint: Joint) -> list[Any]:
+        if joint.limits is not None:
+            low, high = (self._number(limit) for limit in joint.limits)
+            return [low + (high - low) * CONTEXT.mpf(fraction) for fraction in _FRACTIONS]
+        if joint.kind == "revolute":
+            return [CONTEXT.pi * sixths / 6 for sixths in _TURNS]
+        return [self._number(self._linkage.size) * CONTEXT.mpf(str(stretch)) for stretch in _STRETCHES]
+
+    def assemblies(self, drives: tuple[Any, ...]) -> list[Assembly]:
+        """Every one that a lattice of unknowns leads to, triad after triad."""
+        given = [float(number) for number in (*drives, *self._parameters)]
+        found: list[tuple[float, ...]] = [()]
+        for number, triad in enumerate(self._linkage.forward.triads):
+            kinds = [self._linkage.structure.pairs[pair].kind for pair in triad.struts[0].pairs]
+            found = [(*known, *more) for known in found for more in self._closed(given, known, number, kinds)]
+        return [assembly for unknowns in found if (assembly := self._assembly(given, unknowns))]
+
+    def _closed(self, given: Sequence[float], known: tuple[float, ...], number: int, kinds: Sequence[str]) -> list[tuple[float, ...]]:
+        """Unknowns of one triad, those of the triads before it known."""
+        axes = [np.linspace(-np.pi, np.pi, _ANGLES, endpoint=False) if kind == "R" else np.linspace(-2, 2, _WAYS) for kind in kinds]
+        u = np.array(list(product(*axes))).T
+        for _ in range(_STEPS):
+            r, slopes = self._evaluated(given, known, u, number)
+            step = _solved(slopes, r)
+            u = u - step / np.maximum(1.0, np.abs(step).max(0) / _STRIDE)
+        r, _ = self._evaluated(given, known, u, number)
+        turning = np.array([kind == "R" for kind in kinds])[:, None]
+        u = np.where(turning, np.angle(np.exp(1j * u)), u)[:, np.abs(r).max(0) < _CLOSED]
+        return _apart(u, turning[:, 0])
+
+    def _evaluated(self, given: Sequence[float], known: tuple[float, ...], u: Reals, number: int) -> tuple[Reals, Reals]:
+        """Residuals [2, n] and slopes [2, 2, n] of one triad."""
+        later = np.zeros((self._count - len(known) - 2, u.shape[1]))
+        with np.errstate(all="ignore"):
+            values = [np.broadcast_to(entry, u.shape[1:]) for entry in self._closure(*given, *known, *u, *later)]
+        rows, slopes = range(2 * number, 2 * number + 2), values[self._count :]
+        own = [[slopes[self._count * row + column] for column in rows] for row in rows]
+        return np.array([values[row] for row in rows]), np.array(own)
+
+    def _assembly(self, given: Sequence[float], unknowns: tuple[float, ...]) -> Assembly | None:
+        with np.errstate(all="ignore"):
+            margin, *told = (float(entry) for entry in self._told(*given, *unknowns))
+        entries = iter(told)
+        misfit = sum(hint.square([next(entries), next(entries)]) for hint in self._hints)
+        return Assembly(unknowns, float(np.sqrt(margin)), misfit) if np.isfinite([margin, misfit]).all() else None
+
+    def start(self, drives: tuple[Any, ...], assemblies: Sequence[Assembly]) -> FoundStart:
+        """The first of the assemblies, to 50 digits."""
+        given = (*drives, *self._parameters)
+        unknowns = [CONTEXT.mpf(number) for number in assemblies[0].unknowns]
+        for _ in range(4):
+            known = tape_values(self._closing.tape, dict(zip(self._symbols, (*given, *unknowns), strict=True)))
+            slopes = CONTEXT.matrix([[value(entry, known) for entry in row] for row in self._closing.slopes])
+            step = CONTEXT.lu_solve(slopes, CONTEXT.matrix([value(residual, known) for residual in self._closing.residuals]))
+            unknowns = [unknown - change for unknown, change in zip(unknowns, step, strict=True)]
+        pairs = range(0, self._count, 2)
+        senses = tuple(int(CONTEXT.sign(slopes[i, i] * slopes[i + 1, i + 1] - slopes[i, i + 1] * slopes[i + 1, i])) for i in pairs)
+        numbers = [tuple(Decimal(CONTEXT.nstr(number, _DIGITS)) for number in part) for part in (drives, self._parameters, unknowns)]
+        return FoundStart(numbers[0], numbers[1], numbers[2], senses, tuple(assemblies))
+
+
+@dataclass(frozen=True)
+class Hint:
+    """About where a point of a body lies (m), or about which angle a body has; `size` is that of the linkage."""
+
+    body: int
+    point: Planar | None
+    wanted: tuple[float, ...]
+    size: float
+
+    def told(self, closing: Closing) -> Planar:
+        """Where the point is, or the cosine and sine of the angle."""
+        pose = closing.placing.pose(self.body)
+        return pose.rotor if self.point is None else pose.point(self.point)
+
+    def square(self, told: Sequence[float]) -> float:
+        """How far it is from being met, in units of the size or rad, squared."""
+        if self.point is None:
+            return float(np.hypot(told[0] - np.cos(self.wanted[0]), told[1] - np.sin(self.wanted[0])) ** 2)
+        return float(np.hypot(*np.subtract(told, self.wanted)) / self.size) ** 2
+
+
+def _solved(slopes: Reals, r: Reals) -> Reals:
+    """(dr/du)^-1 r by Cramer's rule, 0 where there is none."""
+    (a, b), (c, d) = slopes
+    determinant = a * d - b * c
+    safe = np.where(np.abs(determinant) > 1e-14, determinant, np.inf)
+    return np.nan_to_num(np.array([(d * r[0] - b * r[1]) / safe, (a * r[1] - c * r[0]) / safe]))
+
+
+def _apart(u: Reals, turning: NDArray[np.bool_]) -> list[tuple[float, ...]]:
+    """Different columns, in order."""
+    kept: list[Reals] = []
+    for column in u.T:
+        away = [np.where(turning, np.angle(np.exp(1j * (column - other))), column - other) for other in kept]
+        if all(np.abs(one).max() > _APART for one in away):
+            kept.append(column)
+    return sorted(tuple(float(entry) for entry in column) for column in kept)
