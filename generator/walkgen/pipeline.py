@@ -115,7 +115,7 @@ def coverage_of(mechanism: Mechanism, leg: Limb) -> Coverage | None:
 def _apart(found: Coverage) -> str:
     worst, count = found.failing[0]
     points = f"0 % of its drives' limits, at none of {found.points} points"
-    return f"the linkage assembles in {points}; at {count} of them the dyad {worst} cannot close"
+    return f"the linkage assembles in {points}; at {count} of them {worst} cannot close"
 
 
 def _digest(path: Path, spec: RobotSpec) -> str:

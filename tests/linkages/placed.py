@@ -10,8 +10,9 @@ from walkgen.graph.lower import lower
 from walkgen.model.assemble import assemble
 from walkgen.signature import Port
 from walkgen.spec.read import read
+from walkgen.symbolic.closing import closed
+from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.derive import derive
-from walkgen.symbolic.driven import forward_placing
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.tape import Tape, symbols_of
@@ -22,7 +23,7 @@ def code_of(text, names, folder):
     path = folder / "spec.toml"
     path.write_text(text, encoding="utf-8")
     mechanism = assemble(read(path), folder)
-    derived = [*derive(mechanism, tuple(names)), poses(mechanism)]
+    derived = [*derive(mechanism, tuple(names)), closed(mechanism, poses(mechanism))]
     code = RobotCode(mechanism, tuple(lower(function, True) for function in derived), "", ("numpy",))
     module = folder / "code.py"
     module.write_text(numpy_artifact(code).text, encoding="utf-8")
@@ -33,7 +34,7 @@ def poses(mechanism):
     """Of the links in the plane, the frame first."""
     leg, tape = mechanism.legs[0], Tape()
     port = joint_port("q", leg.joints)
-    placing = forward_placing(leg.linkage, symbols_of(port)[len(leg.serial) :], parameter_symbols(mechanism), tape)
+    placing = forward_placing(leg, symbols_of(port)[len(leg.serial) :], parameter_symbols(mechanism), tape)
     links = len(leg.linkage.masses)
     entries = [entry for pose in map(placing.pose, range(links)) for entry in (*pose.origin, *pose.rotor)]
     words = signature(mechanism, leg.name, "poses", [port], [Port("poses", (links, 4))], "Poses of the links.", "")

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from walkgen.errors import SpecError, UnsupportedMechanism
+from walkgen.pipeline import build
 from walkgen.spec.read import read
 
 TEXT = (Path(__file__).parents[2] / "specs" / "hydraulic_leg.toml").read_text(encoding="utf-8")
@@ -65,9 +66,63 @@ def test_a_drive_that_moves_a_part_twice(tmp_path):
         read(path)
 
 
-def test_a_group_of_a_higher_class_is_named(tmp_path):
+PLATES = """
+walkgen = 1
+robot = { name = "plates", gravity = [0, 0, -9.81] }
+platforms = [{ name = "body" }]
+legs = [{ name = "one", design = "leg", platform = "body" }]
+[leg_designs.leg]
+foot = "plate.A"
+pins = [{ joins = ["plate.C", "other.C"] }]
+cylinders = [
+    { name = "one", between = ["frame.A", "plate.A"], driven = true },
+    { name = "two", between = ["frame.B", "plate.B"], driven = true },
+    { name = "three", between = ["frame.A", "other.A"], driven = true },
+    { name = "four", between = ["frame.B", "other.B"], driven = true },
+]
+[leg_designs.leg.links]
+frame = { points = { A = [0, 0], B = [1, 0] } }
+plate = { points = { A = [0, 0], B = [0.2, 0], C = [0.1, 0.2] } }
+other = { points = { A = [0, 0], B = [0.2, 0], C = [0.1, 0.2] } }
+"""
+
+
+def test_a_group_of_six_links_is_named(tmp_path):
     path = tmp_path / "robot.toml"
-    path.write_text(TRIAD, encoding="utf-8")
+    path.write_text(PLATES, encoding="utf-8")
     with pytest.raises(UnsupportedMechanism, match="WG150") as error:
         read(path)
+    assert "plate" in str(error.value)
+    assert "more than four links" in str(error.value)
+
+
+BAD_STARTS = {
+    "no such point": ('points = { "plate.Z" = [0, 1] }', "WG180", "A"),
+    "no such link": ("angles_deg = { plat = 10 }", "WG180", "plate"),
+    "too few drives": ("drives = [1.0, 1.0]", "WG187", "3 drives"),
+    "drives of another unit": ("drives_deg = [1.0, 1.0, 1.0]", "WG187", "rad or m"),
+    "angles in two units": ("angles = { plate = 1 }, angles_deg = { plate = 10 }", "WG122", "angles"),
+    "sides of a triad": ('} , assembly = { plate = "left"', "WG187", "start"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_STARTS)
+def test_a_bad_start_has_its_place_and_cure(tmp_path, name):
+    start, code, said = BAD_STARTS[name]
+    path = tmp_path / "robot.toml"
+    given = f"start = {{ {start} }}".replace("} , assembly", "}\nassembly")
+    path.write_text(TRIAD.replace('foot = "plate.A"', f'foot = "plate.A"\n{given}'), encoding="utf-8")
+    with pytest.raises(SpecError) as error:
+        read(path)
+    found = [problem for problem in error.value.problems if problem.code == code]
+    assert found, error.value
+    assert found[0].place is not None
+    assert said in str(found[0])
+
+
+def test_a_triad_that_assembles_nowhere(tmp_path):
+    path = tmp_path / "robot.toml"
+    path.write_text(TRIAD.replace('foot = "plate.A"', 'foot = "plate.A"\nstart = { drives = [0.1, 0.1, 5.0] }'), encoding="utf-8")
+    with pytest.raises(SpecError, match="WG189") as error:
+        build(path, tmp_path / "out")
     assert "plate" in str(error.value)

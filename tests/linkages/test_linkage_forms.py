@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from linkages.theory import angle, circles, direction
-from walkgen.errors import SpecError, UnsupportedMechanism
+from walkgen.errors import SpecError
 from walkgen.graph.interpret import interpret
 from walkgen.pipeline import programs_of
 from walkgen.spec.read import read
@@ -62,6 +62,48 @@ SIX = {
     "stephenson I": ("stephenson", "I", "crank", "rocker"),
     "stephenson III": ("stephenson", "III", "coupler", "frame"),
 }
+STEPHENSON_2 = (
+    f"""
+stephenson = {{ inversion = "II", {FOUR}, on_crank = [0.03, 0.04], on_coupler = [0.1, 0.06], {ARMS}, foot = [0.35, 0.02] }}
+""",
+    """
+foot = "coupler.P"
+pins = [
+    { name = "crank", joins = ["frame.A", "crank.A"], driven = true },
+    { joins = ["frame.D", "rocker.D"] }, { joins = ["coupler.C", "rocker.C"] },
+    { joins = ["crank.B", "second_coupler.B"] }, { joins = ["second_coupler.F", "coupler.F"] },
+    { joins = ["crank.E", "second_rocker.E"] }, { joins = ["second_rocker.G", "coupler.G"] },
+]
+[leg_designs.leg.links]
+frame = { points = { A = [0, 0], D = [0.2, 0] } }
+crank = { points = { A = [0, 0], B = [0.05, 0], E = [0.03, 0.04] } }
+coupler = { points = { F = [0, 0], C = [0.25, 0], G = [0.1, 0.06], P = [0.35, 0.02] } }
+rocker = { points = { D = [0, 0], C = [0.22, 0] } }
+second_coupler = { points = { B = [0, 0], F = [0.3, 0] } }
+second_rocker = { points = { E = [0, 0], G = [0.28, 0] } }
+""",
+)
+STEPHENSON_2_AT_THE_ROCKER = (
+    f"""
+stephenson = {{ inversion = "II", {FOUR}, on_coupler = [0.1, 0.06], on_rocker = [0.13, 0.05], {ARMS}, foot = [0.35, 0.02] }}
+""",
+    """
+foot = "coupler.P"
+pins = [
+    { name = "crank", joins = ["frame.A", "crank.A"], driven = true },
+    { joins = ["crank.B", "coupler.B"] }, { joins = ["frame.D", "rocker.D"] },
+    { joins = ["coupler.C", "second_coupler.C"] }, { joins = ["second_coupler.F", "rocker.F"] },
+    { joins = ["coupler.E", "second_rocker.E"] }, { joins = ["second_rocker.G", "rocker.G"] },
+]
+[leg_designs.leg.links]
+frame = { points = { A = [0, 0], D = [0.2, 0] } }
+crank = { points = { A = [0, 0], B = [0.05, 0] } }
+coupler = { points = { B = [0, 0], C = [0.25, 0], E = [0.1, 0.06], P = [0.35, 0.02] } }
+rocker = { points = { D = [0, 0], F = [0.22, 0], G = [0.13, 0.05] } }
+second_coupler = { points = { C = [0, 0], F = [0.3, 0] } }
+second_rocker = { points = { E = [0, 0], G = [0.28, 0] } }
+""",
+)
 PAIRS = {
     "four_bar": (
         f"four_bar = {{ {FOUR}, foot = [0.125, 0.03] }}",
@@ -107,6 +149,8 @@ second_coupler = { points = { D = [0, 0], C = [0.21, 0] } }
 """,
     ),
     **{name: (six_form(*form), six(*form[2:])) for name, form in SIX.items()},
+    "stephenson II": (STEPHENSON_2[0], STEPHENSON_2[1]),
+    "stephenson II at the rocker": (STEPHENSON_2_AT_THE_ROCKER[0], STEPHENSON_2_AT_THE_ROCKER[1]),
 }
 
 
@@ -193,6 +237,8 @@ BAD = {
     "a second drive": (f"{CLOSED}\npins = [{{ joins = ['frame.D', 'rocker.C'], driven = true }}]", "WG183", "four_bar"),
     "no name": (CLOSED.replace("foot", "drive = { name = 'a b' }, foot"), "WG130", "drive.name"),
     "no name of a pin": (f"{CLOSED}\npins = [{{ name = 'while', joins = ['frame.D', 'rocker.C'] }}]", "WG131", "pins[0].name"),
+    "points of no stephenson II": (six_form("stephenson", "II", "crank", "rocker"), "WG190", "stephenson with inversion I"),
+    "a start without triads": (f"{CLOSED}\nstart = {{ drives = [0] }}", "WG187", "sides"),
     "no such dyad": (f'{CLOSED}\nassembly = {{ d = "left" }}', "WG187", "assembly"),
 }  # fmt: skip
 
@@ -213,8 +259,3 @@ def test_own_pins_are_told_where_they_stand(tmp_path):
     with pytest.raises(SpecError, match=r"pins\[0\].joins") as error:
         read(written(tmp_path, design))
     assert error.value.problems[0].place.line == HEAD.count("\n") + 3
-
-
-def test_a_stephenson_that_needs_a_triad_says_so(tmp_path):
-    with pytest.raises(UnsupportedMechanism, match="higher class"):
-        read(written(tmp_path, six_form("stephenson", "II", "crank", "frame")))

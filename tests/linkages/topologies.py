@@ -71,16 +71,21 @@ def _slider(text):
     return f'link = "{link}"\nguide = {{ link = "{guide}", point = [{_coordinate(x)}, {_coordinate(y)}], angle = {_coordinate(angle)} }}'
 
 
-def spec(name, functions):
-    """The text of a spec for a topology."""
-    topology = TOPOLOGIES[name]
+def spec(name, functions, values=None, start=None):
+    """The text of a spec for a topology; `values` are the parameters' defaults, `start` the drives at which triads are assembled."""
+    topology = (TOPOLOGIES | TRIADS)[name]
+    defaults = [0.5] * len(topology.parameters) if values is None else [float(value) for value in values]
     wanted = ", ".join(f'"{function}"' for function in functions)
     lines = [
         f'walkgen = 1\nrobot = {{ name = "{name}", gravity = [0.7, -9.8, 0] }}\nplatforms = [{{ name = "body" }}]',
         f'legs = [{{ name = "leg", design = "one", platform = "body" }}]\ngenerate = {{ functions = [{wanted}], targets = ["numpy"] }}',
         "[parameters]",
-        *(f'{entry} = {{ value = 0.5, unit = "{"rad" if entry[0] == "t" else "m"}", runtime = true }}' for entry in topology.parameters),
+        *(
+            f'{entry} = {{ value = {value!r}, unit = "{"rad" if entry[0] == "t" else "m"}", runtime = true }}'
+            for entry, value in zip(topology.parameters, defaults, strict=True)
+        ),
         f'[leg_designs.one]\nfoot = "{topology.foot}"',
+        *([] if start is None else [f"start = {{ drives = {[float(drive) for drive in start]} }}"]),
         "assembly = { " + ", ".join(f'{dyad} = "{side[0]}"' for dyad, side in topology.sides.items()) + " }",
         *(_link(index, link, points) for index, (link, points) in enumerate(_entries(topology.links))),
         *(_pair("pins", pin, f"joins = [{_quoted(joins)}]") for pin, joins in _entries(topology.pins)),
@@ -191,5 +196,57 @@ TOPOLOGIES = {
         "a*: frame.A crank.A; b: crank.B coupler.B; d: frame.D rocker.D; c: coupler.C rocker.C strut.C; f: frame.F arm.F; g: strut.G arm.G",
         "arm.P",
         {"c": ("left", "crank.B", "frame.D", "rocker.C"), "g": ("left", "coupler.C", "frame.F", "arm.G")},
+    ),
+}
+
+_PLATE = "plate: Q x6 y6, R x7 y7, S x8 y8, P x9 y9"
+
+TRIADS = {
+    "stephenson_2": Topology(
+        "frame: A 0 0, D x1 y1; crank: A 0 0, B d1 0, E x2 y2; near: B 0 0, F d2 0; far: E 0 0, G d3 0;"
+        "coupler: F 0 0, G x3 y3, C d4 0, P x4 y4; rocker: D 0 0, C d5 0",
+        "a*: frame.A crank.A; b: crank.B near.B; e: crank.E far.E; f: near.F coupler.F; g: far.G coupler.G; d: frame.D rocker.D;"
+        "c: coupler.C rocker.C",
+        "coupler.P",
+    ),
+    "loop_of_four": Topology(  # class IV: the base is one of the links between the two ternary ones
+        "frame: A 0 0, D x1 y1; crank: A 0 0, B d1 0; coupler: B 0 0, C d2 0, E x2 y2, P x3 y3; rocker: D 0 0, F d3 0, G x4 y4;"
+        "near: C 0 0, F d4 0; far: E 0 0, G d5 0",
+        "a*: frame.A crank.A; b: crank.B coupler.B; c: coupler.C near.C; e: coupler.E far.E; f: near.F rocker.F; g: far.G rocker.G;"
+        "d: frame.D rocker.D",
+        "coupler.P",
+    ),
+    "three_cylinders": Topology(
+        f"frame: A 0 0, B x1 y1, C x2 y2; {_PLATE}",
+        "",
+        "plate.P",
+        cylinders="one*: frame.A plate.Q; two*: frame.B plate.R; three*: frame.C plate.S",
+    ),
+    "plate_on_sliders": Topology(  # pins on the frame, guides on the plate; pins on the plate, guides on the frame and on a crank
+        f"frame: A 0 0, B x1 y1; crank: A 0 0, D d1 0; block: B x2 y2, T x3 y3; shoe: Q x4 y4, U 0 0; sled: R x5 y5, V 0 0; {_PLATE}",
+        "a*: frame.A crank.A; b: frame.B block.B; q: plate.Q shoe.Q; r: plate.R sled.R",
+        "plate.P",
+        sliders="into: block.T plate x0 y0 t1; on: shoe.U frame d2 d3 t2; along: sled.V crank d4 d5 t3",
+    ),
+    "cross_slide": Topology(  # one strut of two sliders
+        f"frame: A 0 0, B x1 y1; crank: A 0 0, D d1 0; cross: T x2 y2, U x3 y3; rod: D 0 0, Q d2 0; bar: B 0 0, R d3 0; {_PLATE}",
+        "a*: frame.A crank.A; d: crank.D rod.D; q: rod.Q plate.Q; b: frame.B bar.B; r: bar.R plate.R",
+        "plate.P",
+        sliders="down: cross.T frame x4 y4 t1; over: cross.U plate x5 y5 t2",
+    ),
+    "cross_slide_loop": Topology(  # the base is a strut, another strut has two sliders
+        "frame: A 0 0, D x1 y1; crank: A 0 0, B d1 0; coupler: B 0 0, C d2 0, P x3 y3; rocker: D 0 0, F d3 0; cross: T x2 y2, U x4 y4;"
+        "near: C 0 0, F d4 0",
+        "a*: frame.A crank.A; b: crank.B coupler.B; c: coupler.C near.C; f: near.F rocker.F; d: frame.D rocker.D",
+        "coupler.P",
+        sliders="down: cross.T coupler x5 y5 t1; over: cross.U rocker x6 y6 t2",
+    ),
+    "hung_triad": Topology(  # none of the triad's links is on the frame until a dyad has put them there
+        "frame: A 0 0, D x1 y1; arm: A 0 0, B d1 0, C x2 y2; fore: B 0 0, E d2 0; near: C 0 0, F d3 0; far: E 0 0, G d4 0;"
+        "hand: F 0 0, G x3 y3, H x4 y4, P x5 y5; tie: B 0 0, H d5 0; leg: D 0 0, J d6 0; foot: J 0 0, K d7 0",
+        "a: frame.A arm.A; b*: arm.B fore.B; c: arm.C near.C; e: fore.E far.E; f: near.F hand.F; g: far.G hand.G; t: arm.B tie.B;"
+        "h: tie.H hand.H; d*: frame.D leg.D; j: leg.J foot.J; k: foot.K hand.F",
+        "hand.P",
+        {"k": ("left", "frame.A", "leg.J", "hand.F")},
     ),
 }

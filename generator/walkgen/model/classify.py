@@ -63,9 +63,13 @@ def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
     if linkage.drive_count != 2:
         return InverseClass("", (), f"{linkage.drive_count} drives do not place the foot in the plane: two do")
     order = linkage.inverse
+    if linkage.forward.triads:
+        return InverseClass("", (), f"the drives hold the triad {linkage.forward.triads[0].name}: which assembly a row would be in is not known")
+    if order.triads:
+        return InverseClass("", (), f"with the foot held no dyad is left to place: {order.triads[0].name} is part of a triad")
     if len(order.clusters) > 1:
         stuck = " + ".join(sorted(linkage.structure.names[min(cluster)] for cluster in order.clusters))
-        return InverseClass("", (), f"with the foot held no dyad is left to place: {stuck} form a group of a higher class")
+        return InverseClass("", (), f"with the foot held no dyad is left to place: {stuck} form a group of more than four links")
     words = [(f"{joint.name}_plus", f"{joint.name}_minus") for joint in leg.serial]
     words += [
         (f"{group.name}_{SIDES[group.kind][0]}", f"{group.name}_{SIDES[group.kind][1]}") for group in order.groups if SIDES[group.kind]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from walkgen.spec.checks_linkage import check_linkages
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.expand import expanded
-from walkgen.spec.linkage_forms import POINTS_OF, FiveBar, FourBar, LinkageForm, Parallelogram, SixBar, hung_points, tables_of
+from walkgen.spec.linkage_forms import POINTS_OF, FiveBar, FourBar, LinkageForm, Parallelogram, SixBar, Stephenson, hung_points, tables_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.schema import LegDesign, RobotSpec
 from walkgen.spec.table import Path
@@ -37,7 +37,7 @@ def _located(finding: Finding, spec: RobotSpec) -> Finding:
 
 def _place(path: Path, design: LegDesign, form: Path, pins: int) -> Path:
     match path[2:]:
-        case ("assembly" | "cylinders" | "sliders" | "plane", *_):
+        case ("assembly" | "start" | "cylinders" | "sliders" | "plane", *_):
             return path
         case ("pins", int(index), *rest) if index >= pins:
             return (*path[:3], index - pins, *rest)
@@ -60,7 +60,7 @@ def _design(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding
         if not six:
             yield from _foot(here, design, form)
             yield from _points(path, design, form)
-        if isinstance(form, FourBar):
+        if isinstance(form, FourBar) and not (isinstance(form, Stephenson) and form.inversion == "II"):
             yield from _closes(here, form, numbers)
         if isinstance(form, Parallelogram):
             yield from _half_turn(here, design, form, numbers)
@@ -71,10 +71,7 @@ def _six_bar(path: Path, key: str, form: SixBar) -> Iterator[Finding]:
     inversion = str(getattr(form, "inversion", ""))
     choices = POINTS_OF.get((key, inversion))
     given = tuple(name for name, _ in hung_points(form))
-    if choices is None:
-        message = "with the ground in its loop of five, a Stephenson six-bar holds a group of four links, whichever crank drives it"
-        yield Finding("WG150", path, f"{message}; that is of a higher class than a dyad, which is not supported yet", "take I or III")
-    elif given not in choices:
+    if choices is not None and given not in choices:
         wanted = " or ".join(" and ".join(choice) for choice in choices)
         other = next((kind for kind, pairs in POINTS_OF.items() if given in pairs), None)
         cure = f"write {wanted}" + (f", or {other[0]} with inversion {other[1]}" if other else "")

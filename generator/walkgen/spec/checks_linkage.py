@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from itertools import combinations
 
-from walkgen.spec.assur import SIDES, Structure, order
+from walkgen.spec.assur import Structure, order
+from walkgen.spec.checks_assembly import check_assembly
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.linkage import FRAME, CylinderSpec
 from walkgen.spec.planar import structure_of
@@ -11,7 +12,7 @@ from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.schema import LegDesign, RobotSpec
 from walkgen.spec.table import Path
 
-_OF_LINKAGES = ("plane", "assembly")
+_OF_LINKAGES = ("plane", "assembly", "start")
 
 
 def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
@@ -67,6 +68,20 @@ def _references(path: Path, design: LegDesign) -> Iterator[Finding]:
     for index, cylinder in enumerate(design.cylinders):
         for place, text in enumerate(cylinder.between):
             yield from _point((*path, "cylinders", index, "between", place), text, design)
+    yield from _start((*path, "start"), design)
+
+
+def _start(path: Path, design: LegDesign) -> Iterator[Finding]:
+    """Points and links that hints name."""
+    if design.start is None:
+        return
+    for text in design.start.points:
+        yield from _point((*path, "points", text), text, design)
+    for key in ("angles", "angles_deg"):
+        for link in getattr(design.start, key) or ():
+            if link not in design.links:
+                cure = did_you_mean(link, design.links, "links")
+                yield Finding("WG180", (*path, key, link), f'there is no link "{shown(link)}"', cure)
 
 
 def _point(path: Path, text: str, design: LegDesign) -> Iterator[Finding]:
@@ -142,10 +157,10 @@ def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
         if _tied_twice(structure, found.clusters):
             yield Finding("WG184", path, f"the drives move one part twice and leave another free: {stuck}", "drive other pairs")
         else:
-            cure = "solve it by two-link groups: add or move pins and sliders, or drive other pairs"
-            yield Finding("WG150", path, f"the group {stuck} is of a higher class than a dyad, which is not supported yet", cure)
+            cure = "solve it by groups of two or four links: add or move pins and sliders, or drive other pairs"
+            yield Finding("WG150", path, f"the group {stuck} has more than four links, which is not supported", cure)
         return
-    yield from _assembly((*path, "assembly"), design, structure)
+    yield from check_assembly(path, design, structure)
 
 
 def _tied_twice(structure: Structure, clusters: tuple[frozenset[int], ...]) -> bool:
@@ -175,13 +190,3 @@ def _count(structure: Structure, drives: int) -> str:
 
 def _cluster(structure: Structure, cluster: frozenset[int]) -> str:
     return "/".join(shown(structure.names[body]) for body in sorted(cluster))
-
-
-def _assembly(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
-    groups = {group.name: SIDES[group.kind] for group in order(structure).groups if SIDES[group.kind]}
-    for name, side in design.assembly.items():
-        if name not in groups:
-            yield Finding("WG187", (*path, name), f'there is no dyad "{shown(name)}"', did_you_mean(name, groups, "dyads"))
-        elif side not in groups[name]:
-            cure = f"write {' or '.join(groups[name])}"
-            yield Finding("WG187", (*path, name), f'the dyad "{shown(name)}" has no side "{shown(side)}"', cure)

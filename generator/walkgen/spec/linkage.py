@@ -111,12 +111,12 @@ class StartSpec(Table):
     """The same in mm."""
     points: dict[StrictStr, Pair] = Field(default_factory=dict, max_length=_MOST_ENDS)
     """About where points, each as link.point, lie in the frame's axes (m)."""
-    angles: dict[StrictStr, Number] = Field(default_factory=dict, max_length=_MOST_ENDS)
+    angles: dict[StrictStr, Number] | None = Field(default=None, max_length=_MOST_ENDS)
     """About the angles of links to the frame (rad)."""
-    angles_deg: dict[StrictStr, Number] = Field(default_factory=dict, max_length=_MOST_ENDS)
+    angles_deg: dict[StrictStr, Number] | None = Field(default=None, max_length=_MOST_ENDS)
     """The same in degrees."""
 
     @property
     def turned(self) -> dict[str, Scalar]:
         """Angles of links (rad)."""
-        return {**self.angles, **{link: degrees(angle) for link, angle in self.angles_deg.items()}}
+        return {**(self.angles or {}), **{link: degrees(angle) for link, angle in (self.angles_deg or {}).items()}}

@@ -3,6 +3,8 @@
 A four-bar's corners are A, B, C, D: the crank turns about A, the coupler goes from B to C, the rocker turns about D. A five-bar's are A to
 E, driven at A and E, its couplers meet in C. A six-bar is a four-bar with two more links that join E on one of its links to G on another
 at F. Every bar begins at the origin of its own axes and lies along their x; the frame has A in its origin and the ground along x.
+A Stephenson II has a loop of five instead, A B F C D or A B C F D, in which the second coupler stands between crank and coupler, or coupler
+and rocker; the second rocker joins E on the one of these two to G on the other.
 """
 
 from collections.abc import Mapping
@@ -88,9 +90,9 @@ class SixBar(FourBar):
     on_ground: Pair | None = None
     """The same of the frame."""
     second_coupler: Number
-    """From the first of these points to the pin F (m)."""
+    """From the first of these points to the pin F (m); of a Stephenson II from the crank's B or the coupler's C to F."""
     second_rocker: Number
-    """From the second of these points to the pin F (m)."""
+    """From the second of these points to the pin F (m); of a Stephenson II from the first to the second."""
 
 
 class Watt(SixBar):
@@ -104,13 +106,14 @@ class Stephenson(SixBar):
     """Six-bar whose two links of three pins face each other."""
 
     inversion: Literal["I", "II", "III"]
-    """I: points on crank and rocker; III: on coupler and ground; II holds a group of a higher class than a dyad."""
+    """I: points on crank and rocker; III: on coupler and ground; II, a triad: on crank and coupler, or coupler and rocker."""
 
 
 POINTS_OF: Mapping[tuple[str, str], tuple[tuple[str, str], ...]] = {
     ("watt", "I"): (("on_coupler", "on_rocker"), ("on_crank", "on_coupler")),
     ("watt", "II"): (("on_rocker", "on_ground"), ("on_crank", "on_ground")),
     ("stephenson", "I"): (("on_crank", "on_rocker"),),
+    ("stephenson", "II"): (("on_crank", "on_coupler"), ("on_coupler", "on_rocker")),
     ("stephenson", "III"): (("on_coupler", "on_ground"),),
 }
 """Which pairs of points make which six-bar, by form and inversion."""
@@ -133,6 +136,8 @@ def tables_of(form: LinkageForm) -> LinkageTables:
         four = FourBar(ground=form.ground, crank=form.crank, coupler=form.ground, rocker=form.crank, drive=form.drive)
         return _finished(form, "coupler", *_four_bar(four))
     assert isinstance(form, FourBar)
+    if isinstance(form, Stephenson) and form.inversion == "II":
+        return _finished(form, "coupler", *_loop_of_five(form))
     points, pins = _four_bar(form)
     if isinstance(form, SixBar):
         return _finished(form, "second_coupler", *_second_loop(form, points, pins))
@@ -162,6 +167,21 @@ def _second_loop(form: SixBar, points: _Points, pins: _Pins) -> tuple[_Points, _
     points["second_rocker"] = {"G": _ORIGIN, "F": _along(form.second_rocker)}
     hung = (_pin(f"{owners[0]}.E", "second_coupler.E"), _pin(f"{owners[1]}.G", "second_rocker.G"))
     return points, (*pins, *hung, _pin("second_coupler.F", "second_rocker.F"))
+
+
+def _loop_of_five(form: Stephenson) -> tuple[_Points, _Pins]:
+    """Of a Stephenson II: the second coupler is F's link between the two ternary ones."""
+    points, pins = _four_bar(form)
+    (first, e), (second, g) = hung_points(form)
+    owner, other = first.removeprefix("on_"), second.removeprefix("on_")
+    opened = "B" if owner == "crank" else "C"
+    points[owner]["E"], points[other]["G"] = e, g
+    points[other]["F"] = points[other].pop(opened)
+    points["second_coupler"] = {opened: _ORIGIN, "F": _along(form.second_coupler)}
+    points["second_rocker"] = {"E": _ORIGIN, "G": _along(form.second_rocker)}
+    kept = tuple(pin for pin in pins if pin.joins != (f"{owner}.{opened}", f"{other}.{opened}"))
+    hung = (_pin(f"{owner}.{opened}", f"second_coupler.{opened}"), _pin("second_coupler.F", f"{other}.F"))
+    return points, (*kept, *hung, _pin(f"{owner}.E", "second_rocker.E"), _pin("second_rocker.G", f"{other}.G"))
 
 
 def hung_points(form: SixBar) -> tuple[tuple[str, Pair], ...]:

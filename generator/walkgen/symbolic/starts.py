@@ -27,7 +27,7 @@ from walkgen.symbolic.tape_values import tape_values, value
 
 Reals = NDArray[np.float64]
 _DIGITS = 20
-_ANGLES, _WAYS = 16, 9
+_ANGLES, _WAYS = 16, (-8.0, -4.0, -2.0, -1.0, -0.5, -0.2, 0.1, 0.3, 0.7, 1.5, 3.0, 6.0)
 _STEPS, _STRIDE, _CLOSED, _APART = 40, 0.5, 1e-10, 1e-6
 _FRACTIONS = (0.5, 0.375, 0.625, 0.25, 0.75, 0.125, 0.875, 0.0, 1.0)
 _TURNS = (0, 3, -3, 6, -6, 1, -1, 2, -2, 4, -4, 5, -5)
@@ -73,21 +73,27 @@ def found_start(mechanism: Mechanism, leg: Limb) -> FoundStart:
 @cache
 def start_of(mechanism: Mechanism, leg: Limb) -> FoundStart | None:
     """The same, None where no assembly is found."""
-    numbers = _Numbers(mechanism, leg)
-    for drives in numbers.candidates():
-        found = numbers.assemblies(drives)
+    assemblies = Assemblies(mechanism, leg)
+    for drives in assemblies.candidates():
+        found = assemblies.at([float(number) for number in (*drives, *assemblies.parameters)])
         if found:
-            return numbers.start(drives, sorted(found, key=lambda one: (one.misfit, -one.sine, one.unknowns)))
+            return assemblies.start(drives, found)
     return None
 
 
-class _Numbers:
-    """A linkage's closure in numbers."""
+class Assemblies:
+    """All ways in which a linkage's triads close.
+
+    Args:
+        mechanism: the robot.
+        leg: one whose linkage has triads.
+    """
 
     def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
         assert leg.linkage is not None
         self._leg, self._linkage, self._values = leg, leg.linkage, defaults(mechanism)
-        self._parameters = [self._values[name] for name in point_parameters(mechanism, leg)]
+        self.names = tuple(point_parameters(mechanism, leg))
+        self.parameters = [self._values[name] for name in self.names]
         self._symbols = symbols_of(point_port(mechanism, leg))
         self._count = unknowns_port(leg).size
         self._closing = closing_at(mechanism, leg, self._symbols[: -self._count], self._symbols[-self._count :], Tape())
@@ -126,18 +132,18 @@ class _Numbers:
             return [CONTEXT.pi * sixths / 6 for sixths in _TURNS]
         return [self._number(self._linkage.size) * CONTEXT.mpf(str(stretch)) for stretch in _STRETCHES]
 
-    def assemblies(self, drives: tuple[Any, ...]) -> list[Assembly]:
-        """Every one that a lattice of unknowns leads to, triad after triad."""
-        given = [float(number) for number in (*drives, *self._parameters)]
+    def at(self, given: Sequence[float]) -> list[Assembly]:
+        """Every one that a lattice of unknowns leads to, for drives and the parameters that matter; the one that is meant first."""
         found: list[tuple[float, ...]] = [()]
         for number, triad in enumerate(self._linkage.forward.triads):
             kinds = [self._linkage.structure.pairs[pair].kind for pair in triad.struts[0].pairs]
             found = [(*known, *more) for known in found for more in self._closed(given, known, number, kinds)]
-        return [assembly for unknowns in found if (assembly := self._assembly(given, unknowns))]
+        known = [assembly for unknowns in found if (assembly := self._assembly(given, unknowns))]
+        return sorted(known, key=lambda one: (one.misfit, -one.sine, one.unknowns))
 
     def _closed(self, given: Sequence[float], known: tuple[float, ...], number: int, kinds: Sequence[str]) -> list[tuple[float, ...]]:
         """Unknowns of one triad, those of the triads before it known."""
-        axes = [np.linspace(-np.pi, np.pi, _ANGLES, endpoint=False) if kind == "R" else np.linspace(-2, 2, _WAYS) for kind in kinds]
+        axes = [np.linspace(-np.pi, np.pi, _ANGLES, endpoint=False) if kind == "R" else np.array(_WAYS) for kind in kinds]
         u = np.array(list(product(*axes))).T
         for _ in range(_STEPS):
             r, slopes = self._evaluated(given, known, u, number)
@@ -162,11 +168,11 @@ class _Numbers:
             margin, *told = (float(entry) for entry in self._told(*given, *unknowns))
         entries = iter(told)
         misfit = sum(hint.square([next(entries), next(entries)]) for hint in self._hints)
-        return Assembly(unknowns, float(np.sqrt(margin)), misfit) if np.isfinite([margin, misfit]).all() else None
+        return Assembly(unknowns, float(np.sqrt(margin)), misfit) if margin > 0 else None  # not where a later dyad cannot close
 
     def start(self, drives: tuple[Any, ...], assemblies: Sequence[Assembly]) -> FoundStart:
         """The first of the assemblies, to 50 digits."""
-        given = (*drives, *self._parameters)
+        given = (*drives, *self.parameters)
         unknowns = [CONTEXT.mpf(number) for number in assemblies[0].unknowns]
         for _ in range(4):
             known = tape_values(self._closing.tape, dict(zip(self._symbols, (*given, *unknowns), strict=True)))
@@ -175,7 +181,7 @@ class _Numbers:
             unknowns = [unknown - change for unknown, change in zip(unknowns, step, strict=True)]
         pairs = range(0, self._count, 2)
         senses = tuple(int(CONTEXT.sign(slopes[i, i] * slopes[i + 1, i + 1] - slopes[i, i + 1] * slopes[i + 1, i])) for i in pairs)
-        numbers = [tuple(Decimal(CONTEXT.nstr(number, _DIGITS)) for number in part) for part in (drives, self._parameters, unknowns)]
+        numbers = [tuple(Decimal(CONTEXT.nstr(number, _DIGITS)) for number in part) for part in (drives, self.parameters, unknowns)]
         return FoundStart(numbers[0], numbers[1], numbers[2], senses, tuple(assemblies))
 
 

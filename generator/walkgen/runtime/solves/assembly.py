@@ -28,7 +28,7 @@ def assemble(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) 
     Args:
         unknowns: how many, n.
         z: drives and parameters [..., k].
-        start: a point where the linkage is assembled [k + n].
+        start: a point where the linkage is assembled [..., k + n].
         callback: the closure.
 
     Returns:
@@ -37,10 +37,10 @@ def assemble(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) 
         not enough; BAD_INPUT where z is not finite.
     """
     given, point = np.asarray(z, float), np.asarray(start, float)
-    shape = given.shape[:-1]
-    rows = given.reshape(-1, given.shape[-1])
+    shape = np.broadcast_shapes(given.shape[:-1], point.shape[:-1])
+    rows, points = (np.broadcast_to(entry, (*shape, entry.shape[-1])).reshape(-1, entry.shape[-1]) for entry in (given, point))
     with np.errstate(all="ignore"):
-        move = _Move(callback[0], point[:-unknowns], rows, np.tile(point[-unknowns:], (len(rows), 1)))
+        move = _Move(callback[0], points[:, :-unknowns], rows, points[:, -unknowns:].copy())
         status = move.status()
     u = np.where((status == _OK)[:, None], move.u, np.nan)
     return u.reshape(*shape, unknowns), status.reshape(shape)
@@ -99,7 +99,7 @@ class _Move:
 
     def _newton(self, rows: NDArray[np.intp], part: Reals, close: Reals, guess: Reals) -> _Tried:
         """Newton's method at a part of the way: each correction at most half of the one before, the first at most a quarter."""
-        way = np.where(part[:, None] < 1.0, self._from + part[:, None] * (self._to[rows] - self._from), self._to[rows])
+        way = np.where(part[:, None] < 1.0, self._from[rows] + part[:, None] * (self._to[rows] - self._from[rows]), self._to[rows])
         u, last, taken = guess.copy(), np.full(len(rows), 0.5), np.zeros(len(rows), bool)
         determinant, going = np.zeros(len(rows)), np.ones(len(rows), bool)
         for _ in range(_TURNS):

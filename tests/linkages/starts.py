@@ -1,0 +1,87 @@
+"""Triads from random starts: their assemblies by walkgen and by numbers, and where they get to when their drives move slowly."""
+
+import numpy as np
+
+from linkages.closure import Closure, newton
+from linkages.placed import as_unknowns, code_of
+from linkages.topologies import TRIADS, spec
+from walkgen.model.assemble import assemble
+from walkgen.spec.read import read
+from walkgen.symbolic.starts import Assemblies
+
+SLOW = 1500
+
+
+class Drawn:
+    """Dimensions and drives, drawn before anything is known of them, and all assemblies there: unknowns, the furthest from dead first."""
+
+    def __init__(self, name, count, seed, folder):
+        self.name, self.topology, random = name, TRIADS[name], np.random.default_rng(seed)
+        self.dimensions, self.drives = self.topology.draw(random, count)
+        self._folder = folder
+        self._look(None)
+        self.closes = np.array([bool(found) for found in self.assemblies])
+        self._look(self.dimensions[np.flatnonzero(self.closes)[0]])
+
+    def _look(self, values):
+        """Find all assemblies; ways of sliders are in units of what the values make the linkage's size."""
+        path = self._folder / "drawn.toml"
+        path.write_text(spec(self.name, (), values), encoding="utf-8")
+        mechanism = assemble(read(path), self._folder)
+        found = Assemblies(mechanism, mechanism.legs[0])
+        known = [self.topology.parameters.index(parameter) for parameter in found.names]
+        self._z = np.concatenate([self.drives, self.dimensions[:, known]], -1)
+        self.assemblies = [found.at(row) for row in self._z]
+
+    def code(self, functions):
+        """Generated from the first set that assembles."""
+        first = np.flatnonzero(self.closes)[0]
+        text = spec(self.name, functions, self.dimensions[first], self.drives[first])
+        return code_of(text, functions, self._folder)
+
+    def started(self, code, rows, which):
+        """Let the code start from an assembly of each of some sets."""
+        points = [[*self._z[row], *self.assemblies[row][number].unknowns] for row, number in zip(rows, which, strict=True)]
+        code["leg_foot_position"].__wrapped__.__globals__[f"{self.name}_leg_start"] = np.array(points)
+
+
+def by_numbers(text, sides, dimensions, drives, random, starts):
+    """All poses that a set closes in, by Newton from many starts [n, size]."""
+    closure = Closure(text, np.tile(dimensions, (starts, 1)), np.tile(drives, (starts, 1)))
+    x = random.uniform(-1.5, 1.5, (starts, closure.size))
+    x[:, 2::3] = random.uniform(-np.pi, np.pi, x[:, 2::3].shape)
+    x, closed = newton(closure, x, 10 ** random.uniform(-6, 0, starts))
+    kept = []
+    for pose in x[closed & closure.as_wanted(x, sides) & (np.abs(x).max(-1) < 1e3)]:
+        pose[2::3] = np.angle(np.exp(1j * pose[2::3]))
+        if all(apart(pose, other) > 1e-6 for other in kept):
+            kept.append(pose)
+    return np.array(kept).reshape(-1, closure.size)
+
+
+def apart(one, other):
+    """The largest difference, turns taken off."""
+    away = one - other
+    away[..., 2::3] = np.angle(np.exp(1j * away[..., 2::3]))
+    return np.abs(away).max(-1)
+
+
+def moved(text, dimensions, x, start, end, parts=SLOW):
+    """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point: all links' equations at once."""
+    count, alive = len(x), np.ones(len(x), bool)
+    sense = np.sign(np.linalg.det(Closure(text, dimensions, start).equations(x)[1]))
+    for part in np.arange(1, parts + 1) / parts:
+        closure = Closure(text, dimensions, start + part * (end - start))
+        for _ in range(3 if part < 1 else 6):
+            value, slope = closure.equations(x)
+            slope[~alive] = np.eye(closure.size)
+            value[~alive] = 0
+            step = np.linalg.solve(slope, value[..., None])[..., 0]
+            x = np.where(alive[:, None], x - step, x)
+        value, slope = closure.equations(x)
+        alive &= (np.abs(value).max(-1) < 1e-6) & (np.sign(np.linalg.det(slope)) == sense)
+    assert count == len(alive)
+    return x, alive
+
+
+__all__ = ["Drawn", "apart", "as_unknowns", "by_numbers", "moved"]
