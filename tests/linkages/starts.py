@@ -9,7 +9,7 @@ from walkgen.model.assemble import assemble
 from walkgen.spec.read import read
 from walkgen.symbolic.starts import Assemblies
 
-SLOW = 1500
+SLOW = 500
 
 
 class Drawn:
@@ -17,7 +17,8 @@ class Drawn:
 
     def __init__(self, name, count, seed, folder):
         self.name, self.topology, random = name, TRIADS[name], np.random.default_rng(seed)
-        self.dimensions, self.drives = self.topology.draw(random, count)
+        self.dimensions, drives = self.topology.draw(random, count)
+        self.drives = np.tile(drives[0], (count, 1))  # whole turns are taken off about the start's drives, which are in the code
         self._folder = folder
         self._look(None)
         self.closes = np.array([bool(found) for found in self.assemblies])
@@ -67,20 +68,22 @@ def apart(one, other):
 
 
 def moved(text, dimensions, x, start, end, parts=SLOW):
-    """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point: all links' equations at once."""
-    count, alive = len(x), np.ones(len(x), bool)
+    """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point and nothing runs off to infinity:
+    all links' equations at once, the guess from the last two poses.
+    """
+    alive, slow = np.ones(len(x), bool), np.zeros_like(x)
     sense = np.sign(np.linalg.det(Closure(text, dimensions, start).equations(x)[1]))
     for part in np.arange(1, parts + 1) / parts:
-        closure = Closure(text, dimensions, start + part * (end - start))
+        closure, before = Closure(text, dimensions, start + part * (end - start)), x
+        x = x + slow
         for _ in range(3 if part < 1 else 6):
             value, slope = closure.equations(x)
-            slope[~alive] = np.eye(closure.size)
-            value[~alive] = 0
-            step = np.linalg.solve(slope, value[..., None])[..., 0]
-            x = np.where(alive[:, None], x - step, x)
+            slope[~alive], value[~alive] = np.eye(closure.size), 0
+            x = x - np.linalg.solve(slope, value[..., None])[..., 0]
         value, slope = closure.equations(x)
-        alive &= (np.abs(value).max(-1) < 1e-6) & (np.sign(np.linalg.det(slope)) == sense)
-    assert count == len(alive)
+        alive &= (np.abs(value).max(-1) < 1e-6) & (np.sign(np.linalg.det(slope)) == sense) & (apart(x, before) < 0.3)
+        x = np.where(alive[:, None], x, before)
+        slow = np.where(alive[:, None], x - before, 0)
     return x, alive
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from decimal import Decimal
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -42,8 +43,9 @@ def lower(derivation: Derivation, fma: bool = True) -> Program | Composite:
     return _composite(derivation, fma) if isinstance(derivation, Solve) else program(derivation, fma)
 
 
+@lru_cache(maxsize=64)
 def program(function: Function, fma: bool) -> Program:
-    """One Function as a Program."""
+    """One Function as a Program; steps that many functions share are lowered once."""
     numbering = Numbering(function.signature)
     lowering = _Lowering(numbering, function)
     outputs = tuple(lowering.number(output) for output in function.outputs)

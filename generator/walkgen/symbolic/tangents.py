@@ -20,8 +20,8 @@ def tangents(tape: Tape, outputs: Sequence[sympy.Expr], variables: Sequence[tupl
         outputs: expressions in the tape's names and its inputs.
         variables: inputs, each with the name that its tangents end in.
     """
-    forward, closures = _Forward(tape, outputs), _used(tape, outputs)
-    columns = [forward.column(label, _moving(tape, closures, label, variable)) for label, variable in variables]
+    forward, closures = _Forward(tape, outputs), [_Implicit(tape, closure) for closure in _used(tape, outputs)]
+    columns = [forward.column(label, _moving(closures, label, variable)) for label, variable in variables]
     return [list(row) for row in zip(*columns, strict=True)]
 
 
@@ -65,24 +65,31 @@ def _inputs(tape: Tape, outputs: Sequence[sympy.Expr]) -> set[sympy.Basic]:
     return set().union(*(expression.free_symbols for expression in (*outputs, *definitions)))
 
 
-def _moving(tape: Tape, closures: Sequence[Closure], label: str, variable: sympy.Symbol) -> Known:
+def _moving(closures: Sequence["_Implicit"], label: str, variable: sympy.Symbol) -> Known:
     """The variable, and what it moves of the closures' unknowns."""
     known = {variable: sympy.S.One}
     for closure in closures:
-        known |= dict(_implied(tape, closure, label, known))
+        known |= dict(closure.moved(label, known))
     return known
 
 
-def _implied(tape: Tape, closure: Closure, label: str, known: Known) -> Iterator[tuple[sympy.Symbol, sympy.Expr]]:
-    """Slopes of two unknowns by Cramer's rule; none where the residuals do not move."""
-    own = [tape.let("residual_slope", slope) for slope in _Forward(tape, closure.residuals).column(label, known)]
-    if not any(own):
-        return
-    named = [(str(unknown), unknown) for unknown in closure.unknowns]
-    (a, b), (c, d) = ([tape.let("closure_slope", entry) for entry in row] for row in partial_tangents(tape, closure.residuals, named))
-    determinant = tape.let("closure_determinant", a * d - b * c)
-    for unknown, slope in zip(closure.unknowns, (b * own[1] - d * own[0], c * own[0] - a * own[1]), strict=True):
-        yield unknown, tape.let(f"{unknown}_d_{label}", slope / determinant)
+class _Implicit:
+    """A closure of two unknowns, with the slopes of its residuals by them."""
+
+    def __init__(self, tape: Tape, closure: Closure) -> None:
+        self._tape, self._unknowns, self._forward = tape, closure.unknowns, _Forward(tape, closure.residuals)
+        named = [(str(unknown), unknown) for unknown in closure.unknowns]
+        (a, b), (c, d) = ([tape.let("closure_slope", entry) for entry in row] for row in partial_tangents(tape, closure.residuals, named))
+        self._slopes, self._determinant = (a, b, c, d), tape.let("closure_determinant", a * d - b * c)
+
+    def moved(self, label: str, known: Known) -> Iterator[tuple[sympy.Symbol, sympy.Expr]]:
+        """Slopes of the unknowns by Cramer's rule; none where the residuals do not move."""
+        own = [self._tape.let("residual_slope", slope) for slope in self._forward.column(label, known)]
+        if not any(own):
+            return
+        a, b, c, d = self._slopes
+        for unknown, slope in zip(self._unknowns, (b * own[1] - d * own[0], c * own[0] - a * own[1]), strict=True):
+            yield unknown, self._tape.let(f"{unknown}_d_{label}", slope / self._determinant)
 
 
 def _needed(tape: Tape, outputs: Sequence[sympy.Expr]) -> list[tuple[sympy.Symbol, sympy.Expr]]:
