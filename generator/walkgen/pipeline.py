@@ -12,7 +12,7 @@ from walkgen.emit.emit import emit
 from walkgen.emit.landing import BUILD_FOLDER, staged, stale_files
 from walkgen.emit.manifest import operations, source_digest
 from walkgen.errors import Problem, SpecError, ToolchainError
-from walkgen.graph.assembly import Coverage, coverage
+from walkgen.graph.assembly import Coverage, coverage, titled
 from walkgen.graph.differentiate import derivative
 from walkgen.graph.lower import lower
 from walkgen.graph.passes import fused
@@ -101,7 +101,7 @@ def _refuse_apart(path: Path, spec: RobotSpec, mechanism: Mechanism) -> None:
         if found is not None and found.assembled == 0:
             place = Positions(open_document(path)).place(("leg_designs", design))
             problems.append(
-                Problem("WG189", f"leg_designs.{design}: {_apart(found)}", "mend the lengths that it joins, or the limits", place)
+                Problem("WG189", f"leg_designs.{design}: {_apart(found, legs[user])}", "mend the lengths that it joins, or limits", place)
             )
     if problems:
         raise SpecError(*problems)
@@ -112,10 +112,10 @@ def coverage_of(mechanism: Mechanism, leg: Limb) -> Coverage | None:
     return coverage(mechanism, leg, assemble_triads)
 
 
-def _apart(found: Coverage) -> str:
+def _apart(found: Coverage, leg: Limb) -> str:
     worst, count = found.failing[0]
     points = f"0 % of its drives' limits, at none of {found.points} points"
-    return f"the linkage assembles in {points}; at {count} of them {worst} cannot close"
+    return f"the linkage assembles in {points}; at {count} of them the {titled(leg, worst)} cannot close"
 
 
 def _digest(path: Path, spec: RobotSpec) -> str:

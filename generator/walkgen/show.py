@@ -7,13 +7,14 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from walkgen import pipeline
-from walkgen.graph.assembly import Coverage
+from walkgen.graph.assembly import Coverage, titled
 from walkgen.model.classify import inverse_class
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
 from walkgen.show_code import chosen, equations, listing
-from walkgen.spec.assur import SIDES
+from walkgen.spec.assur import SIDES, Triad
 from walkgen.spec.scalar import Apply, Exact, Name, Pi, Scalar
+from walkgen.symbolic.starts import start_of
 
 _INFIX = {"add": " + ", "sub": " - ", "mul": "*", "div": "/", "pow": "**"}
 _AXES = "xyz"
@@ -126,7 +127,8 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
         yield from _limb(f"chain {chain.name}: {platforms[chain.platform]}{child}", chain)
     for leg in mechanism.legs:
         yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
-        yield from _coverage(pipeline.coverage_of(mechanism, leg))
+        yield from _assemblies(mechanism, leg)
+        yield from _coverage(pipeline.coverage_of(mechanism, leg), leg)
         yield from _inverse(mechanism, leg)
 
 
@@ -150,16 +152,44 @@ def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:
         limits = f"  q in [{', '.join(scalar_text(limit) for limit in drive.limits)}]" if drive.limits else ""
         yield f"    {drive.name}  {drive.kind} drive{limits}"
     for group in linkage.forward.groups:
+        if isinstance(group, Triad):
+            yield f"    triad {group.name}  {_struts(group, linkage)} between {names[group.ends[0]]} and {names[group.ends[1]]}"
+            continue
         sides = SIDES[group.kind]
         chosen = f", on side {sides[0 if linkage.side(group) > 0 else 1]} ({' or '.join(sides)})" if sides else ""
         base, first, second = (names[body] for body in group.bodies)
         yield f"    dyad {group.name}  {group.kind}: {first} and {second} on {base}{chosen}"
 
 
-def _coverage(found: Coverage | None) -> Iterator[str]:
+def _struts(triad: Triad, linkage: Linkage) -> str:
+    """Its three links between two, with the kinds of their pairs."""
+    structure = linkage.structure
+    kinds = ("".join(structure.pairs[pair].kind for pair in strut.pairs) for strut in triad.struts)
+    return ", ".join(f"{kind} {structure.names[strut.body]}" for kind, strut in zip(kinds, triad.struts, strict=True))
+
+
+def _assemblies(mechanism: Mechanism, leg: Limb) -> Iterator[str]:
+    """Where triads start from, and all that they could be there: the chosen one first, each with the angles of links that tell it."""
+    if leg.linkage is None or not leg.linkage.forward.triads:
+        return
+    found, names = start_of(mechanism, leg), leg.linkage.structure.names
+    if found is None:
+        yield "    start: no assembly is found"
+        return
+    drives = ", ".join(
+        f"{drive.name} = {float(value):.6g}" for drive, value in zip(leg.joints[len(leg.serial) :], found.drives, strict=True)
+    )
+    yield f"    start at {drives}: {len(found.assemblies)} assemblies, the first is taken; start = {{ angles_deg = ... }} takes another"
+    ternary = [names[max(triad.ends)] for triad in leg.linkage.forward.triads]
+    for assembly in found.assemblies:
+        angles = ", ".join(f"{name} = {degrees:.1f}" for name, degrees in zip(ternary, assembly.degrees, strict=True))
+        yield f"        angles_deg = {{ {angles} }}, sine of the transmission angle at least {assembly.sine:.2g}"
+
+
+def _coverage(found: Coverage | None, leg: Limb) -> Iterator[str]:
     """How much of the drives' limits assembles, and what fails in the rest."""
     if found is not None:
-        failing = "".join(f"; dyad {name} cannot close in {_percent(count, found.points)}" for name, count in found.failing)
+        failing = "".join(f"; {titled(leg, name)} cannot close in {_percent(count, found.points)}" for name, count in found.failing)
         yield f"    assembles in {_percent(found.assembled, found.points)} of the drives' limits{failing}"
 
 

@@ -68,8 +68,8 @@ def apart(one, other):
 
 
 def moved(text, dimensions, x, start, end, parts=SLOW):
-    """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point and nothing runs off to infinity:
-    all links' equations at once, the guess from the last two poses.
+    """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point and nothing runs off to
+    infinity: all links' equations at once, the guess from the last two poses.
     """
     alive, slow = np.ones(len(x), bool), np.zeros_like(x)
     sense = np.sign(np.linalg.det(Closure(text, dimensions, start).equations(x)[1]))

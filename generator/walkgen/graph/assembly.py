@@ -52,11 +52,10 @@ def coverage(mechanism: Mechanism, leg: Limb, assemble: Assemble) -> Coverage | 
         return None
     nodes = max(_FEWEST, round(_MOST_POINTS ** (1 / len(spans))))
     points = list(product(*([low + (high - low) * step / (nodes - 1) for step in range(nodes)] for low, high in spans)))
-    if start is None:
-        margins = _margins(mechanism, leg, points)
-    else:
-        margins = margins_at(mechanism, leg, start, np.array(points), assemble).tolist()
-    failures = Counter(_failing(row, [group.name for group in linkage.forward.groups]) for row in margins)
+    by_start = start and margins_at(mechanism, leg, start, np.array(points), assemble).tolist()
+    margins = by_start or _margins(mechanism, leg, points)
+    names = [group.name for group in linkage.forward.groups]
+    failures = Counter(_failing(row, names) for row in margins)
     assembled = failures.pop("", 0)
     return Coverage(len(points), assembled, tuple(failures.most_common()))
 
@@ -72,3 +71,9 @@ def _margins(mechanism: Mechanism, leg: Limb, points: list[tuple[float, ...]]) -
 def _failing(margins: list[float], names: list[str]) -> str:
     """The first group that cannot close; empty where all do."""
     return next((name for name, margin in zip(names, margins, strict=True) if not margin >= 0), "")
+
+
+def titled(leg: Limb, name: str) -> str:
+    """A group of a leg's linkage, with its kind."""
+    triads = [triad.name for triad in leg.linkage.forward.triads] if leg.linkage else []
+    return f"{'triad' if name in triads else 'dyad'} {name}"

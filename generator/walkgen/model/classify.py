@@ -64,7 +64,9 @@ def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
         return InverseClass("", (), f"{linkage.drive_count} drives do not place the foot in the plane: two do")
     order = linkage.inverse
     if linkage.forward.triads:
-        return InverseClass("", (), f"the drives hold the triad {linkage.forward.triads[0].name}: which assembly a row would be in is not known")
+        return InverseClass(
+            "", (), f"the drives hold the triad {linkage.forward.triads[0].name}: which of its assemblies a row has is not known"
+        )
     if order.triads:
         return InverseClass("", (), f"with the foot held no dyad is left to place: {order.triads[0].name} is part of a triad")
     if len(order.clusters) > 1:

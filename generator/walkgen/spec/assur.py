@@ -1,10 +1,11 @@
 """Which bodies of a planar linkage can be placed one after another: Assur groups of class II and triads, found by their pairs alone.
 
 Bodies that are joined pair by pair in a triangle are rigid together: three pins (an RRR dyad on its base), two pins and a slider (RRP,
-RPR) or a pin and two sliders (PRP, RPP). Placing them makes one cluster of three, until the linkage is a single cluster. Where no triangle
-is left, five clusters may be rigid together: two that are joined by three others. That is every Assur group of four links and six pairs: with
-one of the two as its base a ternary link on three binary ones (class III), with one of the three a loop of four links (class IV). What is
-left otherwise holds a larger group. Driven pairs join their bodies first, driven cylinders are bodies of a given length.
+RPR) or a pin and two sliders (PRP, RPP). Placing them makes one cluster of three, until the linkage is a single cluster. Where no
+triangle is left, five clusters may be rigid together: two that are joined by three others. That is every Assur group of four links and
+six pairs: with one of the two as its base a ternary link on three binary ones (class III), with one of the three a loop of four links
+(class IV). What is left otherwise holds a larger group. Driven pairs join their bodies first, driven cylinders are bodies of a given
+length.
 """
 
 from collections.abc import Iterator

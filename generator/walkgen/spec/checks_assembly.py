@@ -32,7 +32,8 @@ def _sides(path: Path, design: LegDesign, structure: Structure) -> Iterator[Find
 def _start(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
     assert design.start is not None
     if not order(structure).triads:
-        yield Finding("WG187", path, "start says how triads are assembled, and the linkage has none", "remove start; dyads have sides: assembly")
+        message = "start says how triads are assembled, and the linkage has none"
+        yield Finding("WG187", path, message, "remove start; dyads have sides: assembly")
     kinds = [pair.kind for pair in structure.pairs if pair.driven] + ["P"] * len(structure.bars)
     for key, kind, unit in (("drives", "", "rad or m"), ("drives_deg", "R", "degrees"), ("drives_mm", "P", "mm")):
         given = getattr(design.start, key)

@@ -101,7 +101,7 @@ class CylinderSpec(PairSpec):
 
 
 class StartSpec(Table):
-    """Where triads are assembled, and which of their assemblies is meant: of all that there are at `drives` the one nearest to the hints."""
+    """Where triads are assembled, and how: of all assemblies that there are at `drives` the one nearest to the hints."""
 
     drives: tuple[Number, ...] | None = None
     """Values of the drives, in the order of q (rad or m); the middles of their limits, or near, where left out."""

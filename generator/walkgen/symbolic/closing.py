@@ -1,4 +1,4 @@
-"""Functions of linkages with triads: what closes the triads is found first, from the spec's start, then everything follows in closed form."""
+"""Functions of linkages with triads: what closes these is found first, from the spec's start, then all follows in closed form."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

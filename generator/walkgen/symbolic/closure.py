@@ -9,7 +9,7 @@ import sympy
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Signature
-from walkgen.spec.scalar import names
+from walkgen.spec.scalar import Scalar, names
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.placing import Placing
@@ -55,7 +55,7 @@ def point_parameters(mechanism: Mechanism, leg: Limb) -> dict[str, sympy.Symbol]
     return {name: symbol for name, symbol in parameter_symbols(mechanism).items() if name in used}
 
 
-def _dimensions(linkage: Linkage) -> list:
+def _dimensions(linkage: Linkage) -> list[Scalar]:
     return [*linkage.angles, *(entry for ends in linkage.points for end in ends if end is not None for entry in end)]
 
 

@@ -66,6 +66,8 @@ class FreeBodies:
         for placement, clusters in reversed(history):
             if isinstance(placement, Drive):
                 self._drive(placement, clusters)
+            elif isinstance(placement, Triad):
+                self._triad(placement, clusters)
             else:
                 self._GROUPS[placement.kind](self, placement, clusters)
 
@@ -198,7 +200,7 @@ class FreeBodies:
         x, y = (self._tape.let("pin_force", (b[axis] * moment_a - a[axis] * moment_b) / size) for axis in range(2))
         return (x, y)
 
-    _GROUPS: ClassVar = {"RRR": _rrr, "RRP": _rrp, "RPP": _rpp, "triad": _triad}
+    _GROUPS: ClassVar = {"RRR": _rrr, "RRP": _rrp, "RPP": _rpp}
 
 
 def _normal(along: Planar) -> Planar:

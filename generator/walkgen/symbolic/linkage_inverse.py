@@ -127,7 +127,7 @@ class LinkageRows:
     @property
     def _sided(self) -> list[str]:
         """Names of the groups that have two sides."""
-        return [group.name for group in self._linkage.inverse.groups if SIDES[group.kind]]
+        return [group.name for group in self._linkage.inverse.dyads if SIDES[group.kind]]
 
     def _plane(self, turn: sympy.Expr) -> Plane:
         """Where the joint before the linkage, if there is one, puts its plane; `turn` is 1 or -1."""
@@ -183,7 +183,7 @@ class LinkageRows:
     def _status(self, plane: Plane, placing: Placing, signs: dict[str, sympy.Expr], second: sympy.Basic) -> sympy.Expr:
         """The worst of what can be said."""
         status: sympy.Expr = OK
-        for group in self._linkage.forward.groups:
+        for group in self._linkage.forward.dyads:
             if SIDES[group.kind]:
                 status = Select(less(self._side(group, placing) * self._linkage.side(group), 0), INFEASIBLE, status)
         for margin in placing.margins:

@@ -104,9 +104,7 @@ class Placing(Clusters):
         """The inner pin where two circles meet; 16 times the triangle's area squared says whether they do."""
         base, first, second = (self.cluster[body] for body in group.bodies)
         p, q = (self.end(pair, base) for pair in group.pairs[:2])
-        own = [
-            (self.end(pair, body), self.end(group.pairs[2], body)) for pair, body in zip(group.pairs[:2], (first, second), strict=True)
-        ]
+        own = [(self.end(pair, body), self.end(group.pairs[2], body)) for pair, body in zip(group.pairs[:2], (first, second), strict=True)]
         name = group.name
         span = named(self.tape, f"{name}_span", difference(q, p))
         apart = self.tape.let(f"{name}_apart", square(span))

@@ -4,6 +4,7 @@ This is done once, when code is generated: Newton's method from a lattice of unk
 start's hints choose one, 50 digits make it exact.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -38,11 +39,14 @@ _MOST_CANDIDATES = 40
 
 @dataclass(frozen=True)
 class Assembly:
-    """Unknowns of a configuration, the least sine of its triads' transmission angles, and how badly it meets the start's hints."""
+    """Unknowns of a configuration, the least sine of its groups' transmission angles, how badly it meets the start's hints, and the angles
+    to the frame of a ternary link of every triad.
+    """
 
     unknowns: tuple[float, ...]
     sine: float
     misfit: float
+    degrees: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -99,7 +103,9 @@ class Assemblies:
         self._closing = closing_at(mechanism, leg, self._symbols[: -self._count], self._symbols[-self._count :], Tape())
         self._hints = list(self._hinted())
         margins = [margin.value for margin in self._closing.placing.margins]
+        pose = self._closing.placing.pose
         told = [entry for hint in self._hints for entry in hint.told(self._closing)]
+        told += [entry for triad in self._linkage.forward.triads for entry in pose(max(triad.ends)).rotor]
         slopes = [entry for row in self._closing.slopes for entry in row]
         self._closure = compiled(self._closing.tape, self._symbols, [*self._closing.residuals, *slopes])
         self._told = compiled(self._closing.tape, self._symbols, [sympy.Min(*margins), *told])
@@ -166,9 +172,10 @@ class Assemblies:
     def _assembly(self, given: Sequence[float], unknowns: tuple[float, ...]) -> Assembly | None:
         with np.errstate(all="ignore"):
             margin, *told = (float(entry) for entry in self._told(*given, *unknowns))
-        entries = iter(told)
-        misfit = sum(hint.square([next(entries), next(entries)]) for hint in self._hints)
-        return Assembly(unknowns, float(np.sqrt(margin)), misfit) if margin > 0 else None  # not where a later dyad cannot close
+        pairs = list(zip(told[::2], told[1::2], strict=True))
+        misfit = sum(hint.square(pair) for hint, pair in zip(self._hints, pairs, strict=False))
+        degrees = tuple(math.degrees(math.atan2(sine, cosine)) for cosine, sine in pairs[len(self._hints) :])
+        return Assembly(unknowns, math.sqrt(margin), misfit, degrees) if margin > 0 else None  # not where a later dyad cannot close
 
     def start(self, drives: tuple[Any, ...], assemblies: Sequence[Assembly]) -> FoundStart:
         """The first of the assemblies, to 50 digits."""
@@ -211,7 +218,8 @@ def _solved(slopes: Reals, r: Reals) -> Reals:
     (a, b), (c, d) = slopes
     determinant = a * d - b * c
     safe = np.where(np.abs(determinant) > 1e-14, determinant, np.inf)
-    return np.nan_to_num(np.array([(d * r[0] - b * r[1]) / safe, (a * r[1] - c * r[0]) / safe]))
+    step: Reals = np.nan_to_num(np.array([(d * r[0] - b * r[1]) / safe, (a * r[1] - c * r[0]) / safe]))
+    return step
 
 
 def _apart(u: Reals, turning: NDArray[np.bool_]) -> list[tuple[float, ...]]:

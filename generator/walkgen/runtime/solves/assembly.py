@@ -91,7 +91,7 @@ class _Move:
         tried = self._newton(rows, further, np.where(further < 1.0, _ROUGH, _FINE), guess)
         ratio = tried.determinant / self._determinant[rows]
         change = tried.u - self.u[rows]
-        taken = tried.taken & (np.abs(change).max(-1) <= 0.5) & (ratio >= 0.4) & (ratio <= 2.5)
+        taken: Truths = tried.taken & (np.abs(change).max(-1) <= 0.5) & (ratio >= 0.4) & (ratio <= 2.5)
         moved = rows[taken]
         self._slope[moved] = (change / (further - part)[:, None])[taken]
         self.u[moved], self._determinant[moved] = tried.u[taken], tried.determinant[taken]
