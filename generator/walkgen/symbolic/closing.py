@@ -15,7 +15,7 @@ from walkgen.symbolic.starts import found_start
 from walkgen.symbolic.tape import Tape, symbols_of
 
 _SOURCE = "Newton's method on the closure of triads, continued from the start (walkgen_assembly.h)"
-_REPEATS = 40
+_REPEATS = 72
 
 
 def closed(mechanism: Mechanism, derivation: Derivation) -> Derivation:
