@@ -1,4 +1,4 @@
-"""A Stephenson II leg and its mirror image in C, double and float, in NumPy and in CasADi."""
+"""A Stephenson II leg and its mirror image in C, NumPy and CasADi; in float at night."""
 
 import casadi
 import numpy as np
@@ -6,6 +6,7 @@ import pytest
 
 from oracles.backends import Built
 from walkgen.pipeline import BuildOptions, build
+from walkgen.runtime import load
 
 FUNCTIONS = ("foot_position", "foot_jacobian", "inverse_velocity", "assembly_status", "mass_matrix", "foot_positions")
 TEXT = f"""
@@ -43,7 +44,7 @@ def walker(tmp_path_factory):
     folder = tmp_path_factory.mktemp("walker")
     path = folder / "walker.toml"
     path.write_text(TEXT, encoding="utf-8")
-    return Built(path, build(path, folder / "generated", BuildOptions(float32=True)).folder)
+    return Built(path, build(path, folder / "generated").folder)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +57,7 @@ def turn(walker):
     return q, status
 
 
-def test_numpy_and_float(walker, turn):
+def test_numpy(walker, turn):
     (q, status), c, numpy = turn, walker.c.legs, walker.numpy.legs
     for name in ("right", "left"):
         assert np.array_equal(c[name].assembly_status(q), status)
@@ -65,10 +66,17 @@ def test_numpy_and_float(walker, turn):
             double = getattr(c[name], function)(q)
             assert np.array_equal(np.isnan(double).any(tuple(range(1, double.ndim))), status != OK)
             assert getattr(numpy[name], function)(q) == pytest.approx(double, rel=1e-10, abs=1e-13, nan_ok=True)
-        far = np.abs(c[name].foot_jacobian(q)).max((1, 2)) < 1  # near a dead point rounding of float counts
-        single = c[name].foot_position(q.astype(np.float32))
-        assert single.dtype == np.float32
-        assert single[far] == pytest.approx(c[name].foot_position(q)[far], abs=3e-5)
+
+
+@pytest.mark.nightly
+def test_float(walker, turn, tmp_path):
+    q, status = turn
+    leg = load(build(walker.spec, tmp_path, BuildOptions(float32=True)).folder).legs["right"]
+    near = leg.foot_position(q.astype(np.float32))
+    assert near.dtype == np.float32
+    calm = (status == OK) & (np.abs(leg.foot_jacobian(q)).max((1, 2)) < 1)  # next to a dead point rounding counts
+    assert calm.mean() > 0.2
+    assert near[calm] == pytest.approx(leg.foot_position(q)[calm], abs=3e-5)
 
 
 def test_the_robot_and_its_mirror(walker, turn):

@@ -24,9 +24,9 @@ FUNCTIONS = (
     "kinetic_energy",
 )
 OK, UNREACHABLE, NO_CONVERGENCE = 0, 1, 4
-QUICK = ("stephenson_2", "plate_on_sliders")
+QUICK = ("stephenson_2",)
 NAMES = [pytest.param(name, marks=() if name in QUICK else pytest.mark.nightly) for name in TRIADS]
-"""Bars, and struts with a slider on either end; at night loops of four links, struts of two sliders, triads off the frame."""
+"""A plate on bars; at night struts with sliders on one end or both, loops of four links, a triad off the frame, three cylinders."""
 ASSEMBLED = {
     "stephenson_2": 3,
     "loop_of_four": 5,
@@ -37,7 +37,7 @@ ASSEMBLED = {
     "hung_triad": 2,
 }
 """How many assemble of six random sets."""
-STARTS, GRAVITY = 60, (0.7, -9.8)
+STARTS, GRAVITY = 40, (0.7, -9.8)
 
 
 @dataclass

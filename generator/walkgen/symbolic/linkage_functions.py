@@ -151,17 +151,16 @@ LINKAGE: dict[str, Entry] = {
     "assembly_status": Entry(
         ("q",),
         _assembly_status,
-        "Whether the linkage assembles for the drives' values: UNREACHABLE where a dyad cannot close, or a dead point lies between a triad's "
-        "start and them (its functions give NaN there), "
-        "SINGULAR at a dead point, where the sine of a transmission angle is below 1e-6.",
+        "Whether the linkage assembles for the drives' values: UNREACHABLE where a dyad cannot close, or a dead point lies between them "
+        "and a triad's start (its functions give NaN there), SINGULAR at a dead point, where the sine of a transmission angle is below 1e-6.",
         "the discriminant of every dyad",
     ),
     "transmission_angles": Entry(
         ("q",),
         _transmission_angles,
-        "Transmission angle of every dyad and triad, in (-pi, pi], 0 and pi at its dead points, one sign on each side: at the inner pin from the "
-        "first outer pin to the second; of a slider, between rod and the guide's normal; of a triad, between its third strut's push and the "
-        "normal of the way that the pushed point would take without this strut. In order: {groups}.",
+        "Transmission angle of every dyad and triad, in (-pi, pi], 0 and pi at its dead points, one sign on each side: at the inner pin "
+        "from the first outer pin to the second; of a slider, between rod and the guide's normal; of a triad, between its third strut's "
+        "push and the normal of the way that the pushed point would take without this strut. In order: {groups}.",
         "eqs. (17), (18) of the chapter",
     ),
     "driving_forces": Entry(
