@@ -7,9 +7,14 @@ from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.schema import LegDesign
 from walkgen.spec.table import Path
 
+_MOST_TRIADS = 4
+
 
 def check_assembly(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
     """Of a linkage whose references hold and whose groups are placed."""
+    if len(order(structure).triads) > _MOST_TRIADS:
+        message = f"the linkage holds more than {_MOST_TRIADS} triads, which is not supported"
+        yield Finding("WG150", path, message, "drive other pairs, so that dyads follow")
     yield from _sides((*path, "assembly"), design, structure)
     if design.start is not None:
         yield from _start((*path, "start"), design, structure)

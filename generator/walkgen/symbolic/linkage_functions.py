@@ -152,7 +152,7 @@ LINKAGE: dict[str, Entry] = {
         ("q",),
         _assembly_status,
         "Whether the linkage assembles for the drives' values: UNREACHABLE where a dyad cannot close, or a dead point lies between them "
-        "and a triad's start (its functions give NaN there), SINGULAR at a dead point, where the sine of a transmission angle is below 1e-6.",
+        "and a triad's start (its functions give NaN there), SINGULAR at a dead point: the sine of a transmission angle is below 1e-6.",
         "the discriminant of every dyad",
     ),
     "transmission_angles": Entry(
