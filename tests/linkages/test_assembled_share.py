@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from walkgen.errors import SpecError
-from walkgen.graph.assembly import coverage
-from walkgen.pipeline import BuildOptions, generate, mechanism_of
+from walkgen.pipeline import BuildOptions, coverage_of, generate, mechanism_of
 from walkgen.show import show
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -37,7 +36,7 @@ def test_share_of_a_four_bar_by_the_law_of_cosines(tmp_path):
     edge = math.acos((0.5**2 + 0.2**2 - 0.4**2) / (2 * 0.5 * 0.2))
     wanted = int((np.linspace(0, math.pi / 2, 441) <= edge).sum())
     for leg in mechanism.legs:
-        found = coverage(mechanism, leg)
+        found = coverage_of(mechanism, leg)
         assert (found.points, found.assembled, found.failing) == (441, wanted, (("c", 441 - wanted),))
 
 
@@ -51,7 +50,7 @@ def test_show_says_the_share_and_what_fails(tmp_path):
 def test_the_share_of_the_hydraulic_leg_is_that_of_its_triangles():
     """Lift: E, I, G; knee: J, L, H: each closes while its cylinder is within sum and difference of two sides."""
     mechanism = mechanism_of(SPECS / "hydraulic_leg.toml")
-    found = coverage(mechanism, mechanism.legs[0])
+    found = coverage_of(mechanism, mechanism.legs[0])
     triangles = {
         "lift": (math.hypot(0.27, 0.11), math.hypot(0.0435, 0.1118)),
         "knee": (math.hypot(0.35 - 0.0607, 0.0795), math.hypot(0.04, 0.0993)),
