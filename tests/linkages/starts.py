@@ -3,13 +3,11 @@
 import numpy as np
 
 from linkages.closure import Closure, newton
-from linkages.placed import as_unknowns, code_of
+from linkages.placed import code_of
 from linkages.topologies import TRIADS, spec
 from walkgen.model.assemble import assemble
 from walkgen.spec.read import read
 from walkgen.symbolic.starts import Assemblies
-
-SLOW = 500
 
 
 class Drawn:
@@ -67,7 +65,7 @@ def apart(one, other):
     return np.abs(away).max(-1)
 
 
-def moved(text, dimensions, x, start, end, parts=SLOW):
+def moved(text, dimensions, x, start, end, parts):
     """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point and nothing runs off to
     infinity: all links' equations at once, the guess from the last two poses.
     """
@@ -85,6 +83,3 @@ def moved(text, dimensions, x, start, end, parts=SLOW):
         x = np.where(alive[:, None], x, before)
         slow = np.where(alive[:, None], x - before, 0)
     return x, alive
-
-
-__all__ = ["Drawn", "apart", "as_unknowns", "by_numbers", "moved"]
