@@ -60,12 +60,12 @@ class Joint:
     sign: Literal[1, -1]
     zero: Scalar
     after: Transform
-    limits: tuple[Scalar, Scalar] | None
-    max_speed: Scalar | None
-    max_effort: Scalar | None
-    body: Body | None
-    section: str
-    source_name: str
+    limits: tuple[Scalar, Scalar] | None = None
+    max_speed: Scalar | None = None
+    max_effort: Scalar | None = None
+    body: Body | None = None
+    section: str = ""
+    source_name: str = ""
     viscous: Scalar = ZERO
     coulomb: Scalar = ZERO
     rotor: Scalar = ZERO

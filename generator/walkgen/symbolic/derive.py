@@ -15,7 +15,7 @@ from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
 from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
-from walkgen.symbolic.linkage_functions import LINKAGE, LinkageFunctions
+from walkgen.symbolic.linkage_functions import LINKAGE, linkage_function
 from walkgen.symbolic.linkage_inverse import linkage_inverse
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
@@ -100,8 +100,7 @@ def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivat
     yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
     yield from (build() for name, build in SoleFunctions(mechanism, leg).functions().items() if wanted(name))
     if leg.linkage is not None:
-        linked = LinkageFunctions(mechanism, leg)
-        yield from (linked.function(name) for name in LINKAGE if wanted(name))
+        yield from (linkage_function(mechanism, leg, name) for name in LINKAGE if wanted(name))
     else:
         yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
 

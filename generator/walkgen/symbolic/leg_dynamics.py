@@ -38,7 +38,7 @@ class LegDynamics:
     def __init__(self, mechanism: Mechanism, leg: Limb, tree: Tree, spread: Spread, tape: Tape) -> None:
         self.mechanism, self.leg, self.tree, self.tape = mechanism, leg, tree, tape
         self.spread = spread.on(tape)
-        self.ports = {port.name: port for port in _ports(leg.joints)}
+        self.ports = {port.name: port for port in dynamics_ports(leg.joints)}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
         self.drives = drives([(joint.name, joint) for joint in leg.joints], mechanism, self.tape)
         x, y, z = (expression(component, parameter_symbols(mechanism)) for component in mechanism.gravity)
@@ -182,7 +182,8 @@ def base_parameters(leg: LegDynamics) -> Exprs:
     return (*chain.from_iterable(rows), *values)
 
 
-def _ports(joints: Sequence[Joint]) -> Iterator[Port]:
+def dynamics_ports(joints: Sequence[Joint]) -> Iterator[Port]:
+    """What functions of dynamics take."""
     yield from (joint_port("q", joints), joint_port("qd", joints, "/s"), joint_port("qdd", joints, "/s^2"))
     yield Port("tau", (len(joints),), effort_unit(joints))
     yield Port("f", (3,), "N", default=(0.0, 0.0, 0.0))

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import sympy
 
+from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.spec.assur import SIDES, Group
@@ -15,7 +17,7 @@ from walkgen.symbolic.drives import effort_unit
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.free_bodies import FreeBodies, Load, at
 from walkgen.symbolic.function import Angle, Finite, Function, Less, Residue, Select
-from walkgen.symbolic.leg_dynamics import LegDynamics
+from walkgen.symbolic.leg_dynamics import LegDynamics, dynamics_ports
 from walkgen.symbolic.linked_tree import bodies_with_mass, spread_leg
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import difference, inner, outer
@@ -33,31 +35,35 @@ class Entry:
     """Inputs, builder of ports and values, words."""
 
     inputs: tuple[str, ...]
-    build: Callable[["LinkageFunctions"], tuple[tuple[Port, ...], Exprs]]
+    build: Callable[["PlacedLinkage"], tuple[tuple[Port, ...], Exprs]]
     doc: str
     source: str
 
 
-class LinkageFunctions:
-    """Of one leg, each on a tape of its own."""
+def linkage_function(mechanism: Mechanism, leg: Limb, name: str) -> Function:
+    """One of `LINKAGE`, of one leg."""
+    assert leg.linkage is not None
+    entry, placed = LINKAGE[name], PlacedLinkage(mechanism, leg, leg.linkage)
+    ports, values = entry.build(placed)
+    available = {port.name: port for port in dynamics_ports(leg.joints)}
+    inputs = [available[port] for port in entry.inputs]
+    doc = entry.doc.format(pairs=", ".join(placed.end_names), groups=", ".join(group.name for group in placed.groups))
+    return placed.tape.function(signature(mechanism, leg.name, name, inputs, ports, doc, entry.source), values)
 
-    def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
-        assert leg.linkage is not None
-        self._mechanism, self._leg, self.linkage = mechanism, leg, leg.linkage
-        self.parameters = parameter_symbols(mechanism)
 
-    def function(self, name: str) -> Function:
-        """One of `LINKAGE`."""
-        entry = LINKAGE[name]
-        self.tape = Tape()
-        tree, spread = spread_leg(self._mechanism, self._leg, symbols_of(joint_port("q", self._leg.joints)), self.tape)
-        self.dynamics = LegDynamics(self._mechanism, self._leg, tree, spread, self.tape)
-        self.drives = self._leg.joints[len(self._leg.serial) :]
-        self.placing = forward_placing(self.linkage, self.dynamics.symbols["q"][len(self._leg.serial) :], self.parameters, self.tape)
-        ports, values = entry.build(self)
-        inputs = [self.dynamics.ports[port] for port in entry.inputs]
-        doc = entry.doc.format(pairs=", ".join(self._ends), groups=", ".join(group.name for group in self.groups))
-        return self.tape.function(signature(self._mechanism, self._leg.name, name, inputs, ports, doc, entry.source), values)
+class PlacedLinkage:
+    """What a builder works with: one leg's linkage placed on a tape of its own, and its dynamics once they are asked for."""
+
+    def __init__(self, mechanism: Mechanism, leg: Limb, linkage: Linkage) -> None:
+        self._mechanism, self._leg, self.linkage, self.tape = mechanism, leg, linkage, Tape()
+        self.q, self.parameters = symbols_of(joint_port("q", leg.joints)), parameter_symbols(mechanism)
+        self.drives = leg.joints[len(leg.serial) :]
+        self.placing = forward_placing(linkage, self.q[len(leg.serial) :], self.parameters, self.tape)
+
+    @cached_property
+    def dynamics(self) -> LegDynamics:
+        """Of the leg, on the same tape."""
+        return LegDynamics(self._mechanism, self._leg, *spread_leg(self._mechanism, self._leg, self.q, self.tape), self.tape)
 
     @property
     def groups(self) -> tuple[Group, ...]:
@@ -71,7 +77,8 @@ class LinkageFunctions:
         return [(index, body) for index, pair in enumerate(structure.pairs) for body in pair.bodies if body not in structure.bars]
 
     @property
-    def _ends(self) -> list[str]:
+    def end_names(self) -> list[str]:
+        """Of `ends`."""
         structure = self.linkage.structure
         return [f"{structure.pairs[pair].name} on {structure.names[body]}" for pair, body in self.ends]
 
@@ -94,16 +101,16 @@ class LinkageFunctions:
         return found
 
 
-def _assembly_status(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _assembly_status(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     """The first group that fails decides: those after it have no place."""
     status: sympy.Expr = OK
     for margin in reversed(leg.placing.margins):
         status = Select(less(margin.value, 0), UNREACHABLE, Select(less(margin.value, _DEAD), SINGULAR, status))
-    taint = leg.tape.let("taint", sympy.Add(*(Residue(value) for value in (*leg.dynamics.symbols["q"], *leg.parameters.values()))))
+    taint = leg.tape.let("taint", sympy.Add(*(Residue(value) for value in (*leg.q, *leg.parameters.values()))))
     return (Port("status", kind="integer"),), [Select(Finite(taint), status, BAD_INPUT)]
 
 
-def _transmission_angles(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _transmission_angles(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     return (Port("angles", (len(leg.groups),), "rad"),), [_angle(leg.placing, group) for group in leg.groups]
 
 
@@ -116,12 +123,12 @@ def _angle(placing: Placing, group: Group) -> sympy.Expr:
     return Angle(inner(rod, along), -outer(rod, along))
 
 
-def _driving_forces(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _driving_forces(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     efforts = leg.efforts()[-len(leg.drives) :]
     return (Port("forces", (len(efforts),), effort_unit(leg.drives)),), efforts
 
 
-def _power(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _power(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     efforts = leg.efforts()
     powers = [leg.tape.let("power", effort * rate) for effort, rate in zip(efforts, leg.dynamics.symbols["qd"], strict=True)]
     positive = [Select(Less(power, 0), 0, power) for power in powers]
@@ -129,7 +136,7 @@ def _power(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
     return ports, [*powers, sympy.Add(*powers), sympy.Add(*positive)]
 
 
-def _joint_reactions(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _joint_reactions(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     found = FreeBodies(leg.linkage, leg.placing, leg.demands(), leg.tape)
     rows = []
     for pair, body in leg.ends:
