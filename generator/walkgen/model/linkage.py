@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from walkgen.model.pair_friction import PairFriction, frictions_of
 from walkgen.model.values import Values
 from walkgen.spec.assur import SIDES, Group, Order, Structure, order
 from walkgen.spec.planar import End, joined_pairs, link_names, structure_of
 from walkgen.spec.scalar import ZERO, Scalar, add, div, exact, mul, power, sub
 from walkgen.spec.schema import LegDesign
-from walkgen.spec.table import Pair as Coordinates
 
 Point = tuple[Scalar, Scalar]
 
@@ -29,7 +29,7 @@ class Linkage:
     `points` are those of every pair of the structure, one a body, in the body's axes, None for a bar's far end; a slider's are the
     sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). q is in the order of the
     structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders lump at its points. `sides` name
-    how groups are assembled, the first side where they are silent.
+    how groups are assembled, the first side where they are silent. `frictions` are those of the pairs that have any.
     """
 
     structure: Structure
@@ -38,6 +38,7 @@ class Linkage:
     foot: tuple[int, Point]
     masses: tuple[PlanarBody | None, ...]
     sides: tuple[tuple[str, str], ...]
+    frictions: tuple[PairFriction, ...] = ()
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -48,6 +49,11 @@ class Linkage:
     def drive_count(self) -> int:
         """How many q the linkage has."""
         return len(self.driven) + len(self.structure.bars)
+
+    @property
+    def heavy(self) -> tuple[tuple[int, PlanarBody], ...]:
+        """The links that have mass and move."""
+        return tuple((body, mass) for body, mass in enumerate(self.masses) if mass and body)
 
     @property
     def forward(self) -> Order:
@@ -74,31 +80,27 @@ def linkage_of(design: LegDesign, values: Values) -> Linkage:
         structure,
         tuple(tuple(_end(end, values) for end in joined.points) for joined in joined_pairs(design)),
         (*(ZERO,) * (len(structure.pairs) - len(angles)), *angles),
-        (names.index(link), _point(design.links[link].points[point], values)),
+        (names.index(link), values.point(design.links[link].points[point])),
         tuple(_whole(tuple(_masses(name, design, values))) for name in names),
         tuple(design.assembly.items()),
+        frictions_of(design, values),
     )
 
 
-def _point(coordinates: Coordinates, values: Values) -> Point:
-    x, y = (values.resolve(entry) for entry in coordinates)
-    return x, y
-
-
 def _end(end: End, values: Values) -> Point | None:
-    return None if end is None else _point(end, values)
+    return None if end is None else values.point(end)
 
 
 def _masses(name: str, design: LegDesign, values: Values) -> Iterator[PlanarBody]:
     """The link's own, then what cylinders lump at its points."""
     link = design.links[name]
     if link.mass is not None:
-        yield PlanarBody(values.resolve(link.mass), _point(link.com or (ZERO, ZERO), values), values.resolve(link.inertia))
+        yield PlanarBody(values.resolve(link.mass), values.point(link.com or (ZERO, ZERO)), values.resolve(link.inertia))
     for cylinder in design.cylinders:
         for text, mass in zip(cylinder.between, (cylinder.masses.at_first, cylinder.masses.at_second), strict=True):
             owner, _, point = text.partition(".")
             if owner == name and mass is not None:
-                yield PlanarBody(values.resolve(mass), _point(link.points[point], values), ZERO)
+                yield PlanarBody(values.resolve(mass), values.point(link.points[point]), ZERO)
 
 
 def _whole(parts: Sequence[PlanarBody]) -> PlanarBody | None:

@@ -44,6 +44,10 @@ class Values:
         x, y, z = (self.resolve(scalar) for scalar in scalars or (ZERO, ZERO, ZERO))
         return (x, y, z)
 
+    def point(self, scalars: tuple[Scalar, Scalar]) -> tuple[Scalar, Scalar]:
+        """Two resolved scalars."""
+        return (self.resolve(scalars[0]), self.resolve(scalars[1]))
+
     def pair(self, scalars: Sequence[Scalar] | None) -> tuple[Scalar, Scalar] | None:
         """Two resolved scalars, or None."""
         if scalars is None:

@@ -5,11 +5,11 @@ from itertools import combinations
 
 from walkgen.spec.assur import SIDES, Structure, order
 from walkgen.spec.evaluate import Numbers
-from walkgen.spec.linkage import FRAME, CylinderSpec
+from walkgen.spec.linkage import FRAME, CylinderSpec, PinFriction
 from walkgen.spec.planar import structure_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.schema import LegDesign, RobotSpec
-from walkgen.spec.table import Path
+from walkgen.spec.table import Path, entries
 
 _OF_LINKAGES = ("plane", "assembly")
 
@@ -24,6 +24,7 @@ def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         broken = list(_references(path, design))
         yield from broken
         yield from _passive(path, design)
+        yield from _bolts(path, design)
         yield from _cylinders(path, design, numbers)
         if not broken:
             yield from _structure(path, design)
@@ -92,13 +93,22 @@ def _pin(path: Path, joins: tuple[str, ...], driven: bool) -> Iterator[Finding]:
 
 
 def _passive(path: Path, design: LegDesign) -> Iterator[Finding]:
-    """What only a driven pair can have."""
+    """What only a pair with a motor can have."""
     for key in ("pins", "sliders", "cylinders"):
         for index, pair in enumerate(getattr(design, key)):
-            for name in ("friction", "rotor", "max_effort", "max_speed"):
+            for name in ("rotor", "max_effort", "max_speed"):
                 if not pair.driven and getattr(pair, name) is not None:
-                    message = f"{name}: the pair is not driven, and passive pairs are without friction"
+                    message = f"{name}: the pair is not driven, and only a motor has that"
                     yield Finding("WG186", (*path, key, index, name), message, f"remove {name}, or write driven = true")
+
+
+def _bolts(path: Path, design: LegDesign) -> Iterator[Finding]:
+    """Friction of what a pin carries needs its coefficient and the bolt's radius."""
+    for here, friction in entries(design, path):
+        if isinstance(friction, PinFriction) and (friction.mu is None) != (friction.radius is None):
+            key, example = ("radius", "radius = 0.01 (m)") if friction.radius is None else ("mu", "mu = 0.1")
+            message = f'missing key "{key}": mu and radius stand together'
+            yield Finding("WG111", (*here, key), message, f"write {example}, or leave both out")
 
 
 def _cylinders(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from itertools import combinations
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
-from walkgen.spec.linkage import CylinderSpec, PinSpec, SliderSpec
+from walkgen.spec.linkage import CylinderSpec, PinFriction, PinSpec, SliderFriction, SliderSpec
 from walkgen.spec.linkage_forms import DriveSpec, FiveBar, FourBar, Parallelogram, Stephenson, Watt
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
@@ -28,11 +28,13 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     Parallelogram: ("ground", "crank"),
     FiveBar: ("cranks", "couplers"),
     **dict.fromkeys((DriveSpec, PinSpec, SliderSpec, CylinderSpec), ("max_speed", "max_effort")),
+    PinFriction: ("radius",),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Link: ("mass",),
     PlatformSpec: ("mass",),
     Friction: ("viscous", "coulomb"),
+    **dict.fromkeys((PinFriction, SliderFriction), ("viscous", "coulomb", "mu")),
     Rotor: ("inertia",),
     TerrainPatch: ("mu",),
     FiveBar: ("ground",),

@@ -61,17 +61,19 @@ class LegDynamics:
     def efforts(self, rates: Exprs, accelerations: Exprs, gravity: Vec, force: Exprs = ()) -> Exprs:
         """Of the links alone."""
         base = Motion(origin=scaled(sympy.S.NegativeOne, gravity))
-        forces = [(force[0], force[1], force[2])] if force else []
-        return self.spread.borne(self._pushed(rates, accelerations, base, forces).efforts)
+        return self.spread.borne(self._pushed(rates, accelerations, base, _forces(force)).efforts)
 
     def _pushed(self, rates: Exprs, accelerations: Exprs, base: Motion, forces: Sequence[Vec] = ()) -> NewtonEuler:
         return NewtonEuler(self.turning, self.spread.rates(rates), self.spread.accelerations(rates, accelerations), base, forces)
 
-    def virtual_efforts(self) -> Exprs:
-        """Of the tree's own coordinates at the motion of qd, qdd, with the ground's force f on the foot."""
+    def virtual_efforts(self, rates: Exprs, accelerations: Exprs, force: Exprs = ()) -> Exprs:
+        """Of the tree's own coordinates, with the ground's force on the foot."""
         base = Motion(origin=scaled(sympy.S.NegativeOne, self.gravity))
-        x, y, z = self.symbols["f"]
-        return self._pushed(self.symbols["qd"], self.symbols["qdd"], base, [(x, y, z)]).efforts
+        return self._pushed(rates, accelerations, base, _forces(force)).efforts
+
+    def rubbed(self, rates: Exprs, force: Exprs = ()) -> Exprs:
+        """Efforts against friction in pairs of a linkage, but for that of the drives' own joints."""
+        return self.spread.rubbed(rates, lambda: self.virtual_efforts(rates, self.still, force))
 
     def held(self, turning: Turning, base: Motion) -> Exprs:
         """Efforts that keep links at rest on an accelerated base."""
@@ -87,7 +89,7 @@ class LegDynamics:
         """Efforts of the joints, friction and rotors included."""
         efforts = self.efforts(rates, accelerations, self.gravity, force)
         own = (drive.effort(*pair) for drive, pair in zip(self.drives, zip(rates, accelerations, strict=True), strict=True))
-        return tuple(effort + more for effort, more in zip(efforts, own, strict=True))
+        return tuple(map(sympy.Add, efforts, own, self.rubbed(rates, force)))
 
     @cached_property
     def mass_matrix(self) -> dict[tuple[int, int], sympy.Expr]:
@@ -161,8 +163,9 @@ def potential_energy(leg: LegDynamics) -> Exprs:
 
 
 def inverse_dynamics_derivatives(leg: LegDynamics) -> Exprs:
-    """By q, then by qd; a rotor's share depends on neither, of friction the viscous part on qd."""
-    efforts = leg.efforts(leg.symbols["qd"], leg.symbols["qdd"], leg.gravity)
+    """By q, then by qd; a rotor's share depends on neither, of a joint's friction the viscous part on qd."""
+    qd = leg.symbols["qd"]
+    efforts = tuple(map(sympy.Add, leg.efforts(qd, leg.symbols["qdd"], leg.gravity), leg.rubbed(qd)))
     slopes = tangents(leg.tape, efforts, [*leg.named("q"), *leg.named("qd")])
     count = len(efforts)
     by_q, by_qd = [row[:count] for row in slopes], [row[count:] for row in slopes]
@@ -180,6 +183,10 @@ def base_parameters(leg: LegDynamics) -> Exprs:
     """The regressor of the fewest parameters, row-major, then their values."""
     rows, values = base_regressor(leg.mechanism, leg.moving(), leg.gravity)
     return (*chain.from_iterable(rows), *values)
+
+
+def _forces(force: Exprs) -> list[Vec]:
+    return [(force[0], force[1], force[2])] if force else []
 
 
 def dynamics_ports(joints: Sequence[Joint]) -> Iterator[Port]:

@@ -15,13 +15,14 @@ from walkgen.symbolic.choices import less
 from walkgen.symbolic.driven import forward_placing
 from walkgen.symbolic.drives import effort_unit
 from walkgen.symbolic.frames import parameter_symbols
-from walkgen.symbolic.free_bodies import FreeBodies, Load, at
+from walkgen.symbolic.free_bodies import FreeBodies, Load
 from walkgen.symbolic.function import Angle, Finite, Function, Less, Residue, Select
 from walkgen.symbolic.leg_dynamics import LegDynamics, dynamics_ports
-from walkgen.symbolic.linked_tree import bodies_with_mass, spread_leg
+from walkgen.symbolic.linked_tree import spread_leg
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import difference, inner, outer
 from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.rubbing import Rubbed, demands, end_points
 from walkgen.symbolic.tape import Tape, symbols_of
 
 Exprs = Sequence[sympy.Expr]
@@ -78,9 +79,11 @@ class PlacedLinkage:
 
     @property
     def end_names(self) -> list[str]:
-        """Of `ends`."""
+        """Of `ends`, then of passive cylinders with friction."""
         structure = self.linkage.structure
-        return [f"{structure.pairs[pair].name} on {structure.names[body]}" for pair, body in self.ends]
+        pairs = [(structure.pairs[pair].name, body) for pair, body in self.ends]
+        cylinders = [(each.name, body) for each in self.linkage.frictions if each.pair is None for body, _ in each.ends]
+        return [f"{name} on {structure.names[body]}" for name, body in pairs + cylinders]
 
     def efforts(self) -> Exprs:
         """Of all q at their motion."""
@@ -88,17 +91,19 @@ class PlacedLinkage:
         return self.dynamics.newton_euler(symbols["qd"], symbols["qdd"], symbols["f"])
 
     def demands(self) -> dict[int, Load]:
-        """By link, what its pairs must give it in the plane: what the tree's joints of each link would."""
-        virtual = self.dynamics.virtual_efforts()
-        start, found = len(self._leg.serial), dict[int, Load]()
-        for body, mass in bodies_with_mass(self.linkage):
-            centre = self.placing.point(body, self.placing.planar(mass.com))
-            found[body] = at(centre, (virtual[start], virtual[start + 1])) + Load(moment=virtual[start + 2])
-            start += 3
-        body, point = self.linkage.foot
-        foot = at(self.placing.point(body, self.placing.planar(point)), (virtual[start], virtual[start + 1]))
-        found[body] = found.get(body, Load()) + foot
-        return found
+        """By link, what its pairs must give it, friction apart."""
+        qd, qdd, f = (self.dynamics.symbols[name] for name in ("qd", "qdd", "f"))
+        return demands(self.linkage, self.placing, self.dynamics.virtual_efforts(qd, qdd, f)[len(self._leg.serial) :])
+
+    def friction(self) -> list[Rubbed]:
+        """What friction in every pair without a drive does to the pair's links."""
+        dynamics = self.dynamics
+        qd, f, still = dynamics.symbols["qd"], dynamics.symbols["f"], dynamics.still
+        return [
+            each
+            for rubbing in dynamics.spread.rubbings
+            for each in rubbing.loads(rubbing.against(qd, dynamics.virtual_efforts(qd, still, f) if rubbing.loaded else ()))
+        ]
 
 
 def _assembly_status(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
@@ -137,15 +142,27 @@ def _power(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
 
 
 def _joint_reactions(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
-    found = FreeBodies(leg.linkage, leg.placing, leg.demands(), leg.tape)
+    """Friction is a load on the links that its pair joins, and part of what the pair gives them."""
+    demand, rubbed = leg.demands(), leg.friction()
+    for _, ends in rubbed:
+        for body, load in ends:
+            demand[body] = demand.get(body, Load()) + -load
+    given = dict(FreeBodies(leg.linkage, leg.placing, demand, leg.tape).given)
+    cylinders = []
+    for friction, ends in rubbed:
+        for (body, load), point in zip(ends, end_points(friction, leg.placing), strict=True):
+            if friction.pair is None:
+                cylinders += [*load.force, load.about(point)]
+            else:
+                given[friction.pair, body] = given.get((friction.pair, body), Load()) + load
     rows = []
     for pair, body in leg.ends:
-        load = found.given.get((pair, body), Load())
+        load = given.get((pair, body), Load())
         rows += [*load.force, load.about(leg.placing.joint(pair))]
-    return (Port("reactions", (len(leg.ends), 3), "N, N, N m"),), rows
+    return (Port("reactions", (len(leg.end_names), 3), "N, N, N m"),), rows + cylinders
 
 
-_MOTION_DOC = "gravity, inertia, friction of the drives and the ground's force f on the foot, in the platform's axes"
+_MOTION_DOC = "gravity, inertia, friction and the ground's force f on the foot, in the platform's axes"
 
 LINKAGE: dict[str, Entry] = {
     "assembly_status": Entry(

@@ -17,6 +17,7 @@ from walkgen.symbolic.inertia import inertia_of
 from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
 from walkgen.symbolic.robot import joint_indices
+from walkgen.symbolic.rubbing import rubbing_of
 from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tape import Tape
 from walkgen.symbolic.tree import BASE, Attachment, Foot, Growth, Tree
@@ -75,14 +76,17 @@ def _grow_linkage(
 ) -> Attachment:
     """Add every link that has mass, and the foot point without any; where the foot is."""
     placing = forward_placing(linkage, drives, growth.parameters, growth.tape)
-    parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in bodies_with_mass(linkage)]
+    parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in linkage.heavy]
     coordinates: list[Coordinate] = []
     for name, body, mass in parts:
         coordinates += _at(f"{name}", placing.point(body, placing.planar(mass.com)), growth.tape)
         coordinates.append(Coordinate(f"{name}_angle", rotor=placing.pose(body).rotor))
     coordinates += _at(f"{prefix}foot", placing.point(linkage.foot[0], placing.planar(linkage.foot[1])), growth.tape)
     motion = PlanarMotion(growth.tape, drives, coordinates)
-    numbers = iter(spread.driven(indices, [coordinate.value for coordinate in coordinates], motion))
+    own = spread.driven(indices, [coordinate.value for coordinate in coordinates], motion)
+    if linkage.frictions:
+        spread.rubbings.append(rubbing_of(linkage, placing, growth.parameters, own.start, indices, drives, growth.tape))
+    numbers = iter(own)
     for name, _, mass in parts:
         at = place
         for joint, number in zip(planar_joints(*_bodies(mass)), numbers, strict=False):
@@ -90,11 +94,6 @@ def _grow_linkage(
     for joint, number in zip(planar_joints()[:2], numbers, strict=True):
         place = growth.joint(joint, place, number, f"{prefix}foot_{joint.name}")
     return place
-
-
-def bodies_with_mass(linkage: Linkage) -> list[tuple[int, PlanarBody]]:
-    """Those that move."""
-    return [(body, mass) for body, mass in enumerate(linkage.masses) if mass and body]
 
 
 def _at(name: str, point: Planar, tape: Tape) -> list[Coordinate]:

@@ -105,10 +105,9 @@ def _inverse_dynamics(robot: FloatingDynamics) -> Exprs:
     local = [robot.local(triple(forces, 3 * foot), f"force_on_{leg.name}") for foot, leg in enumerate(robot.mechanism.legs)]
     motion = robot.newton_euler(robot.gravity, local)
     rates, accelerations = robot.symbols["v"][6:], robot.symbols["a"][6:]
-    efforts = [
-        effort + drive.effort(rate, acceleration)
-        for effort, drive, rate, acceleration in zip(robot.spread.borne(motion.efforts), robot.drives, rates, accelerations, strict=True)
-    ]
+    own = (drive.effort(*pair) for drive, pair in zip(robot.drives, zip(rates, accelerations, strict=True), strict=True))
+    rubbed = robot.spread.rubbed(rates, lambda: robot.steady(robot.gravity, local).efforts)
+    efforts = map(sympy.Add, robot.spread.borne(motion.efforts), own, rubbed)
     return (*motion.base_wrench.force, *motion.base_wrench.moment, *efforts)
 
 
