@@ -4,7 +4,7 @@
 import builtins
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal, Never, overload
+from typing import Any, Literal, NamedTuple, Never, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int32]
 Truths = NDArray[np.bool_]
+
+class Work(NamedTuple):
+    joints: NDArray[np.float64]
+    total: NDArray[np.float64]
+    joints_positive: NDArray[np.float64]
+    positive: NDArray[np.float64]
 
 class _Leg:
     name: str
@@ -250,6 +256,14 @@ class _Leg:
         q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg
         m^2
         Gautier and Khalil 1990, numerically confirmed at 50 digits
+        """
+
+    def work(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, f: ArrayLike | None = None, *, period: float, times: ArrayLike | None = None) -> Work:
+        """Work over one cycle of a sampled motion, [..., samples, n] each: signed and while power is positive, of every
+        joint and in all.
+
+        in: period s, times [samples] s; out: J
+        trapezoids of effort times rate
         """
 
 

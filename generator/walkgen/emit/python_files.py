@@ -73,6 +73,13 @@ _ROBOT = (
 )
 """What walkgen.runtime gives a robot and its parts beside their functions."""
 
+_WORKED = "inverse_dynamics"
+_WORK = (
+    "",
+    "class Work(NamedTuple):",
+    *(f"    {name}: NDArray[np.float64]" for name in ("joints", "total", "joints_positive", "positive")),
+)
+"""What the runtime's `work` of a leg with efforts gives."""
 _ARRAYS = {"real": "Reals", "integer": "Integers", "truth": "Truths"}
 
 
@@ -90,7 +97,9 @@ def package_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
         _family(code, "Route", {name: f"root_to_{name}" for name in routed}),
     )
     real = "np.floating[Any]" if code.float32 else "np.float64"
+    worked = any(body.signature.name == _WORKED for body in code.functions)
     own = {
+        "records": _WORK if worked else (),
         "families": families,
         "parts": parts,
         "attributes": attributes,
@@ -129,7 +138,20 @@ def _literal(names: Iterable[str]) -> str:
 
 def _methods(code: RobotCode, owner: str, indent: str = "        ") -> tuple[Method, ...]:
     """The callables of one limb, or of the robot for an empty owner."""
-    return tuple(_method(body.signature, indent) for body in code.functions if body.signature.owner == owner)
+    own = [body.signature for body in code.functions if body.signature.owner == owner]
+    found = [_method(signature, indent) for signature in own]
+    return (*found, *(_work(signature, indent) for signature in own if signature.name == _WORKED))
+
+
+def _work(efforts: Signature, indent: str) -> Method:
+    """What the runtime adds to a leg that has efforts."""
+    parameter = ", param: ArrayLike | None = None" if efforts.inputs[-1].name == "param" else ""
+    motion = ", ".join(_argument(port) for port in efforts.inputs if port.name != "param")
+    given = f"{motion}, *, period: float, times: ArrayLike | None = None{parameter}"
+    doc = "Work over one cycle of a sampled motion, [..., samples, n] each: signed and while power is positive, of every joint and in all."
+    return Method(
+        "work", given, "Work", docstring(indent, doc, "in: period s, times [samples] s; out: J", "trapezoids of effort times rate")
+    )
 
 
 def _method(signature: Signature, indent: str) -> Method:

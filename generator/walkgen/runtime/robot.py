@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from walkgen.errors import Problem, ToolchainError, UnsupportedMechanism
 from walkgen.runtime.absent import absent
 from walkgen.runtime.calls import Function
 from walkgen.runtime.manifest import FunctionEntry
 from walkgen.runtime.modules import execute
+from walkgen.runtime.work import Work, cycle_work
 
 
 class _Owner:
@@ -51,6 +53,36 @@ class Leg(_Owner):
     branch_names: tuple[str, ...]
     inverse_class: str
     functions: Mapping[str, Function]
+
+    def work(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        f: ArrayLike | None = None,
+        *,
+        period: float,
+        times: ArrayLike | None = None,
+        param: ArrayLike | None = None,
+    ) -> Work:
+        """Work over one cycle of a sampled periodic motion: efforts of `inverse_dynamics` times rates, integrated by `cycle_work`.
+
+        Args:
+            q: joint values at the samples [..., samples, n]; the sample after the last is the first again.
+            qd: their rates.
+            qdd: their accelerations.
+            f: the ground's force on the foot [..., samples, 3] (N), 0 where left out.
+            period: of the cycle (s).
+            times: of the samples [samples] (s), not falling, two alike where the force jumps; even steps where left out.
+            param: the runtime parameters.
+
+        Raises:
+            UnsupportedMechanism: WG410 the leg was built without `inverse_dynamics`.
+            ValueError: too few samples, or times that do not fit them and the period.
+        """
+        given = {} if param is None else {"param": param}
+        efforts = self.inverse_dynamics(q, qd, qdd, f, **given)
+        return cycle_work(efforts * np.asarray(qd, dtype=float), period, times)
 
     def __repr__(self) -> str:
         inverse = f"inverse {self.inverse_class}" if self.inverse_class else "inverse from a seed"
