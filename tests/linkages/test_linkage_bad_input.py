@@ -26,6 +26,14 @@ cylinders = [
     { name = "three", between = ["frame.C", "plate.C"], driven = true },
 ]
 """
+SECOND_JOINT = """branches = ["a", "b"]
+[[leg_designs.hydraulic.joints]]
+name = "slide"
+type = "prismatic"
+a = 0.0
+alpha_deg = 0
+d = 0.0
+[[leg_designs.hydraulic.joints]]"""
 PIN = 'joins = ["thigh.H", "shank.H"]'
 BAD = {
     "link": ("WG180", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shnk.H"]', "shank"),
@@ -44,6 +52,8 @@ BAD = {
     "a bolt of no size": ("WG111", PIN, PIN + "\nfriction = { mu = 0.1 }", "radius = 0.01"),
     "a bolt that is smooth": ("WG111", PIN, PIN + "\nfriction = { radius = 0.01 }", "mu = 0.1"),
     "friction of a cylinder's load": ("WG110", "max_effort = 4000.0", "friction = { mu = 0.1 }", "viscous"),
+    "branches": ("WG127", 'knee = "left" }', 'knee = "left" }\nbranches = ["a", "b", "c"]', "yaw_plus_h_left, yaw_plus_h_right, yaw_minus"),
+    "branches of no inverse": ("WG127", "[[leg_designs.hydraulic.joints]]", SECOND_JOINT, "2 joints (PR) before the linkage"),
     "no such dyad": ("WG187", 'knee = "left"', 'kne = "left"', "knee"),
     "no such side": ("WG187", 'knee = "left"', 'knee = "up"', "left or right"),
 }

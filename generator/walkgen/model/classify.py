@@ -3,14 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any
 
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT, along, defaults, joint_axis, limb_frames
-from walkgen.spec.assur import SIDES
-from walkgen.spec.branches import BRANCHED_JOINTS, branch_count
+from walkgen.spec.branches import BRANCHED_JOINTS, branch_count, linkage_branches, linkage_choices, linkage_hindrance
 
 
 @dataclass(frozen=True)
@@ -58,20 +57,13 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
 def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
     """Of a leg that ends in a linkage: at most one joint turns its plane, two drives place the foot in it, dyad after dyad."""
     kinds = "".join(joint.kind[0].upper() for joint in leg.serial)
-    if kinds not in ("", "R"):
-        return InverseClass("", (), f"{len(kinds)} joints ({kinds}) before the linkage: one that turns, or none, has a closed form")
-    if linkage.drive_count != 2:
-        return InverseClass("", (), f"{linkage.drive_count} drives do not place the foot in the plane: two do")
-    order = linkage.inverse
-    if len(order.clusters) > 1:
-        stuck = " + ".join(sorted(linkage.structure.names[min(cluster)] for cluster in order.clusters))
-        return InverseClass("", (), f"with the foot held no dyad is left to place: {stuck} form a group of a higher class")
-    words = [(f"{joint.name}_plus", f"{joint.name}_minus") for joint in leg.serial]
-    words += [
-        (f"{group.name}_{SIDES[group.kind][0]}", f"{group.name}_{SIDES[group.kind][1]}") for group in order.groups if SIDES[group.kind]
-    ]
-    names = tuple("_".join(choice) for choice in product(*words)) or ("only",)
-    return InverseClass(LINKAGE, leg.branches or names, "dyads placed one after another from the foot held in the plane")
+    hindrance = linkage_hindrance(linkage.structure, linkage.foot[0], kinds)
+    if hindrance:
+        return InverseClass("", (), hindrance)
+    choices = linkage_choices(linkage.structure, linkage.foot[0], [joint.name for joint in leg.serial])
+    return InverseClass(
+        LINKAGE, leg.branches or linkage_branches(choices), "dyads placed one after another from the foot held in the plane"
+    )
 
 
 def _not_yaw_pitch_pitch(mechanism: Mechanism, leg: Limb, kinds: str) -> str:

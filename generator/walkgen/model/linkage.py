@@ -48,7 +48,7 @@ class Linkage:
     @property
     def drive_count(self) -> int:
         """How many q the linkage has."""
-        return len(self.driven) + len(self.structure.bars)
+        return self.structure.drive_count
 
     @property
     def heavy(self) -> tuple[tuple[int, PlanarBody], ...]:

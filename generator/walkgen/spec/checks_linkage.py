@@ -1,17 +1,21 @@
 """Rules of planar linkages: points exist, pairs join what can move, all hangs together, and the drives move exactly what is free."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 
 from walkgen.spec.assur import SIDES, Structure, order
+from walkgen.spec.branches import linkage_branches, linkage_choices, linkage_hindrance
+from walkgen.spec.checks_joints import named_branches
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.linkage import FRAME, CylinderSpec, PinFriction
-from walkgen.spec.planar import structure_of
+from walkgen.spec.planar import located, structure_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.schema import LegDesign, RobotSpec
 from walkgen.spec.table import Path, entries
 
 _OF_LINKAGES = ("plane", "assembly")
+_MOST_CHOICES = 4
 
 
 def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
@@ -142,9 +146,8 @@ def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
         names = ", ".join(shown(structure.names[body]) for body in astray)
         yield Finding("WG182", (*path, "links"), f"nothing joins {names} to the frame", "join every link by pins, sliders or cylinders")
         return
-    drives = len(structure.bars) + sum(pair.driven for pair in structure.pairs)
-    if structure.mobility != drives:
-        yield Finding("WG183", path, _count(structure, drives), "drive as many pairs as there are freedoms, or mend the pairs")
+    if structure.mobility != structure.drive_count:
+        yield Finding("WG183", path, _count(structure), "drive as many pairs as there are freedoms, or mend the pairs")
         return
     found = order(structure)
     if len(found.clusters) > 1:
@@ -156,6 +159,18 @@ def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
             yield Finding("WG150", path, f"the group {stuck} is of a higher class than a dyad, which is not supported yet", cure)
         return
     yield from _assembly((*path, "assembly"), design, structure)
+    if design.branches is not None:
+        yield from _branches((*path, "branches"), design, structure)
+
+
+def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
+    """As many names as branches, which the cure spells where there are few."""
+    foot, _ = located(design, str(design.foot))
+    hindrance = linkage_hindrance(structure, foot, "".join(joint.type[0].upper() for joint in design.joints))
+    choices = linkage_choices(structure, foot, [joint.name for joint in design.joints])
+    for finding in named_branches(path, design, 0 if hindrance else 2 ** len(choices)):
+        spelt = f"{finding.cure}: {', '.join(linkage_branches(choices))}" if len(choices) <= _MOST_CHOICES else finding.cure
+        yield replace(finding, cure=f"leave branches out: {hindrance}" if hindrance else spelt)
 
 
 def _tied_twice(structure: Structure, clusters: tuple[frozenset[int], ...]) -> bool:
@@ -174,12 +189,12 @@ def _disconnected(structure: Structure) -> list[int]:
     return [body for body in range(len(structure.names)) if body not in reached]
 
 
-def _count(structure: Structure, drives: int) -> str:
+def _count(structure: Structure) -> str:
     links = len(structure.names) - len(structure.bars)
     joints = sum(len(pair.bodies) - 1 for pair in structure.pairs if not structure.bars & set(pair.bodies))
     return (
         f"the linkage has 3 ({links} - 1) - 2 * {joints} = {structure.mobility} degrees of freedom in its plane, "
-        f"and {drives} driven pairs (cylinders left out of the count of links and pairs)"
+        f"and {structure.drive_count} driven pairs (cylinders left out of the count of links and pairs)"
     )
 
 

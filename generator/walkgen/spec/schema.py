@@ -79,7 +79,7 @@ class LegDesign(Design):
     sole: SoleSpec | None = None
     """Rectangle on which the leg stands; on the foot point alone where left out."""
     damping: Damping | None = None
-    branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_JOINTS)
+    branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_NAMES)
     """Names of the inverse's branches, in their fixed order."""
 
     links: dict[StrictStr, PlanarLinkSpec] = Field(default_factory=dict, max_length=_MOST_LINKS)
