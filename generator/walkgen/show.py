@@ -7,7 +7,8 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from walkgen import pipeline
-from walkgen.graph.assembly import Coverage, coverage
+from walkgen.examine import drives_text, percent
+from walkgen.graph.assembly import assembly
 from walkgen.model.classify import inverse_class
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
@@ -126,7 +127,8 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
         yield from _limb(f"chain {chain.name}: {platforms[chain.platform]}{child}", chain)
     for leg in mechanism.legs:
         yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
-        yield from _coverage(coverage(mechanism, leg))
+        if leg.linkage is not None:
+            yield from _assembly(mechanism, leg, leg.linkage)
         yield from _inverse(mechanism, leg)
 
 
@@ -145,7 +147,8 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
 def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:
     """How many freedoms, the drives, and the dyads with their sides."""
     names = linkage.structure.names
-    yield f"    linkage of {len(names) - len(linkage.structure.bars)} links, {linkage.structure.mobility} degrees of freedom in its plane"
+    links, freedoms = len(names) - len(linkage.structure.bars), linkage.structure.mobility
+    yield f"    linkage of {links} links, {freedoms} degrees of freedom in its plane by count"
     for drive in drives:
         limits = f"  q in [{', '.join(scalar_text(limit) for limit in drive.limits)}]" if drive.limits else ""
         yield f"    {drive.name}  {drive.kind} drive{limits}"
@@ -156,18 +159,16 @@ def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:
         yield f"    dyad {group.name}  {group.kind}: {first} and {second} on {base}{chosen}"
 
 
-def _coverage(found: Coverage | None) -> Iterator[str]:
-    """How much of the drives' limits assembles, and what fails in the rest."""
-    if found is not None:
-        failing = "".join(f"; dyad {name} cannot close in {_percent(count, found.points)}" for name, count in found.failing)
-        yield f"    assembles in {_percent(found.assembled, found.points)} of the drives' limits{failing}"
-
-
-def _percent(count: int, points: int) -> str:
-    """Rounded, but neither all nor nothing unless it is."""
-    share = 100 * count / points
-    rounded = round(share) if count in (0, points) else min(max(round(share), 1), 99)
-    return f"{rounded} %"
+def _assembly(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
+    """Freedoms by rank, how much of the drives' limits assembles, and what fails in the rest."""
+    found, drives = assembly(mechanism, leg, linkage), leg.joints[len(leg.serial) :]
+    if found.best is not None and found.mobility is not None:
+        twice = f": {', '.join(found.mobility.pairs)} say one thing twice" if found.mobility.pairs else ""
+        where = drives_text(drives, found.best)
+        yield f"    {found.mobility.freedoms} degrees of freedom by the rank of its pairs' equations at {where}{twice}"
+    if found.limited:
+        failing = "".join(f"; dyad {each.dyad} cannot close in {percent(each.count, found.points)}" for each in found.failing)
+        yield f"    assembles in {percent(found.assembled, found.points)} of the drives' limits{failing}"
 
 
 def _joint(joint: Joint) -> str:

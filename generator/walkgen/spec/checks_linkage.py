@@ -9,8 +9,10 @@ from walkgen.spec.branches import linkage_branches, linkage_choices, linkage_hin
 from walkgen.spec.checks_joints import named_branches
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.linkage import FRAME, CylinderSpec, PinFriction
-from walkgen.spec.planar import located, structure_of
+from walkgen.spec.mobility import loops_of
+from walkgen.spec.planar import joined_pairs, located, structure_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
+from walkgen.spec.scalar import ZERO
 from walkgen.spec.schema import LegDesign, RobotSpec
 from walkgen.spec.table import Path, entries
 
@@ -31,7 +33,7 @@ def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         yield from _bolts(path, design)
         yield from _cylinders(path, design, numbers)
         if not broken:
-            yield from _structure(path, design)
+            yield from _structure(path, design, numbers)
 
 
 def _no_linkage(path: Path, design: LegDesign) -> Iterator[Finding]:
@@ -138,7 +140,7 @@ def _length(path: Path, cylinder: CylinderSpec, numbers: Numbers) -> Iterator[Fi
         )
 
 
-def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
+def _structure(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
     """What counting and ordering tell."""
     structure = structure_of(design)
     astray = _disconnected(structure)
@@ -147,7 +149,7 @@ def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
         yield Finding("WG182", (*path, "links"), f"nothing joins {names} to the frame", "join every link by pins, sliders or cylinders")
         return
     if structure.mobility != structure.drive_count:
-        yield Finding("WG183", path, _count(structure), "drive as many pairs as there are freedoms, or mend the pairs")
+        yield _miscounted(path, design, structure, numbers)
         return
     found = order(structure)
     if len(found.clusters) > 1:
@@ -187,6 +189,20 @@ def _disconnected(structure: Structure) -> list[int]:
         reached = grown
         grown = reached.union(*(pair.bodies for pair in structure.pairs if reached & set(pair.bodies)))
     return [body for body in range(len(structure.names)) if body not in reached]
+
+
+def _miscounted(path: Path, design: LegDesign, structure: Structure, numbers: Numbers) -> Finding:
+    """Not as many drives as freedoms; where its dimensions are special, it has others than the count says."""
+    guides = [slider.guide.si("angle") or ZERO for slider in design.sliders]
+    joined = joined_pairs(design)
+    angles = (*(ZERO,) * (len(joined) - len(guides)), *guides)
+    loops = loops_of(structure, [each.points for each in joined], angles, numbers.number)
+    found = min((loops.mobility(x) for x in loops.poses()), key=lambda each: each.freedoms, default=None) if loops else None
+    if found is None or found.freedoms == structure.mobility:
+        return Finding("WG183", path, _count(structure), "drive as many pairs as there are freedoms, or mend the pairs")
+    pairs = ", ".join(shown(name) for name in found.pairs)
+    message = f"{_count(structure)}; the rank of its pairs' equations where it closes leaves {found.freedoms}: {pairs} say one thing twice"
+    return Finding("WG191", path, message, "leave out a link between these pairs whose motion the others make already")
 
 
 def _count(structure: Structure) -> str:
