@@ -33,7 +33,7 @@ FRICTION = {
     "pin_of_three": {"c": BOLT, "f": "mu = 0.1, radius = 0.04"},
     "four_bar": {"b": "coulomb = 1", "damper": "viscous = 30, coulomb = 4"},
 }
-QUICK = ("slider_crank", "pin_of_three", "four_bar")
+QUICK = ("slider_crank", "four_bar")
 MARKED = [pytest.param(name, marks=() if name in QUICK else pytest.mark.nightly) for name in FRICTION]
 DAMPER = '[[leg_designs.one.cylinders]]\nname = "damper"\nbetween = ["frame.A", "coupler.C"]\nmasses = { at_first = 0, at_second = 0 }\n'
 

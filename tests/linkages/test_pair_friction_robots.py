@@ -8,7 +8,7 @@ from walkgen.spec.read import read
 SPEC = """
 walkgen = 1
 robot = { name = "bars", gravity = [0, 0, -9.81] }
-generate = { functions = ["inverse_dynamics", "floating_inverse_dynamics", "joint_reactions", "power"] }
+generate = { functions = ["inverse_dynamics", "floating_inverse_dynamics"] }
 platforms = [{ name = "body", mass = 5, inertia = [0.1, 0.1, 0.1, 0, 0, 0] }]
 legs = [
     { name = "one", design = "leg", platform = "body", mount = { xyz = [0.1, 0.2, 0], rpy_deg = [0, 0, 0] } },
