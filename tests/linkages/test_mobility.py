@@ -123,3 +123,13 @@ def test_a_dyad_that_is_always_stretched_is_refused(tmp_path):
     assert "2 degrees of freedom by the rank" in text
     assert "e, f, g say one thing twice" in text
     generate(written(tmp_path, PARALLELOGRAM + TRUSS.replace("LENGTH", "0.2")), BuildOptions(targets=("c",)))
+
+
+def test_pins_that_coincide_leave_no_pose_to_count_at(tmp_path):
+    drive = "{ limits_deg = [10, 10] }"
+    path = written(tmp_path, f"{HEAD}five_bar = {{ ground = 0, cranks = [0.1, 0.1], couplers = [0.2, 0.2], drives = [{drive}, {drive}] }}")
+    mechanism = mechanism_of(path)
+    leg = mechanism.legs[0]
+    assert assembly(mechanism, leg, leg.linkage).mobility is None
+    assert "by the rank" not in show(path, "mechanism", "")
+    generate(path, BuildOptions(targets=("c",)))

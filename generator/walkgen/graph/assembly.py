@@ -43,7 +43,7 @@ class Assembly:
         failing: what fails at the others, the most first.
         limited: whether the grid is over the drives' limits; else those without any were taken all around, or as far as the links are long.
         best: the drives where it is furthest from all dead points; None where it assembles nowhere.
-        mobility: there, by rank.
+        mobility: there, by rank; None where it has no pose.
     """
 
     points: int
@@ -69,7 +69,7 @@ def assembly(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Assembly:
     failing = {q: _failing(outputs["margins"], names) for q, outputs in found.items()}
     closed = [q for q, name in failing.items() if not name]
     best = max(closed, key=lambda q: min(found[q]["margins"], default=0.0), default=None)
-    mobility = loops.mobility(_unknowns(found[best]["poses"], best, loops)) if best is not None else None
+    mobility = _mobility(found[best]["poses"], best, loops) if best is not None else None
     return Assembly(len(found), len(closed), _failures(failing), all(drive.limits for drive in drives), best, mobility)
 
 
@@ -108,8 +108,9 @@ def _box(where: list[Drives]) -> tuple[Drives, Drives]:
     return tuple(map(min, columns)), tuple(map(max, columns))
 
 
-def _unknowns(poses: list[float], drives: Drives, loops: Loops) -> np.ndarray:
-    """Poses as the unknowns of the pairs' equations: x, y and angle of every body but the frame, lengths of driven cylinders."""
+def _mobility(poses: list[float], drives: Drives, loops: Loops) -> Mobility | None:
+    """By x, y and angle of every body but the frame and lengths of driven cylinders; None where pins that coincide leave no pose."""
     rows = [poses[start : start + 4] for start in range(4, len(poses), 4)]
     placed = [entry for x, y, cosine, sine in rows for entry in (x, y, atan2(sine, cosine))]
-    return np.array([*placed, *drives[len(drives) - len(loops.structure.bars) :]])
+    unknowns = np.array([*placed, *drives[len(drives) - len(loops.structure.bars) :]])
+    return loops.mobility(unknowns) if np.isfinite(unknowns).all() else None
