@@ -73,7 +73,9 @@ def grow_leg(growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Ex
 def _grow_linkage(
     growth: Growth, spread: Spread, linkage: Linkage, place: Attachment, drives: Exprs, indices: Sequence[int], prefix: str
 ) -> Attachment:
-    """Add every link that has mass, and the foot point without any; where the foot is."""
+    """Add every link that has mass, and the foot point without any; where the foot is. The frame's mass is the last serial joint's."""
+    if linkage.masses[0]:
+        growth.carry(place, inertia_of(plate(linkage.masses[0]), growth.parameters, growth.tape, f"{prefix}frame"), f"{prefix}frame")
     placing = forward_placing(linkage, drives, growth.parameters, growth.tape)
     parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in bodies_with_mass(linkage)]
     coordinates: list[Coordinate] = []
@@ -99,6 +101,12 @@ def bodies_with_mass(linkage: Linkage) -> list[tuple[int, PlanarBody]]:
 
 def _at(name: str, point: Planar, tape: Tape) -> list[Coordinate]:
     return [Coordinate(f"{name}_{axis}", tape.let(f"{name}_{axis}", value)) for axis, value in zip("xy", point, strict=True)]
+
+
+def plate(mass: PlanarBody) -> Body:
+    """In axes of the link whose z is the plane's normal."""
+    half = div(mass.inertia, exact(2))
+    return Body(mass.mass, (*mass.com, ZERO), (half, half, mass.inertia, ZERO, ZERO, ZERO))
 
 
 def _bodies(mass: PlanarBody) -> tuple[Body, Body]:
