@@ -6,8 +6,8 @@ from typing import Any
 
 from walkgen.emit.reference import Numbers, Sample
 from walkgen.model.closing import closed
+from walkgen.model.drive_ranges import drive_ranges, reach
 from walkgen.model.linkage import Linkage
-from walkgen.model.loops import Loops
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, defaults, number
 
@@ -44,7 +44,7 @@ def apart(sample: Sample) -> tuple[Any, ...] | None:
     leg = sample.limbs[-1]
     assert leg.linkage is not None
     serial, drives = sample.q[: len(leg.serial)], leg.joints[len(leg.serial) :]
-    far = _rounded(_FAR * _reach(sample.mechanism, leg.linkage))
+    far = _rounded(_FAR * reach(sample.mechanism, leg.linkage))
     driven = [far if joint.kind == "prismatic" else q for joint, q in zip(drives, sample.q[len(serial) :], strict=True)]
     return None if closed(leg.linkage, defaults(sample.mechanism), driven) else (*serial, *driven)
 
@@ -81,23 +81,8 @@ def _assembled(robot: Mechanism, leg: Limb) -> Iterator[list[Any]]:
 
 
 def _drives(robot: Mechanism, leg: Limb, linkage: Linkage, index: int) -> list[Any]:
-    joints, reach = leg.joints[len(leg.serial) :], _reach(robot, linkage)
-    return [_rounded(_driven(joint, place, index, robot, reach, place < len(linkage.driven))) for place, joint in enumerate(joints)]
-
-
-def _driven(joint: Joint, place: int, index: int, robot: Mechanism, reach: float, signed: bool) -> Any:
-    """Within its limits; without any, a turn of either sign, a way on a guide or a length of the linkage's size."""
-    share = CONTEXT.mpf((29 * place + 17 * index + 7 * (place + 1) * (index + 2)) % 15 + 1) / 16
-    if joint.limits:
-        low, high = (number(limit, robot) for limit in joint.limits)
-        return low + share * (high - low)
-    if joint.kind == "revolute":
-        return _value(joint, place, index, 0)
-    return reach * (share - CONTEXT.mpf(1) / 2 if signed else share + CONTEXT.mpf(1) / 4)
-
-
-def _reach(robot: Mechanism, linkage: Linkage) -> float:
-    return Loops(linkage, defaults(robot), [0] * linkage.drive_count).reach
+    shares = ((29 * place + 17 * index + 7 * (place + 1) * (index + 2)) % 15 + 1 for place in range(linkage.drive_count))
+    return [_rounded(low + share * (high - low) / 16) for share, (low, high) in zip(shares, drive_ranges(robot, leg, linkage), strict=True)]
 
 
 def _rounded(value: Any) -> Any:
