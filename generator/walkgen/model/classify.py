@@ -24,7 +24,9 @@ class InverseClass:
 
 YAW_PITCH_PITCH = "yaw-pitch-pitch"
 LINKAGE = "linkage"
+CURVE = "coupler curve"
 _YAW_BRANCHES = ("rho_plus_knee_plus", "rho_plus_knee_minus", "rho_minus_knee_plus", "rho_minus_knee_minus")
+_CURVE_BRANCHES = tuple(f"root_{number}" for number in range(1, 9))
 _NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 _STRETCHES = (Fraction(1), Fraction(13, 11), Fraction(7, 9))
 _METHODS = {
@@ -56,8 +58,13 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
 
 
 def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
-    """Of a leg that ends in a linkage: at most one joint turns its plane, two drives place the foot in it, dyad after dyad."""
+    """Of a leg that ends in a linkage: at most one joint turns its plane, two drives place the foot in it, dyad after dyad.
+
+    One drive leads the foot along a curve; then the joint may slide as well.
+    """
     kinds = "".join(joint.kind[0].upper() for joint in leg.serial)
+    if linkage.drive_count == 1 and len(kinds) <= 1:
+        return _curve_class(leg)
     if kinds not in ("", "R"):
         return InverseClass("", (), f"{len(kinds)} joints ({kinds}) before the linkage: one that turns, or none, has a closed form")
     if linkage.drive_count != 2:
@@ -72,6 +79,14 @@ def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
     ]
     names = tuple("_".join(choice) for choice in product(*words)) or ("only",)
     return InverseClass(LINKAGE, leg.branches or names, "dyads placed one after another from the foot held in the plane")
+
+
+def _curve_class(leg: Limb) -> InverseClass:
+    drive = leg.joints[-1]
+    if drive.kind == "prismatic" and drive.limits is None:
+        return InverseClass("", (), f"between which values of {drive.name} to look for the foot's place its limits say: it has none")
+    reason = "one drive leads the foot along a curve, whose least distances from the target are found by a bounded search"
+    return InverseClass(CURVE, leg.branches or _CURVE_BRANCHES, reason)
 
 
 def _not_yaw_pitch_pitch(mechanism: Mechanism, leg: Limb, kinds: str) -> str:
