@@ -13,6 +13,8 @@ from walkgen.spec.assur import SIDES, Group
 
 _STARTS, _STEPS, _HALVINGS = 300, 40, 5
 _CLOSED, _EXACT = 1e-12, CONTEXT.mpf(10) ** -46
+_TOLD = ("RRR", "RRP", "RPP")
+"""Groups of which there is one on each side."""
 _DIGITS = 9
 """Drives that agree to so many decimal places start from one pose."""
 
@@ -83,7 +85,9 @@ class Posture:
 
 
 def closed(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any]) -> Posture | None:
-    """The posture on the spec's sides, in 50 digits; None where no start leads to one."""
+    """The posture on the spec's sides, in 50 digits; None where no start leads to one, or sides do not tell postures apart."""
+    if any(group.kind not in _TOLD for group in linkage.forward.groups):
+        return None
     near = tuple(round(float(drive), _DIGITS) for drive in drives)
     start = _found(linkage, tuple(values.items()), near)
     return start and _exact(linkage, values, drives, start.x)

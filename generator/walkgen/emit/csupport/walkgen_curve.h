@@ -20,7 +20,7 @@
 #endif
 #ifndef WG_CURVE_SAMPLES
 #define WG_CURVE_SAMPLES 256
-#define WG_CURVE_COARSE 8 /* every so manieth sample tells the size of the curve */
+#define WG_CURVE_COARSE 8 /* every eighth sample tells the size of the curve */
 #define WG_CURVE_ROOTS 8
 #define WG_CURVE_HALVINGS 100
 #define WG_CURVE_STEPS 12
@@ -65,7 +65,7 @@ static inline struct WG_NAME(wg_curve_point) WG_NAME(wg_curve_at)(const struct W
 
 /* Whether the curve meets the aim there. */
 static inline int WG_NAME(wg_curve_meets)(const struct WG_NAME(wg_curve_search) * search, const struct WG_NAME(wg_curve_point) * point) {
-    const WG_REAL least = WG_CURVE_MET * search->size;
+    const WG_REAL least = WG_CURVE_MET * WG_MAX(search->size, point->size);
     return point->there && point->square <= least * least;
 }
 
@@ -76,7 +76,7 @@ static inline WG_REAL WG_NAME(wg_curve_wrapped)(const struct WG_NAME(wg_curve_se
 
 /* Keep a point: the nearest of all, and every one that meets the aim, in order of the drives, the first WG_CURVE_ROOTS of them. */
 static inline void WG_NAME(wg_curve_keep)(struct WG_NAME(wg_curve_search) * search, const struct WG_NAME(wg_curve_point) * point) {
-    const WG_REAL drive = WG_NAME(wg_curve_wrapped)(search, point->drive);
+    const WG_REAL drive = WG_NAME(wg_curve_wrapped)(search, point->drive), turn = search->closed ? WG_C(2.0) * WG_PI : WG_C(0.0);
     int i, place;
     if (point->there && (!search->best.there || point->square < search->best.square)) {
         search->best = *point;
@@ -85,7 +85,8 @@ static inline void WG_NAME(wg_curve_keep)(struct WG_NAME(wg_curve_search) * sear
         return;
     }
     for (i = 0; i < search->count; ++i) {
-        if (WG_ABS(search->roots[i] - drive) <= WG_CURVE_SAME) {
+        const WG_REAL away = WG_ABS(search->roots[i] - drive);
+        if (WG_MIN(away, WG_ABS(away - turn)) <= WG_CURVE_SAME) {
             return;
         }
     }

@@ -98,8 +98,9 @@ class _Search:
         """The nearest of all, and every one that meets the aim."""
         if self.best is None or point.square < self.best.square:
             self.best = point
-        drive = self.wrapped(point.drive)
-        if point.square <= (_MET * self.size) ** 2 and all(abs(root - drive) > _SAME for root in self.roots):
+        drive, turn = self.wrapped(point.drive), 2.0 * np.pi if self.closed else 0.0
+        meets = point.square <= (_MET * max(self.size, point.size)) ** 2
+        if meets and all(min(away, abs(away - turn)) > _SAME for away in (abs(root - drive) for root in self.roots)):
             self.roots = sorted([*self.roots, drive])[:ROOTS]
 
 
