@@ -11,7 +11,6 @@ from linkages.topologies import TOPOLOGIES, spec
 TEXT = (Path(__file__).parents[2] / "specs" / "garrec.toml").read_text(encoding="utf-8")
 FUNCTIONS = ("foot_position", "inverse", "inverse_branch", "inverse_near", "inverse_distance")
 OK, UNREACHABLE, BAD_INPUT, SINGULAR = 0, 1, 2, 3
-NIGHTLY = ("watt", "scotch_yoke", "four_bar")
 MOUNT = np.array([0.6, 0.25, 0.0])
 SLIDING = """
 walkgen = 1
@@ -64,9 +63,8 @@ def check_round_trip(leg, q, target):
     assert leg.inverse_branch(target[0], 8)[1] == BAD_INPUT
 
 
-@pytest.mark.parametrize(("backend", "count"), [("c", 3000), ("numpy", 8)])
-@pytest.mark.parametrize("name", ["front_left", "front_right"])
-def test_every_pose_is_found_again(garrec, backend, count, name):
+@pytest.mark.parametrize(("backend", "name", "count"), [("c", "front_left", 3000), ("c", "front_right", 300), ("numpy", "front_right", 3)])
+def test_every_pose_is_found_again(garrec, backend, name, count):
     leg = getattr(garrec, backend).legs[name]
     q = np.random.default_rng(7).uniform(-np.pi, np.pi, (count, 2))
     check_round_trip(leg, q, leg.foot_position(q))
@@ -93,7 +91,7 @@ def test_elsewhere_the_nearest(garrec):
 
 
 def test_backends_agree(garrec):
-    target = MOUNT + np.random.default_rng(9).uniform(-0.6, 0.3, (12, 3))
+    target = MOUNT + np.random.default_rng(9).uniform(-0.6, 0.3, (4, 3))
     (in_c, state), (numpy, other) = (getattr(garrec, backend).legs["front_left"].inverse(target) for backend in ("c", "numpy"))
     assert np.array_equal(state, other)
     foot = garrec.c.legs["front_left"].foot_position
@@ -109,6 +107,7 @@ def test_what_is_no_number(garrec):
     assert np.isfinite(leg.inverse(MOUNT)[0]).all()  # on the axis: any yaw is as near
 
 
+@pytest.mark.nightly
 def test_a_joint_that_slides(tmp_path):
     leg = code_of(SLIDING, ("foot_position", "inverse", "inverse_near", "inverse_distance"), tmp_path)
     random = np.random.default_rng(10)
@@ -129,7 +128,8 @@ def test_a_joint_that_slides(tmp_path):
             assert (np.linalg.norm(other - off, axis=-1) >= distance - 1e-13).all()
 
 
-@pytest.mark.parametrize("name", ["moving_guide", *(pytest.param(name, marks=pytest.mark.nightly) for name in NIGHTLY)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["moving_guide", "watt", "scotch_yoke", "four_bar"])
 def test_dimensions_as_parameters(name, tmp_path):
     """No joint before the linkage; some dimensions assemble for part of a turn alone."""
     leg = code_of(spec(name, ("foot_position", "inverse")), ("foot_position", "inverse"), tmp_path)
