@@ -11,7 +11,7 @@ from walkgen.model.loops import Loops, Planar, Row
 from walkgen.model.walk import CONTEXT
 from walkgen.spec.assur import SIDES, Group
 
-_STARTS, _STEPS, _HALVINGS = 300, 40, 5
+_STARTS, _MOST_STARTS, _STEPS, _HALVINGS = 300, 3000, 40, 5
 _CLOSED, _EXACT = 1e-12, CONTEXT.mpf(10) ** -46
 _TOLD = ("RRR", "RRP", "RPP")
 """Groups of which there is one on each side."""
@@ -95,10 +95,12 @@ def closed(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any]) -
 
 @cache
 def _found(linkage: Linkage, values: tuple[tuple[str, Any], ...], drives: tuple[float, ...]) -> Posture | None:
-    """From random starts, until one is as the spec says."""
+    """From random starts, until one is as the spec says; where the loops close at all, which some of few starts shows, from many more."""
     loops, generator = Loops(linkage, dict(values), drives, float), random.Random(len(drives))  # noqa: S311 (starts, not secrets)
-    for _ in range(_STARTS):
-        x = _descended(loops, _start(loops, generator))
+    closes = False
+    for start in range(_MOST_STARTS):
+        x = _descended(loops, _start(loops, generator)) if closes or start < _STARTS else None
+        closes |= x is not None
         posture = x and _exact(linkage, dict(values), drives, x)
         if posture and posture.as_stated:
             return posture
