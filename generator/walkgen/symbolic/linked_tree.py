@@ -97,7 +97,7 @@ def _parts(linkage: Linkage) -> list[Part]:
 
 def _whole_parts(linkage: Linkage) -> list[Part]:
     """All that move, by their origins."""
-    return [Part(body, (ZERO, ZERO), None, plate(mass) if mass else None) for body, mass in enumerate(linkage.masses) if body]
+    return [Part(body, (ZERO, ZERO), None, _plate(mass) if mass else None) for body, mass in enumerate(linkage.masses) if body]
 
 
 def _grow_linkage(
@@ -112,7 +112,7 @@ def _grow_linkage(
 ) -> Attachment:
     """Add links, and the foot point without mass; where the foot is. The frame's mass is the last serial joint's."""
     if linkage.masses[0]:
-        growth.carry(place, inertia_of(plate(linkage.masses[0]), growth.parameters, growth.tape, f"{prefix}frame"), f"{prefix}frame")
+        growth.carry(place, inertia_of(_plate(linkage.masses[0]), growth.parameters, growth.tape, f"{prefix}frame"), f"{prefix}frame")
     placing = forward_placing(linkage, drives, growth.parameters, growth.tape)
     names = [f"{prefix}{linkage.structure.names[part.body]}" for part in parts]
     coordinates: list[Coordinate] = []
@@ -140,7 +140,7 @@ def _at(name: str, point: Planar, tape: Tape) -> list[Coordinate]:
     return [Coordinate(f"{name}_{axis}", tape.let(f"{name}_{axis}", value)) for axis, value in zip("xy", point, strict=True)]
 
 
-def plate(mass: PlanarBody) -> Body:
+def _plate(mass: PlanarBody) -> Body:
     """In axes of the link whose z is the plane's normal."""
     half = div(mass.inertia, exact(2))
     return Body(mass.mass, (*mass.com, ZERO), (half, half, mass.inertia, ZERO, ZERO, ZERO))
