@@ -7,6 +7,8 @@ from walkgen.spec.assur import SIDES, Structure, order
 
 BRANCHED_JOINTS = 3
 """Joints of a leg whose foot position leaves finitely many solutions, in general."""
+CURVE_BRANCHES = tuple(f"root_{number}" for number in range(1, 9))
+"""Of a leg whose foot follows a coupler curve."""
 
 
 def branch_count(kinds: str) -> int:
@@ -17,6 +19,11 @@ def branch_count(kinds: str) -> int:
     if len(kinds) == 1 or turning == 0:
         return 1
     return 4 if len(kinds) == BRANCHED_JOINTS and turning > 1 else 2
+
+
+def follows_curve(structure: Structure, joints: int) -> bool:
+    """Whether one drive leads the foot along a curve, which at most one joint before the linkage carries."""
+    return structure.drive_count == 1 and joints <= 1
 
 
 def linkage_hindrance(structure: Structure, foot: int, kinds: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import combinations
 
 from walkgen.spec.assur import SIDES, Structure, order
-from walkgen.spec.branches import linkage_branches, linkage_choices, linkage_hindrance
+from walkgen.spec.branches import CURVE_BRANCHES, follows_curve, linkage_branches, linkage_choices, linkage_hindrance
 from walkgen.spec.checks_joints import named_branches
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.linkage import FRAME, CylinderSpec, PinFriction
@@ -167,6 +167,9 @@ def _structure(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Find
 
 def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
     """As many names as branches, which the cure spells where there are few."""
+    if follows_curve(structure, len(design.joints)):
+        yield from named_branches(path, design, len(CURVE_BRANCHES))
+        return
     foot, _ = located(design, str(design.foot))
     hindrance = linkage_hindrance(structure, foot, "".join(joint.type[0].upper() for joint in design.joints))
     choices = linkage_choices(structure, foot, [joint.name for joint in design.joints])

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 
-from walkgen.model.classify import inverse_class
+from walkgen.model.classify import CURVE, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.spec.functions import TERRAIN_FUNCTIONS
@@ -10,6 +10,7 @@ from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
+from walkgen.symbolic.curve_inverse import curve_inverse
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.inverse import inverse, inverse_branch
@@ -131,7 +132,8 @@ def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted:
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
     """All branches where they are known."""
     if leg.linkage is not None:
-        yield from (function for function in linkage_inverse(mechanism, leg) if wanted(function.signature.name))
+        build = curve_inverse if inverse_class(mechanism, leg).name == CURVE else linkage_inverse
+        yield from (function for function in build(mechanism, leg) if wanted(function.signature.name))
     elif inverse_class(mechanism, leg).name:
         yield from (build(mechanism, leg) for name, build in BRANCHED.items() if wanted(name))
     elif wanted("inverse_admissible"):

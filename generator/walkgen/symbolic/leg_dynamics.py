@@ -9,16 +9,19 @@ import sympy
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port
-from walkgen.symbolic.base_parameters import base_regressor
+from walkgen.symbolic.base_parameters import base_regressor, kept_by_regrouping
 from walkgen.symbolic.composite_bodies import CompositeBodies
 from walkgen.symbolic.coriolis import Coriolis
+from walkgen.symbolic.driven_motions import driven_motions
 from walkgen.symbolic.drives import drives, effort_unit
 from walkgen.symbolic.first_moments import FirstMoments
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.inertia import Inertia
+from walkgen.symbolic.linked_tree import whole_bodies
+from walkgen.symbolic.minimal import free_motions
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler
 from walkgen.symbolic.ports import joint_port
-from walkgen.symbolic.regressor import regressor_of
+from walkgen.symbolic.regressor import PARAMETERS, regressor_of
 from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tangents import tangents
 from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, constant_vector, dot, scaled, symbols_of
@@ -176,12 +179,18 @@ def inverse_dynamics_derivatives(leg: LegDynamics) -> Exprs:
 
 def regressor(leg: LegDynamics) -> Exprs:
     """Row-major."""
-    return tuple(chain.from_iterable(regressor_of(leg.moving())))
+    return tuple(chain.from_iterable(regressor_of(leg.moving(), leg.spread, whole_bodies(leg.leg))))
 
 
 def base_parameters(leg: LegDynamics) -> Exprs:
     """The regressor of the fewest parameters, row-major, then their values."""
-    rows, values = base_regressor(leg.mechanism, leg.moving(), leg.gravity)
+    linkage, tree = leg.leg.linkage, leg.tree
+    if linkage is None:
+        candidates, motions = kept_by_regrouping(tree), free_motions(tree)
+    else:
+        candidates = [(index, number) for index in whole_bodies(leg.leg) for number in range(len(PARAMETERS))]
+        motions = driven_motions(leg.mechanism, leg.leg, linkage, leg.spread)
+    rows, values = base_regressor(leg.mechanism, leg.moving(), leg.gravity, leg.spread, candidates, motions)
     return (*chain.from_iterable(rows), *values)
 
 
