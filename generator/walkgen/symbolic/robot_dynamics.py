@@ -265,7 +265,7 @@ class FloatingFunctions:
         total = sum((link.inertia.mass for link in tree.links), tree.base.mass)
         while names := total.free_symbols & masses.keys():
             total = total.xreplace({name: masses[name] for name in names})
-        return tape.let("mass", total)
+        return tape.let("own_mass", total)
 
     def weight(self) -> Function | None:
         """What gravity does to the robot held in its joints: where, in the base's frame, and the force, in the world; None without mass."""
