@@ -244,6 +244,7 @@ def test_bad_input_has_its_status(stability, kind, change):
     given = {"points": SQUARE, "com": CENTRE, "direction": AHEAD} | BAD[change]
     found = (stability.margins if kind == "c" else reference)(**given)
     assert found.status == BAD_INPUT
-    assert np.isnan(found.friction)
+    assert np.isnan([found.static_margin, found.energy, found.height, found.friction, *found.longitudinal, *found.heights]).all()
+    assert (found.polygon.tolist(), found.vertices, found.edge.tolist()) == ([-1] * 4, 0, [-1, -1])
     if kind == "c":
         assert stability.gradients(**given).status == BAD_INPUT

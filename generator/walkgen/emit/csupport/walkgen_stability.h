@@ -38,14 +38,14 @@ static inline void WG_NAME(wg_margins_rough)(const WG_REAL *points, const WG_REA
                                              const struct WG_NAME(wg_support) * support, struct WG_NAME(wg_margins) * margins) {
     struct WG_NAME(wg_shadow) shadow;
     WG_REAL out[2];
-    int i, smooth = 0;
+    int i, slips = 0;
     for (i = 0; i < support->stance.feet; ++i) {
-        smooth |= !(mu[i] > WG_HUGE);
+        slips |= !(mu[i] > WG_HUGE);
     }
     margins->value[4] = margins->value[0];
     margins->gradient[4][0] = margins->gradient[0][0];
     margins->gradient[4][1] = margins->gradient[0][1];
-    if (!smooth) {
+    if (!slips) {
         return;
     }
     margins->status = WG_NAME(wg_feasible_start)(points, normals, mu, support, &shadow);
@@ -57,6 +57,17 @@ static inline void WG_NAME(wg_margins_rough)(const WG_REAL *points, const WG_REA
     margins->gradient[4][1] = -out[1];
 }
 
+/* No margins. */
+static inline void WG_NAME(wg_margins_none)(struct WG_NAME(wg_support) * support, struct WG_NAME(wg_margins) * margins) {
+    int i;
+    for (i = 0; i < 5; ++i) {
+        margins->value[i] = WG_NAN;
+    }
+    support->vertices = 0;
+    margins->edge = 0;
+    margins->status = WALKGEN_BAD_INPUT;
+}
+
 /* All of them. Of fewer than three feet, or feet on a line as seen from above, only the static one. */
 static inline void WG_NAME(wg_margins_read)(int32_t k, const WG_REAL *points, const WG_REAL *com, const WG_REAL *direction,
                                             const WG_REAL *mu, const WG_REAL *normals, const WG_REAL *gravity, WG_REAL mass,
@@ -64,16 +75,13 @@ static inline void WG_NAME(wg_margins_read)(int32_t k, const WG_REAL *points, co
     WG_REAL back[2];
     int i, j;
     for (i = 0; i < 5; ++i) {
-        margins->value[i] = WG_NAN;
         for (j = 0; j < 3; ++j) {
             margins->gradient[i][j] = WG_C(0.0);
         }
     }
-    support->vertices = 0;
-    margins->edge = 0;
-    margins->status = WALKGEN_BAD_INPUT;
+    WG_NAME(wg_margins_none)(support, margins);
     if (!WG_NAME(wg_support_read)(k, points, gravity, support) || !WG_NAME(wg_support_aim)(com, direction, support) ||
-        !(mass >= WG_C(0.0) && mass <= WG_HUGE)) {
+        !(mass >= WG_C(0.0) && mass * WG_NAME(wg_norm)(gravity) <= WG_HUGE)) {
         return;
     }
     for (i = 0; i < k; ++i) {
@@ -94,6 +102,9 @@ static inline void WG_NAME(wg_margins_read)(int32_t k, const WG_REAL *points, co
     margins->value[2] = WG_NAME(wg_support_way)(support, back, margins->gradient[2]);
     WG_NAME(wg_margins_tip)(support, margins);
     WG_NAME(wg_margins_rough)(points, normals, mu, support, margins);
+    if (margins->status == WALKGEN_BAD_INPUT) {
+        WG_NAME(wg_margins_none)(support, margins);
+    }
 }
 
 /* The margins (m) of a centre of mass [3] over k feet [k, 3]. Static: signed distance of its projection along gravity from the border of

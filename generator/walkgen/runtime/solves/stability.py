@@ -144,6 +144,8 @@ def _all(points: Reals, com: Reals, direction: Reals, mu: Reals, normals: Reals,
         return _Found(len(points), values, slopes, (), support.polygon, np.nan, SINGULAR)
     tall = _tip(support, direction, values, slopes)
     values[4], slopes[4], status = _rough(points, com, mu, normals, pull, (float(values[0]), slopes[0]))
+    if status == BAD_INPUT:
+        return _Found(len(points), np.full(5, np.nan), np.full((5, 3), np.nan))
     return _Found(len(points), values, slopes, tall, support.polygon, carried * float(np.linalg.norm(pull)), status)
 
 
