@@ -81,6 +81,7 @@ def test_a_region_and_pushes(robot):
     assert tips[1] < tips[0]  # the higher the wind
 
 
+@pytest.mark.nightly
 def test_single_precision(tmp_path):
     (tmp_path / "spec.toml").write_text(spec("stability_margins"), encoding="utf-8")
     robot = load(build(tmp_path / "spec.toml", tmp_path, BuildOptions(float32=True, targets=("c",))).folder)

@@ -2,6 +2,7 @@
 
 import subprocess
 
+import pytest
 from csupport_library import STRICT, compile_c
 from stability_library import HEADERS, stability_source
 
@@ -77,6 +78,7 @@ int main(void) {
 """
 
 
+@pytest.mark.nightly
 def test_strict_flags_as_cpp(tmp_path):
     """As C99 the library of the other tests is built with them."""
     text = stability_source().replace('#include "walkgen_stability.h"', '#include "walkgen_stability.h"\n#include "walkgen_tipping.h"')
@@ -103,6 +105,7 @@ def test_float_needs_no_double_helper(tmp_path):
     assert {name for name in functions if not name.endswith("f") and not name.startswith("mem")} == set()
 
 
+@pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     headers = "".join(f'#include "walkgen_real_{tag}.h"\n' + "".join(f'#include "{name}"\n' for name in ALL) for tag in ("f64", "f32"))
     flags = ("-std=c99", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
