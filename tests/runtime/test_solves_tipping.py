@@ -38,13 +38,13 @@ def test_motions_of_every_kind(seed, count):
         assert np.all(status == OK)
         np.testing.assert_allclose(found, turns[near], rtol=0, atol=1e-11)
         np.testing.assert_allclose(found_rates / np.sqrt(kappa), rates[near] / np.sqrt(kappa), rtol=0, atol=1e-11)
-        first = next((i for i in range(1, 40) if 1e-3 < turns[i] < np.pi - tilt - 1e-3 and turns[i] == turns[: i + 1].max()), None)
+        ahead = (turns > 1e-3) & (turns < np.pi - tilt - 1e-3) & (rates > 0.0) & (turns == np.maximum.accumulate(turns))
+        first = int(np.argmax(ahead))
         time, status = tipping_time(kappa, tilt, rate, turns[first] if first else 0.1)
         if first:
             assert status == OK
-            assert time * np.sqrt(kappa) == pytest.approx(
-                times[first] * np.sqrt(kappa), abs=1e-9 / max(abs(rates[first] / np.sqrt(kappa)), 1e-2)
-            )
+            pace = max(rates[first] / np.sqrt(kappa), 1e-2)
+            assert time * np.sqrt(kappa) == pytest.approx(times[first] * np.sqrt(kappa), abs=1e-9 / pace)
             kinds.add((bool(tilt < 0), int(np.sign(rate))))
     assert kinds >= {(False, 0), (False, 1), (False, -1), (True, 1)}
 

@@ -93,7 +93,7 @@ class StabilityFunctions:
 
     def feasible_region(self) -> Solve:
         """Where the centre of mass may be."""
-        inputs = (_POINTS, _mu(), _NORMALS, _GRAVITY, Port("tolerance", (), "m", default=(1e-4,)))
+        inputs = (_POINTS, _mu(), _NORMALS, _GRAVITY, Port("tolerance", (), "m", default=(1e-3,)))
         outputs = (Port("polygon", (DIRECTIONS, 3), "m"), _STATUS, Port("vertices", kind="integer"), Port("error", (), "m"))
         doc = (
             f"Where the centre of mass may be for the feet to carry the weight within their friction cones, at any height. {_FRAME}. "

@@ -234,6 +234,17 @@ static inline int WG_NAME(wg_shadow_look)(const WG_REAL u[2], struct WG_NAME(wg_
     return 1;
 }
 
+/* Twice the area of the polygon of points. */
+static inline WG_REAL WG_NAME(wg_shadow_area)(const struct WG_NAME(wg_shadow) * shadow) {
+    WG_REAL sum = WG_C(0.0);
+    int i;
+    for (i = 0; i < shadow->count; ++i) {
+        const WG_REAL *a = shadow->point[i], *b = shadow->point[(i + 1) % shadow->count];
+        sum += a[0] * b[1] - a[1] * b[0];
+    }
+    return sum;
+}
+
 /* The region by four directions to begin with, where the first `count` wrenches of the plane are free: OK; INFEASIBLE where it is empty,
  * SINGULAR where it has no area, NO_CONVERGENCE. */
 static inline int32_t WG_NAME(wg_shadow_start)(int count, struct WG_NAME(wg_shadow) * shadow) {
@@ -247,7 +258,7 @@ static inline int32_t WG_NAME(wg_shadow_start)(int count, struct WG_NAME(wg_shad
             status = spare > WG_NONE ? WALKGEN_NO_CONVERGENCE : WALKGEN_SINGULAR;
         }
     }
-    return status;
+    return status == WALKGEN_OK && spare <= WG_NONE && WG_NAME(wg_shadow_area)(shadow) <= WG_NONE ? WALKGEN_SINGULAR : status;
 }
 
 /* The outward normal of the polygon's side after a point, and its length. */

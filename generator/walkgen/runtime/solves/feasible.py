@@ -245,7 +245,9 @@ def _shadow(stance: Stance, normals: Reals, mu: Reals, plane: Reals, free: int) 
         return NO_CONVERGENCE if spare is None else INFEASIBLE
     if not all(shadow.look(np.array(u)) for u in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))):
         return NO_CONVERGENCE if spare > _NONE else SINGULAR
-    return shadow
+    points = [point for _, point, *_ in shadow.known]
+    area = sum(_turn(a, b) for a, b in zip(points, (*points[1:], points[0]), strict=True))
+    return SINGULAR if spare <= _NONE and area <= _NONE else shadow
 
 
 def _level_axes(gravity: Reals) -> Reals:
