@@ -101,9 +101,12 @@ def test_no_robot_of_usual_size_reaches_the_chapters_tilt():
     time = CHAPTER_STEP / CHAPTER_SPEED
     assert 2 * CHAPTER_TILT / time**2 == pytest.approx(115, abs=0.05)
     assert pytest.approx(np.pi / 18, abs=1e-6) == CHAPTER_TILT
-    tilts = np.array([tipping_tilt(G / L, np.radians(phi), 0.0, time)[0] for L in (0.2, 0.8) for phi in (10, 60)])
-    assert tilts.min() == pytest.approx(0.0032, abs=1e-4)
-    assert tilts.max() < 0.0655 < CHAPTER_TILT
+    for factor, least, most, steepest in ((1, 0.0032, 0.053, 0.0649), (2, 0.0065, 0.107, 0.1305)):
+        tilts = [[tipping_tilt(factor * G / L, np.radians(phi), 0.0, time)[0] for L in (0.8, 0.2)] for phi in (10, 30, 45, 60)]
+        assert np.min(tilts) == pytest.approx(least, abs=6e-5)
+        assert np.max(tilts[:3]) == pytest.approx(most, abs=6e-4)  # the note's range ends at 45 degrees; from 60 it is more
+        assert tilts[3][1] == pytest.approx(steepest, abs=1e-4)
+        assert tilts[3][1] < CHAPTER_TILT
     for factor, speed in ((1, 1.085), (2, 1.535)):
         assert tipping_speed_limit(0.2, factor * G / 0.5, np.radians(30), 0.0, CHAPTER_TILT)[0] == pytest.approx(speed, abs=6e-4)
 

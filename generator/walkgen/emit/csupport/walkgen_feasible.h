@@ -52,8 +52,8 @@ static inline WG_REAL WG_NAME(wg_feasible_out)(const struct WG_NAME(wg_shadow) *
 /* The signed distance of a point from the region's border, positive inside, and the way out [2]: the least of reach - u . from over all
  * directions u. The polygon of points proves it to rounding, but where the border is round about the point, as under forces by which
  * feet slip, whatever their direction: there to 2e-3 of it. Infinite where the way out is open. */
-static inline int32_t WG_NAME(wg_feasible_margin)(const WG_REAL from[2], WG_REAL *margin, WG_REAL out[2],
-                                                  struct WG_NAME(wg_shadow) * shadow) {
+WG_CALLED int32_t WG_NAME(wg_feasible_margin)(const WG_REAL from[2], WG_REAL *margin, WG_REAL out[2],
+                                              struct WG_NAME(wg_shadow) * shadow) {
     WG_REAL next[2], least = WG_C(0.0);
     int turn, i, best = 0;
     for (turn = 0; turn <= WALKGEN_MAX_DIRECTIONS; ++turn) {
@@ -92,8 +92,8 @@ static inline int WG_NAME(wg_feasible_ground)(int32_t k, const WG_REAL *normals,
 }
 
 /* The region of centres of mass under weight alone, along the level axes in the stance's length from the feet's centre: four directions. */
-static inline int32_t WG_NAME(wg_feasible_start)(const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
-                                                 const struct WG_NAME(wg_support) * support, struct WG_NAME(wg_shadow) * shadow) {
+WG_CALLED int32_t WG_NAME(wg_feasible_start)(const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                             const struct WG_NAME(wg_support) * support, struct WG_NAME(wg_shadow) * shadow) {
     WG_REAL ground[3 * WALKGEN_MAX_FEET], wrench[6], plane[2][6];
     const int32_t k = support->stance.feet;
     int32_t status;

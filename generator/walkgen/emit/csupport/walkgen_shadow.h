@@ -41,7 +41,7 @@ struct WG_NAME(wg_shadow) {
 
 /* The plane's two wrenches and the load, in the stance's units about the feet's centre, in the basis: OK; SINGULAR where the feet cannot
  * give one of the two, INFEASIBLE where they cannot give the load. */
-static inline int32_t WG_NAME(wg_shadow_read)(const WG_REAL *mu, WG_REAL plane[2][6], struct WG_NAME(wg_shadow) * shadow) {
+WG_CALLED int32_t WG_NAME(wg_shadow_read)(const WG_REAL *mu, WG_REAL plane[2][6], struct WG_NAME(wg_shadow) * shadow) {
     struct WG_NAME(wg_friction) *friction = &shadow->friction;
     const WG_REAL blur = friction->stance.blur <= WG_C(1.0) ? friction->stance.blur : WG_C(0.5);
     WG_REAL along[6], rest[6], lost, lacking;
@@ -193,7 +193,7 @@ static inline int WG_NAME(wg_shadow_place)(const struct WG_NAME(wg_shadow) * sha
 }
 
 /* One more direction: whether it tells anything. */
-static inline int WG_NAME(wg_shadow_look)(const WG_REAL u[2], struct WG_NAME(wg_shadow) * shadow) {
+WG_CALLED int WG_NAME(wg_shadow_look)(const WG_REAL u[2], struct WG_NAME(wg_shadow) * shadow) {
     const struct WG_NAME(wg_conic) *conic = &shadow->friction.conic;
     const WG_REAL across[2] = {-u[1], u[0]};
     WG_REAL sought[6], gone[2][6], aside;
@@ -247,7 +247,7 @@ static inline WG_REAL WG_NAME(wg_shadow_area)(const struct WG_NAME(wg_shadow) * 
 
 /* The region by four directions to begin with, where the first `count` wrenches of the plane are free: OK; INFEASIBLE where it is empty,
  * SINGULAR where it has no area, NO_CONVERGENCE. */
-static inline int32_t WG_NAME(wg_shadow_start)(int count, struct WG_NAME(wg_shadow) * shadow) {
+WG_CALLED int32_t WG_NAME(wg_shadow_start)(int count, struct WG_NAME(wg_shadow) * shadow) {
     static const signed char starts[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     WG_REAL spare;
     int32_t status = WG_NAME(wg_shadow_exists)(count, &spare, shadow);

@@ -69,9 +69,9 @@ static inline void WG_NAME(wg_margins_none)(struct WG_NAME(wg_support) * support
 }
 
 /* All of them. Of fewer than three feet, or feet on a line as seen from above, only the static one. */
-static inline void WG_NAME(wg_margins_read)(int32_t k, const WG_REAL *points, const WG_REAL *com, const WG_REAL *direction,
-                                            const WG_REAL *mu, const WG_REAL *normals, const WG_REAL *gravity, WG_REAL mass,
-                                            struct WG_NAME(wg_support) * support, struct WG_NAME(wg_margins) * margins) {
+WG_CALLED void WG_NAME(wg_margins_read)(int32_t k, const WG_REAL *points, const WG_REAL *com, const WG_REAL *direction,
+                                        const WG_REAL *mu, const WG_REAL *normals, const WG_REAL *gravity, WG_REAL mass,
+                                        struct WG_NAME(wg_support) * support, struct WG_NAME(wg_margins) * margins) {
     WG_REAL back[2];
     int i, j;
     for (i = 0; i < 5; ++i) {
