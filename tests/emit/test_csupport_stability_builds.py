@@ -1,9 +1,10 @@
 """The headers of static stability and tipping under the strict flags, as C++, alone, with sanitizers on any input, in float alone."""
 
+import re
 import subprocess
 
 import pytest
-from csupport_library import STRICT, compile_c
+from csupport_library import CSUPPORT, STRICT, compile_c
 from stability_library import HEADERS, stability_source
 
 ALL = (*HEADERS, "walkgen_tipping.h")
@@ -113,3 +114,16 @@ def test_sanitizers_find_nothing_on_any_input(tmp_path):
     done = subprocess.run([str(program)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "0"
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["stability_margins", "stability_margins_d_com", "feasible_region", "disturbance_margin"])
+@pytest.mark.parametrize(("bits", "suffix", "place"), [("f64", "", 0), ("f32", "_f32", 1)])
+def test_stack_is_what_the_header_says(tmp_path, name, bits, suffix, place):
+    """Not more than the frames of all functions together, as none calls itself."""
+    stated = re.search(r"t most (\d+) kB of stack in double, (\d+) kB in float", (CSUPPORT / "walkgen_stability.h").read_text()).groups()
+    headers = f'#include "walkgen_real_{bits}.h"\n#include "walkgen_stability.h"\n'
+    text = f"{headers}void *one(void);\nvoid *one(void) {{ return (void *)(size_t)wg_{name}{suffix}; }}\n"
+    compile_c(tmp_path, text, "stack.o", "-std=c99", "-O2", "-c", "-fstack-usage", *STRICT, "-Wno-unused-function", "-Wno-pedantic")
+    frames = [int(line.split("\t")[1]) for line in (tmp_path / "stack.su").read_text().splitlines()]
+    assert 0.8 * 1000 * int(stated[place]) <= sum(frames) <= 1000 * int(stated[place])

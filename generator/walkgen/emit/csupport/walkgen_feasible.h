@@ -238,7 +238,8 @@ static inline void WG_NAME(wg_disturbance_margin)(int32_t k, const WG_REAL *WG_R
     const WG_REAL here[2] = {WG_C(0.0), WG_C(0.0)};
     struct WG_NAME(wg_support) support;
     struct WG_NAME(wg_shadow) shadow;
-    WG_REAL ground[3 * WALKGEN_MAX_FEET], wrench[6], plane[2][6], burden[4], at[3], out[2];
+    WG_REAL ground[3 * WALKGEN_MAX_FEET], wrench[6], plane[2][6], burden[4], out[2];
+    WG_REAL at[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)};
     int j, fine;
     *force = direction[0] = direction[1] = direction[2] = WG_NAN;
     *status = WALKGEN_BAD_INPUT;
