@@ -21,8 +21,10 @@ _LEG = (
 _ROBOT = (
     "platform_poses foot_positions foot_jacobians contact_points contact_normals adapt adapt_velocity com com_jacobian "
     "centroidal_momentum_matrix momentum momentum_rate demanded_wrench floating_mass_matrix floating_inverse_dynamics contact_forces "
-    "friction_needed slip settle chain_reactions stance_compliance load_misfit stability_margins terrain"
+    "friction_needed slip settle chain_reactions stance_compliance load_misfit stability_margins stability_margins_d_com feasible_region "
+    "disturbance_margin tipping_acceleration tipping_time tipping_tilt tipping_speed_limit centroidal_inertia terrain"
 )
+_STABILITY = ("stability_margins", "stability_margins_d_com", "feasible_region", "disturbance_margin")
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
     "chain": frozenset({"pose", "jacobian", "frames"}),
@@ -38,6 +40,9 @@ _NEEDS = {
     "stance_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of all legs",
     "load_misfit": "no chain is elastic: name one of [sections] as section in the links of chains, and of all legs",
     "chain_reactions": "it has no connecting chains",
+    **dict.fromkeys(
+        (*_STABILITY, "tipping_acceleration", "tipping_time", "tipping_tilt", "tipping_speed_limit"), "it stands on fewer than two points"
+    ),
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
     **dict.fromkeys(("sole_points", "sole_normal", "ground_pressure"), "it stands on a point: sole in its design is a rectangle"),
     "sole_compliance": "it stands on a point, or a link of some length has no cross-section: give the design a sole and its links sections",

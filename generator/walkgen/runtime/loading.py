@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from walkgen.errors import Problem, ToolchainError
-from walkgen.runtime import contact, settling
+from walkgen.runtime import contact, settling, stability
 from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.counted import Counted
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
@@ -142,7 +142,7 @@ def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
     bare = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
     functions = {name: as_called(function, signatures[name], defaults, single) for name, function in bare}
-    return functions | _solves(manifest.robot, functions)
+    return functions | _solves(manifest.robot, functions) | stability.named(manifest.robot, functions, signatures)
 
 
 def _solves(robot: str, functions: Mapping[str, Function]) -> dict[str, Function]:

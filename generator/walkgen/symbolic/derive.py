@@ -24,6 +24,7 @@ from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 from walkgen.symbolic.settle import settle
 from walkgen.symbolic.soles import SoleFunctions
+from walkgen.symbolic.stability import StabilityFunctions
 from walkgen.symbolic.stance import stance_functions
 from walkgen.symbolic.terrain import TerrainFunctions
 
@@ -93,6 +94,7 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     if mechanism.terrain and wanted("settle"):
         surface = TerrainFunctions(mechanism, mechanism.terrain).surface()
         yield from _existing([settle(mechanism, robot.foot_positions(), floating.weight(), surface)])
+    stood |= StabilityFunctions(mechanism, floating.mass).functions()
     yield from (build() for name, build in stood.items() if wanted(name))
 
 
