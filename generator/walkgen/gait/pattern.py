@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from walkgen.gait import phases
+from walkgen.runtime.robot import Gait as BuiltGait
 from walkgen.runtime.solves.gait import gait_next_event, gait_phase, gait_states
 
 _TOGETHER = 1e-12
@@ -60,6 +61,11 @@ class Gait:
         object.__setattr__(self, "legs", tuple(self.legs))
         _refuse(self)
         object.__setattr__(self, "phase", tuple(phases.fraction(entry) for entry in self.phase))
+
+    @classmethod
+    def of(cls, built: BuiltGait) -> "Gait":
+        """The gait of a loaded robot: `Gait.of(robot.gait)`, `Gait.of(robot.gaits["tripod"])`."""
+        return cls(built.legs, built.duty_factor, built.phase, built.period, built.stride)
 
     def states(self, t: Any) -> np.ndarray:
         """0 supports, 1 in transfer, -1 where t is not finite: [..., k] for times t [...] (s). At an event's time the state after it."""

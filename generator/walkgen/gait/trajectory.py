@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkgen.gait.pattern import Gait
+from walkgen.runtime.robot import Gait as BuiltGait
 from walkgen.runtime.solves.gait import gait_targets, gait_transfers
 
 
@@ -39,6 +40,17 @@ class Trajectory:
         if points.shape != (len(self.gait.legs), 3):
             raise ValueError(f"stance has shape {list(points.shape)}; {len(self.gait.legs)} legs have [{len(self.gait.legs)}, 3]")
         object.__setattr__(self, "stance", tuple(map(tuple, points.tolist())))
+
+    @classmethod
+    def of(cls, built: BuiltGait) -> "Trajectory":
+        """That of a loaded robot's gait: `Trajectory.of(robot.gait)`.
+
+        Raises:
+            ValueError: the spec gives it no stance.
+        """
+        if built.stance is None or built.lift is None:
+            raise ValueError(f"{built!r} has no stance; the spec's gait table gives it")
+        return cls(Gait.of(built), built.stance, built.lift)
 
     def platform(self, t: Any, twist: Any = None) -> FootMotion:
         """In the frame of the platform, which moves steadily over level ground.
