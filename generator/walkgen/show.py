@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from walkgen import pipeline
 from walkgen.graph.assembly import Coverage, coverage
 from walkgen.model.classify import inverse_class
+from walkgen.model.gait import Gait
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
 from walkgen.show_code import chosen, equations, listing
@@ -128,6 +129,8 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
         yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
         yield from _coverage(coverage(mechanism, leg))
         yield from _inverse(mechanism, leg)
+    for gait in mechanism.gaits:
+        yield from _gait(gait, [leg.name for leg in mechanism.legs])
 
 
 def _limb(title: str, limb: Limb) -> Iterator[str]:
@@ -184,6 +187,14 @@ def _transform(transform: Transform) -> str:
 
 def _motions(transform: Transform) -> str:
     return " ".join(f"{'R' if motion.kind == 'rotate' else 'T'}{_AXES[motion.axis]}({scalar_text(motion.amount)})" for motion in transform)
+
+
+def _gait(gait: Gait, legs: Sequence[str]) -> Iterator[str]:
+    """How long and how far, and when each leg supports."""
+    name = f" {gait.name}" if gait.name else ""
+    yield f"gait{name}: {gait.kind}, period {_fraction(gait.period)} s, stride {_fraction(gait.stride)} m"
+    for leg, duty, phase in zip(legs, gait.duty_factor, gait.phase, strict=True):
+        yield f"    {leg}  supports {_fraction(duty)} of the period from {_fraction(phase)} on"
 
 
 def _inverse(mechanism: Mechanism, leg: Limb) -> Iterator[str]:

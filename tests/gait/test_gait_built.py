@@ -11,6 +11,7 @@ from walkgen.gait.trajectory import Trajectory
 from walkgen.pipeline import BuildOptions, build
 from walkgen.runtime import load
 from walkgen.runtime.robot import Robot
+from walkgen.show import show
 
 GAITS = f"""
 [gait.tripod]
@@ -131,6 +132,13 @@ def test_header_and_stub_name_the_gaits(folder):
     assert "#define SIX_GAIT_TRIPOD_LIFT 0.08" in header
     assert 'gaits: Mapping[Literal["tripod", "wave", "own"], _Gait1 | _Gait2 | _Gait3]' in stub
     compile(stub, "stub", "exec")
+
+
+def test_show_says_when_legs_support(tmp_path):
+    (tmp_path / "six.toml").write_text(spec(GAITS, "pace = 0.5"), encoding="utf-8")
+    said = show(tmp_path / "six.toml", "mechanism", "").splitlines()
+    assert "gait wave: wave, period 3 s, stride 0 m" in said
+    assert "    rr  supports 0.65 of the period from 0.35 on" in said
 
 
 def test_a_robot_with_one_gait_does_not_name_it(tmp_path):

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from gaits import random_trajectory
 
+from walkgen.gait.pattern import Event
+from walkgen.gait.schedule import Schedule
 from walkgen.gait.standard import tripod
 from walkgen.gait.trajectory import Trajectory, platform_pose
 
@@ -99,6 +101,24 @@ def test_steady_walking_is_walking_between_its_own_footholds(seed):
         feet = [np.tile(foothold[:3], (len(gait.legs), 1)) for foothold in stood]
         for mine, theirs in zip(trajectory.world(time, twist), trajectory.between(time, *feet), strict=True):
             np.testing.assert_allclose(mine[leg], theirs[leg], rtol=1e-11, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_schedules_feet_are_those_of_its_gait(seed):
+    trajectory = random_trajectory(seed)
+    gait = trajectory.gait
+    events = tuple(Event((cycle + event.at) * gait.period, event.leg, event.does) for cycle in range(4) for event in gait.events)
+    lifted = tuple(leg for leg, state in zip(gait.legs, gait.states(events[0].at - 1e-9), strict=True) if state)
+    schedule = Schedule(gait.legs, events, lifted)
+    rng = np.random.default_rng(seed)
+    times = rng.uniform(1, 3, 40) * gait.period
+    start, end = rng.uniform(-1, 1, (2, 40, len(gait.legs), 3))
+    mine, theirs = schedule.feet(times, start, end, trajectory.lift), trajectory.between(times, start, end)
+    for ours, other in zip(mine, theirs, strict=True):
+        np.testing.assert_allclose(ours, other, rtol=1e-9, atol=1e-10 * (1 + np.abs(other).max()))
+    late = schedule.feet(9 * gait.period, start[0], end[0], 0.1)
+    assert np.isnan(late.position[schedule.states(9 * gait.period) == 1]).all()
+    np.testing.assert_array_equal(late.position[schedule.states(9 * gait.period) == 0], start[0][schedule.states(9 * gait.period) == 0])
 
 
 def test_the_platform_turns_and_travels_as_its_twist_says():

@@ -95,6 +95,7 @@ CASES = (
     (f'{TRIPOD}stride = "pce"', "WG141", "stride", 'did you mean "pace"?'),
     (TRIPOD.replace("2.0", "0"), "WG161", "period", "more than 0"),
     (f"{TRIPOD}lift = -0.1", "WG161", "lift", "not be negative"),
+    (TRIPOD.replace("2.0", "1e-200") + "stride = 1e200", "WG113", "stride", "speed"),
     (TRIPOD.replace("2.0", "inf"), "WG113", "period", "finite"),
 )
 HEADED = tuple((head, *case) for case in CASES for head in ("gait", "gait.quick"))
@@ -116,6 +117,14 @@ def test_all_mistakes_at_once(tmp_path) -> None:
     keys = TRIPOD.replace('"lm"', '"ln"').replace("2.0", "-1") + 'duty_factor = 2\nstrid = 3\n[gait.quick]\nkind = "trott"\n'
     problems = refused(tmp_path, f"[gait.one]\n{keys}")
     assert {problem.code for problem in problems} >= {"WG110", "WG111", "WG116", "WG140", "WG161", "WG196"}
+
+
+def test_a_kind_that_there_is_not_has_no_consequences(tmp_path) -> None:
+    (problem,) = refused(tmp_path, "[gait]\nperiod = 1\n")
+    assert (problem.code, problem.message) == ("WG111", 'gait: missing key "kind"')
+    problems = refused(tmp_path, f"[gait]\n{TRIPOD.replace('tripod', 'tripos')}")
+    assert [problem.code for problem in problems] == ["WG116"]
+    assert problems[0].cure == 'did you mean "tripod"?'
 
 
 def test_names_that_gaits_take(tmp_path) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from walkgen.gait.pattern import Event
+from walkgen.gait.trajectory import FootMotion
+from walkgen.runtime.solves.gait import gait_step
 
 _CHANGE = {"lift": 1, "place": -1}
 
@@ -42,7 +44,25 @@ class Schedule:
     def leg_phase(self, t: Any) -> np.ndarray:
         """The share of its support or transfer that each leg has behind it: [..., k] in [0, 1); NaN where that has no start or no end."""
         t = np.asarray(t, float)
-        return np.stack([self._share(leg, t) for leg in self.legs], axis=-1)
+        around = [self._around(leg, t) for leg in self.legs]
+        return np.stack([(t - start) / (end - start) for start, end in around], axis=-1)
+
+    def feet(self, t: Any, start: Any, end: Any, lift: float) -> FootMotion:
+        """Feet in a frame at rest: those in support stand at `start`, the others are on their way from `start` to `end` [..., k, 3] (m).
+
+        As `Trajectory.between` has it; NaN for a transfer that has no start or no end.
+
+        Args:
+            t: [...] (s).
+            start: footholds.
+            end: those to come.
+            lift: how far a foot rises over the higher of the two, half way (m).
+        """
+        start, end = np.asarray(start, float), np.asarray(end, float)
+        lifted, share = self.states(t), self.leg_phase(t)
+        rate = 1.0 / np.stack([np.subtract(*self._around(leg, t)[::-1]) for leg in self.legs], axis=-1)
+        moved = gait_step(np.where(lifted == 0, 0.0, share), np.where(lifted == 0, 0.0, rate), lift, start, end)
+        return FootMotion(*moved)
 
     def next_event(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
         """The first time after t [...] at which legs change (s), and which do [..., k]: 1 lifted, -1 placed; NaN and 0 after the last."""
@@ -55,9 +75,8 @@ class Schedule:
     @property
     def fewest_supporting(self) -> int:
         """The least number of legs that support at any instant."""
-        times = [-math.inf, *self._times.tolist()]
-        finite = [self._times[0] - 1.0 if math.isinf(time) and len(self._times) else 0.0 if math.isinf(time) else time for time in times]
-        return int((self.states(np.array(finite)) == 0).sum(axis=-1).min())
+        rows = np.array([self._first, *self.states(self._times).tolist()])
+        return int((rows == 0).sum(axis=-1).min())
 
     @property
     def _times(self) -> np.ndarray:
@@ -71,12 +90,13 @@ class Schedule:
     def _changes(self) -> list[list[int]]:
         return [[_CHANGE[event.does] * (leg == event.leg) for leg in self.legs] for event in self.events]
 
-    def _share(self, leg: str, t: np.ndarray) -> np.ndarray:
+    def _around(self, leg: str, t: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Times of the leg's own last and next event at t; NaN where there is none."""
+        t = np.asarray(t, float)
         own = np.array([event.at for event in self.events if event.leg == leg], dtype=float)
         bounds = np.concatenate([[math.nan], own, [math.nan]])
         place = np.searchsorted(own, t, side="right")
-        start, end = bounds[place], bounds[place + 1]
-        return np.where(np.isfinite(t), (t - start) / (end - start), np.nan)
+        return np.where(np.isfinite(t), bounds[place], math.nan), bounds[place + 1]
 
 
 def _refuse(legs: Sequence[str], events: Sequence[Event], lifted: Sequence[str]) -> None:
@@ -86,6 +106,8 @@ def _refuse(legs: Sequence[str], events: Sequence[Event], lifted: Sequence[str])
             raise ValueError(f"there is no leg {name}; the legs are {', '.join(legs)}")
     before = -math.inf
     for event in events:
+        if event.does not in _CHANGE:
+            raise ValueError(f"{event.leg} at {event.at} s: an event is lift or place, not {event.does!r}")
         if not (math.isfinite(event.at) and event.at >= before):
             raise ValueError(f"{event.leg} at {event.at} s: events stand in order of time")
         if up[event.leg] == (event.does == "lift"):

@@ -19,6 +19,7 @@ OWNER = "gait"
 _PAIRS: Mapping[str, int] = {"tripod": 3, "crawl": 2, "trot": 2}
 _SIDED = ("left", "right")
 _OPTIONAL: Mapping[str, tuple[str, ...]] = {"follow_the_leader": ("pitch",), "free": ("phase",)}
+_FASTEST = 10**300
 _OWN_KEYS = (*_SIDED, "phase", "pitch")
 
 
@@ -52,17 +53,18 @@ def check_gaits(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
 
 
 def _keys(path: Path, gait: GaitSpec) -> Iterator[Finding]:
+    because = ((*path, "kind"),)
     for key in _needed(gait):
         if _missing(gait, key):
-            yield Finding("WG111", (*path, key), f'missing key "{key}" of a gait "{gait.kind}"', f"write {key} = ...")
+            yield Finding("WG111", (*path, key), f'missing key "{key}" of a gait "{gait.kind}"', f"write {key} = ...", because)
     allowed = (*(() if gait.kind == "free" else _SIDED), *_OPTIONAL.get(gait.kind, ()))
     for key in _OWN_KEYS:
         if key not in allowed and not _missing(gait, key):
             cure = f"it has {', '.join(allowed)}"
-            yield Finding("WG124", (*path, key), f'{key} does not belong to a gait "{gait.kind}"', cure)
+            yield Finding("WG124", (*path, key), f'{key} does not belong to a gait "{gait.kind}"', cure, because)
     if gait.kind != "free" and isinstance(gait.duty_factor, dict):
         cure = 'give one number, or write kind = "free" with a phase for each leg'
-        yield Finding("WG124", (*path, "duty_factor"), f'the legs of a gait "{gait.kind}" have one duty factor', cure)
+        yield Finding("WG124", (*path, "duty_factor"), f'the legs of a gait "{gait.kind}" have one duty factor', cure, because)
     if gait.body == "level" and not _missing(gait, "margin"):
         yield Finding("WG124", (*path, "margin"), "a level body keeps no margin", 'write body = "waved" or body = "swinging"')
 
@@ -130,12 +132,19 @@ def _numbers(path: Path, gait: GaitSpec, spec: RobotSpec, numbers: Numbers) -> I
     factors = gait.duty_factor if isinstance(gait.duty_factor, dict) else {ONLY: gait.duty_factor}
     for leg, factor in factors.items():
         value = numbers.number(factor)
-        if value is not None and not 0 < value < 1:
+        if value is not None and not 0 < float(value) < 1:
             place = (*path, "duty_factor", leg) if leg else (*path, "duty_factor")
             yield Finding("WG196", place, f"a duty factor of {float(value):g} is not between 0 and 1", _duty_cure(value))
     for place, scalar in entries(gait, path):
         if is_scalar(scalar):
             yield from _fixed(place, scalar, spec, numbers)
+    yield from _speed(path, gait, numbers)
+
+
+def _speed(path: Path, gait: GaitSpec, numbers: Numbers) -> Iterator[Finding]:
+    stride, period = (numbers.number(scalar) for scalar in (gait.si("stride"), gait.period))
+    if stride is not None and period is not None and period > 0 and abs(Fraction(stride) / Fraction(period)) > _FASTEST:
+        yield Finding("WG113", (*path, "stride"), "stride / period is not a speed that a double can hold", "give m, and s")
 
 
 def _duty_cure(value: Fraction | float) -> str:

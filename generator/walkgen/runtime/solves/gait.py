@@ -70,18 +70,30 @@ def gait_transfers(
         end: footholds to come [..., k, 3], m.
     """
     u = gait_phase(duty, phase, k, period, t)
-    start, end = np.asarray(start, float), np.asarray(end, float)
-    air = 1.0 - np.reshape(duty, k)
-    s = np.where(u < np.reshape(duty, k), 0.0, (u - np.reshape(duty, k)) / air)[..., None]
-    rate = 1.0 / (air * period)[:, None]
-    way = end - start
-    raised = (u >= np.reshape(duty, k))[..., None] * np.array([0.0, 0.0, 1.0]) * (lift + 0.5 * np.abs(way[..., 2:]))
+    duty = np.reshape(duty, k)
+    share = np.where(u < duty, 0.0, (u - duty) / (1.0 - duty))
+    return gait_step(share, 1.0 / ((1.0 - duty) * period), lift, start, end)
+
+
+def gait_step(share: np.ndarray, rate: np.ndarray, lift: float, start: np.ndarray, end: np.ndarray) -> Motion:
+    """Position, velocity, acceleration [..., 3] of feet on their way from `start` to `end`, both at rest: at rest there at its ends.
+
+    Args:
+        share: of the way's time [...], in [0, 1].
+        rate: 1/s [...]; the way lasts 1/rate.
+        lift: m, along z, over the higher end half way.
+        start: footholds [..., 3], m.
+        end: footholds [..., 3], m.
+    """
+    s, rate = np.asarray(share, float)[..., None], np.asarray(rate, float)[..., None]
+    way = np.asarray(end, float) - start
+    raised = np.array([0.0, 0.0, 1.0]) * (lift + 0.5 * np.abs(way[..., 2:]))
     r = 1.0 - s
-    share = s**3 * (10.0 - s * (15.0 - 6.0 * s)), 30.0 * (s * r) ** 2, 60.0 * s * r * (r - s)
+    part = s**3 * (10.0 - s * (15.0 - 6.0 * s)), 30.0 * (s * r) ** 2, 60.0 * s * r * (r - s)
     hump = 64.0 * (s * r) ** 3, 192.0 * (s * r) ** 2 * (r - s), 384.0 * s * r * (1.0 - 5.0 * s * r)
-    position = start + way * share[0] + raised * hump[0]
-    velocity = (way * share[1] + raised * hump[1]) * rate
-    acceleration = (way * share[2] + raised * hump[2]) * rate**2
+    position = start + way * part[0] + raised * hump[0]
+    velocity = (way * part[1] + raised * hump[1]) * rate
+    acceleration = (way * part[2] + raised * hump[2]) * rate**2
     return position, velocity, acceleration
 
 
