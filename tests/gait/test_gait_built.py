@@ -102,6 +102,17 @@ def test_feet_are_those_of_walkgen_gait(robot):
     assert built.foot_targets(0.2)[0].shape == (6, 3)
 
 
+def test_footholds_to_come_of_feet_that_stand_do_not_count(robot):
+    start = np.arange(18.0).reshape(6, 3)
+    stands = robot.gait.states(0.1) == 0
+    for kind in (robot.gait.foot_transfers, Trajectory.of(robot.gait).between):
+        p, v, a = kind(0.1, start, np.where(stands[:, None], np.nan, start + 0.1))
+        np.testing.assert_array_equal(p[stands], start[stands])
+        assert not v[stands].any()
+        assert not a[stands].any()
+        assert np.isfinite(p).all()
+
+
 def test_single_precision(folder, monkeypatch):
     monkeypatch.setenv("WALKGEN_BACKEND", "c")
     robot = load(folder)

@@ -55,14 +55,14 @@ class Schedule:
         Args:
             t: [...] (s).
             start: footholds.
-            end: those to come.
+            end: those to come; those of feet in support do not count.
             lift: how far a foot rises over the higher of the two, half way (m).
         """
         start, end = np.asarray(start, float), np.asarray(end, float)
-        lifted, share = self.states(t), self.leg_phase(t)
+        stands, share = self.states(t) == 0, self.leg_phase(t)
         rate = 1.0 / np.stack([np.subtract(*self._around(leg, t)[::-1]) for leg in self.legs], axis=-1)
-        moved = gait_step(np.where(lifted == 0, 0.0, share), np.where(lifted == 0, 0.0, rate), lift, start, end)
-        return FootMotion(*moved)
+        goal = np.where(stands[..., None], start, end)
+        return FootMotion(*gait_step(np.where(stands, 0.0, share), np.where(stands, 0.0, rate), lift, start, goal))
 
     def next_event(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
         """The first time after t [...] at which legs change (s), and which do [..., k]: 1 lifted, -1 placed; NaN and 0 after the last."""

@@ -67,12 +67,13 @@ def gait_transfers(
         lift: m, along z.
         t: s [...].
         start: footholds [..., k, 3], m.
-        end: footholds to come [..., k, 3], m.
+        end: footholds to come [..., k, 3], m; those of feet in support do not count.
     """
     u = gait_phase(duty, phase, k, period, t)
     duty = np.reshape(duty, k)
-    share = np.where(u < duty, 0.0, (u - duty) / (1.0 - duty))
-    return gait_step(share, 1.0 / ((1.0 - duty) * period), lift, start, end)
+    stands = u < duty
+    share = np.where(stands, 0.0, (u - duty) / (1.0 - duty))
+    return gait_step(share, 1.0 / ((1.0 - duty) * period), lift, start, np.where(stands[..., None], start, end))
 
 
 def gait_step(share: np.ndarray, rate: np.ndarray, lift: float, start: np.ndarray, end: np.ndarray) -> Motion:
