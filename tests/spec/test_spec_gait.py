@@ -77,6 +77,7 @@ CASES = (
     (WAVE.replace('"lm", ', ""), "WG195", "left", "as many legs on each side"),
     (f'kind = "trot"\nperiod = 1\n{SIDES}', "WG195", "left", "2 legs on each side"),
     (f"{WAVE}lift = 0.1\nstance = {{ lf = [0, 0, 0] }}", "WG195", "stance", "rf, lm, rm, lr, rr are not in the gait"),
+    (f'{WAVE}lift = 0.1\nstance = "trippod"', "WG140", "stance", 'no gait "trippod" with a stance of its own'),
     (f"{WAVE}lift = 0.1\nstance = {{ lf = [0, 0] }}", "WG112", "stance.lf", "[x, y, z]"),
     (WAVE.replace("0.75", "75"), "WG196", "duty_factor", "0.75 if per cent were meant"),
     (WAVE.replace("0.75", "1.0"), "WG196", "duty_factor", "not between 0 and 1"),
@@ -150,6 +151,17 @@ def test_gaits_are_exact_and_in_the_order_of_the_feet(tmp_path) -> None:
     assert found["one"].stride == Fraction(1, 4)
     assert (found["two"].period, found["two"].duty_factor) == (Fraction(3, 2), (Fraction(4, 5),) * 6)
     assert found["two"].phase == (0, Fraction(1, 2), Fraction(3, 4), Fraction(1, 4), Fraction(1, 2), 0)
+
+
+def test_a_stance_of_another_gait(tmp_path) -> None:
+    table = "".join(f"{leg} = [{place}, 0.5, -0.3]\n" for place, leg in enumerate(LEGS))
+    text = f'[gait.slow]\n{WAVE}lift = 0.1\nstance = "quick"\n[gait.quick]\n{TRIPOD}lift = 0.1\n[gait.quick.stance]\n{table}'
+    found = gaits(tmp_path, text)
+    assert found["slow"].stance == found["quick"].stance == tuple((place, Fraction(1, 2), Fraction(-3, 10)) for place in range(6))
+    problems = refused(tmp_path, text.replace('"quick"', '"quik"'))
+    assert [(problem.code, problem.cure) for problem in problems] == [("WG140", 'did you mean "quick"?')]
+    (problem,) = refused(tmp_path, text.replace('"quick"', '"slow"'))  # not in a circle
+    assert problem.code == "WG140"
 
 
 def test_the_usual_duty_factors(tmp_path) -> None:

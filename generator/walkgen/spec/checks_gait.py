@@ -93,11 +93,20 @@ def _legs(path: Path, gait: GaitSpec, spec: RobotSpec) -> Iterator[Finding]:
         if isinstance(table, dict):
             yield from _references([((*path, key, leg), leg) for leg in table], known)
             yield from _all_there((*path, key), list(table), known)
+    if isinstance(gait.stance, str):
+        yield from _same_stance(path, gait.stance, spec)
     listed = [((*path, side, place), leg) for side in _SIDED for place, leg in enumerate(getattr(gait, side) or ())]
     yield from _references(listed, known)
     if gait.left is not None and gait.right is not None:
         yield from _all_there((*path, "left"), [leg for _, leg in listed], known)
         yield from _paired(path, gait, len(gait.left), len(gait.right))
+
+
+def _same_stance(path: Path, name: str, spec: RobotSpec) -> Iterator[Finding]:
+    known = [other for other, _, gait in gaits_of(spec) if other and isinstance(gait.stance, dict)]
+    if name not in known:
+        cure = did_you_mean(name, known, "gaits with a stance")
+        yield Finding("WG140", (*path, "stance"), f'there is no gait "{shown(name)}" with a stance of its own', cure)
 
 
 def _references(listed: Iterable[tuple[Path, str]], known: list[str]) -> Iterator[Finding]:

@@ -22,6 +22,16 @@ DutyFactor = Annotated[
 ]
 
 
+def _stance_kind(value: Any) -> str:
+    return "stance:same" if isinstance(value, str) else "stance:own"
+
+
+Stance = Annotated[
+    Annotated[StrictStr, Tag("stance:same")] | Annotated[dict[StrictStr, Triple], Field(max_length=_MOST_LEGS), Tag("stance:own")],
+    Discriminator(_stance_kind),
+]
+
+
 class GaitSpec(Table):
     """A periodic gait of all legs; its numbers are fixed when code is generated."""
 
@@ -45,8 +55,8 @@ class GaitSpec(Table):
     lift: Number | None = None
     """How far a foot rises over the higher of its two footholds, half way (m)."""
     lift_mm: Number | None = None
-    stance: dict[StrictStr, Triple] | None = Field(default=None, max_length=_MOST_LEGS)
-    """Where each foot is in the middle of its support, in the first platform's frame (m)."""
+    stance: Stance | None = None
+    """Where each foot is in the middle of its support, in the first platform's frame (m); or the name of a gait that says so."""
     static: StrictBool | None = None
     """Whether three legs support at every instant, which is then checked; of every kind but trot where left out."""
     body: Literal["level", "waved", "swinging"] = "level"
@@ -67,5 +77,5 @@ Gaits = Annotated[
     Annotated[GaitSpec, Tag("gait:one")] | Annotated[dict[StrictStr, GaitSpec], Field(max_length=_MOST_GAITS), Tag("gait:named")],
     Discriminator(_gaits_kind),
 ]
-TAGS = frozenset({"factor:all", "factor:each", "gait:one", "gait:named"})
+TAGS = frozenset({"factor:all", "factor:each", "stance:same", "stance:own", "gait:one", "gait:named"})
 """Parts of pydantic's error places that are no keys."""
