@@ -113,10 +113,11 @@ static inline void WG_NAME(wg_gait_transfers)(const WG_REAL *WG_RESTRICT duty, c
 
 /* A point at rest on the ground as the platform with this twist sees it `ago` after it was at `point`. */
 static inline void WG_NAME(wg_gait_seen)(const WG_REAL *point, const WG_REAL *twist, WG_REAL ago, WG_REAL seen[3]) {
-    const WG_REAL angle = twist[2] * ago, half = WG_C(0.5) * angle;
-    const WG_REAL sine = WG_SIN(angle), cosine = WG_COS(angle), half_sine = WG_SIN(half);
-    const WG_REAL along = angle < WG_C(0.0) || angle > WG_C(0.0) ? sine / angle : WG_C(1.0) + WG_C(0.0) * angle;
-    const WG_REAL across = half < WG_C(0.0) || half > WG_C(0.0) ? half_sine * half_sine / half : WG_C(0.0);
+    const WG_REAL angle = twist[2] * ago, sine = WG_SIN(angle), cosine = WG_COS(angle);
+    const int turns = angle < WG_C(0.0) || angle > WG_C(0.0);
+    const WG_REAL along = turns ? sine / angle : WG_C(1.0) + WG_C(0.0) * angle;
+    const WG_REAL rise = cosine > WG_C(0.0) ? sine * sine / (WG_C(1.0) + cosine) : WG_C(1.0) - cosine; /* 1 - cos without cancellation */
+    const WG_REAL across = turns ? rise / angle : WG_C(0.0);
     const WG_REAL x = point[0] - ago * (along * twist[0] - across * twist[1]);
     const WG_REAL y = point[1] - ago * (across * twist[0] + along * twist[1]);
     seen[0] = cosine * x + sine * y;
@@ -132,9 +133,11 @@ static inline void WG_NAME(wg_gait_targets)(const WG_REAL *WG_RESTRICT duty, con
     int32_t leg;
     for (leg = 0; leg < k; ++leg) {
         const WG_REAL u = WG_NAME(wg_gait_local)(duty[leg], phase[leg], t / period), passed = u - WG_C(0.5) * duty[leg];
-        WG_REAL start[3], end[3], *at = p + 3 * leg, *rate = v + 3 * leg, *bend = a + 3 * leg, ground_x, ground_y;
+        WG_REAL start[3], end[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, *at = p + 3 * leg, *rate = v + 3 * leg, *bend = a + 3 * leg, ground_x, ground_y;
         WG_NAME(wg_gait_seen)(stance + 3 * leg, twist, passed * period, start);
-        WG_NAME(wg_gait_seen)(stance + 3 * leg, twist, (passed - WG_C(1.0)) * period, end);
+        if (!(u < duty[leg])) {
+            WG_NAME(wg_gait_seen)(stance + 3 * leg, twist, (passed - WG_C(1.0)) * period, end);
+        }
         WG_NAME(wg_gait_foot)(u, duty[leg], period, lift, start, end, at, rate, bend);
         ground_x = rate[0];
         ground_y = rate[1];
