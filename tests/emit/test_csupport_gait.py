@@ -130,11 +130,13 @@ def test_feet_are_the_references(library, seed, dtype):
             np.testing.assert_allclose(ours[order], other[order], rtol=0, atol=slack * size)
 
 
+@pytest.mark.nightly
 def test_compiles_as_cpp_and_with_the_c_library(tmp_path):
     compile_c(tmp_path, SOURCE, "gait_cpp.so", "-std=c++11", "-O2", "-shared", "-fPIC", *STRICT, compiler="g++")
     compile_c(tmp_path, SOURCE, "gait_libm.so", "-std=c99", "-O2", "-shared", "-fPIC", "-DWALKGEN_LIBM", *STRICT)
 
 
+@pytest.mark.nightly
 def test_any_input_is_defined(tmp_path):
     flags = ("-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", *STRICT)
     program = compile_c(tmp_path, SOURCE + _DRIVER, "any", *flags)
