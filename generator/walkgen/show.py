@@ -10,6 +10,7 @@ from walkgen import pipeline
 from walkgen.examine import drives_text, percent
 from walkgen.graph.assembly import assembly
 from walkgen.model.classify import inverse_class
+from walkgen.model.gait import Gait
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
 from walkgen.show_code import chosen, equations, listing
@@ -130,6 +131,8 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
         if leg.linkage is not None:
             yield from _assembly(mechanism, leg, leg.linkage)
         yield from _inverse(mechanism, leg)
+    for gait in mechanism.gaits:
+        yield from _gait(gait, [leg.name for leg in mechanism.legs])
 
 
 def _limb(title: str, limb: Limb) -> Iterator[str]:
@@ -185,6 +188,14 @@ def _transform(transform: Transform) -> str:
 
 def _motions(transform: Transform) -> str:
     return " ".join(f"{'R' if motion.kind == 'rotate' else 'T'}{_AXES[motion.axis]}({scalar_text(motion.amount)})" for motion in transform)
+
+
+def _gait(gait: Gait, legs: Sequence[str]) -> Iterator[str]:
+    """How long and how far, and when each leg supports."""
+    name = f" {gait.name}" if gait.name else ""
+    yield f"gait{name}: {gait.kind}, period {_fraction(gait.period)} s, stride {_fraction(gait.stride)} m"
+    for leg, duty, phase in zip(legs, gait.duty_factor, gait.phase, strict=True):
+        yield f"    {leg}  supports {_fraction(duty)} of the period from {_fraction(phase)} on"
 
 
 def _inverse(mechanism: Mechanism, leg: Limb) -> Iterator[str]:

@@ -7,6 +7,7 @@ from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.layout import lay_out
 from walkgen.emit.python_text import banner, docstring, port_line, title
 from walkgen.signature import Port, Signature
+from walkgen.spec.checks_gait import gait_owner
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,11 @@ _ATTRIBUTES = {
     "Route": ("name: str", "owner: str", "indices: NDArray[np.intp]", _FUNCTIONS),
 }
 _TERRAIN = ("name: str", "patches: tuple[str, ...]", _FUNCTIONS)
+_GAIT = (
+    *("name: str", "kind: str", "legs: tuple[str, ...]", "duty_factor: tuple[float, ...]", "phase: tuple[float, ...]"),
+    *("period: float", "stride: float", "lift: float | None", "stance: tuple[tuple[float, float, float], ...] | None"),
+    *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
+)
 _ROBOT = (
     "name: str",
     "description: str",
@@ -89,8 +95,8 @@ def package_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
     common = {"banner": banner(code), "title": title(code, "Python")}
     routed = tuple(leg.name for leg in robot.legs if robot.ancestors(leg.platform))
     terrain = robot.terrain is not None
-    parts = (Part("_Terrain", _TERRAIN, _methods(code, "terrain")),) if terrain else ()
-    attributes = (*_ROBOT, "terrain: _Terrain") if terrain else _ROBOT
+    parts = (*((Part("_Terrain", _TERRAIN, _methods(code, "terrain")),) if terrain else ()), *_gaits(code))
+    attributes = (*_ROBOT, *(("terrain: _Terrain",) if terrain else ()), *_gait_attributes(code))
     families = (
         _family(code, "Leg", {leg.name: leg.name for leg in robot.legs}),
         _family(code, "Chain", {chain.name: chain.name for chain in robot.chains}),
@@ -121,6 +127,19 @@ def _family(code: RobotCode, kind: str, owners: Mapping[str, str]) -> Family:
     )
     key, value = _literal(owners), " | ".join(group.name for group in groups) or "Never"
     return Family(f"_{kind}s", f"Mapping[{key}, {value}]", _lookups(groups, key, value), groups, _ATTRIBUTES[kind])
+
+
+def _gaits(code: RobotCode) -> tuple[Part, ...]:
+    """A class for each gait: they differ in what they have."""
+    return tuple(
+        Part(f"_Gait{number}", _GAIT, _methods(code, gait_owner(gait.name))) for number, gait in enumerate(code.mechanism.gaits, start=1)
+    )
+
+
+def _gait_attributes(code: RobotCode) -> tuple[str, ...]:
+    gaits = code.mechanism.gaits
+    classes = " | ".join(f"_Gait{number}" for number, _ in enumerate(gaits, start=1))
+    return ("gait: _Gait1", f"gaits: Mapping[{_literal(gait.name for gait in gaits)}, {classes}]") if gaits else ()
 
 
 def _lookups(groups: tuple[Group, ...], key: str, value: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""What `load` gives: a robot, its legs, chains, routes and ground, with the generated functions as attributes."""
+"""What `load` gives: a robot, its legs, chains, routes, ground and gaits, with the generated functions as attributes."""
 
 import builtins
 from collections.abc import Callable, Mapping
@@ -134,12 +134,40 @@ class Terrain(_Owner):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Gait(_Owner):
+    """A gait of the spec: its numbers, one a leg in the order of `legs`, and its functions of time, which are also attributes.
+
+    `duty_factor` and `phase` are in periods, `period` in s, `stride` along x in a period, `lift`, `stance` [k][3] in the first platform's
+    frame and `margin` in m; None is what the spec leaves out. `walkgen.gait.pattern.Gait.of` makes a gait of walkgen.gait of it.
+    """
+
+    name: str
+    kind: str
+    legs: tuple[str, ...]
+    duty_factor: tuple[float, ...]
+    phase: tuple[float, ...]
+    period: float
+    stride: float
+    lift: float | None
+    stance: tuple[tuple[float, float, float], ...] | None
+    static: bool
+    body: str
+    margin: float | None
+    functions: Mapping[str, Function]
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<gait{name}: {self.kind}, {self.period:g} s, {len(self.functions)} functions>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A loaded robot; functions take array-likes with leading batch dimensions and broadcast as ufuncs do.
 
     `functions` has every function by its full name; the robot's own (`foot_positions`, ...) are also attributes.
     `backend` is "c" or "numpy" and `backend_reason` says why; `limits` [nq,2] are infinite where the spec gives none;
-    `parameters` are the runtime parameters' default values; `terrain` is there where the spec describes the ground.
+    `parameters` are the runtime parameters' default values; `terrain` is there where the spec describes the ground,
+    `gait`, the first of its `gaits`, where it has any.
     """
 
     name: str
@@ -153,6 +181,7 @@ class Robot:
     chains: Mapping[str, Chain]
     routes: Mapping[str, Route]
     terrain: Terrain | None
+    gaits: Mapping[str, Gait]
     functions: Mapping[str, Function]
     backend: str
     backend_reason: str
@@ -162,6 +191,8 @@ class Robot:
         self.__dict__.update(self._own())
         if self.terrain is None:
             del self.__dict__["terrain"]  # so that asking for it says why there is none
+        if self.gaits:
+            self.__dict__["gait"] = next(iter(self.gaits.values()))
 
     def _own(self) -> dict[str, Function]:
         signatures = [entry.signature for entry in self.entries if not entry.signature.owner]

@@ -6,6 +6,7 @@ from itertools import combinations
 
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
+from walkgen.spec.gait import GaitSpec
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
 from walkgen.spec.linkage import CylinderSpec, PinFriction, PinSpec, SliderFriction, SliderSpec
 from walkgen.spec.linkage_forms import DriveSpec, FiveBar, FourBar, Parallelogram, Stephenson, Watt
@@ -23,6 +24,7 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     Damping: ("epsilon", "lambda_max"),
     SoleSpec: ("length", "length_mm", "width", "width_mm", "kn", "kt"),
     TerrainPatch: ("spacing", "kn", "kt"),
+    GaitSpec: ("period", "pitch", "pitch_mm"),
     FourBar: _FOUR_BARS,
     **dict.fromkeys((Watt, Stephenson), (*_FOUR_BARS, "second_coupler", "second_rocker")),
     Parallelogram: ("ground", "crank"),
@@ -38,6 +40,7 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Rotor: ("inertia",),
     TerrainPatch: ("mu",),
     FiveBar: ("ground",),
+    GaitSpec: ("lift", "lift_mm"),
     AdaptSpec: ("limit_weight", "normal_weight", "clearance_weight"),
 }
 _PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")

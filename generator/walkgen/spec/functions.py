@@ -116,4 +116,7 @@ ROBOT_FUNCTIONS: Final = (*KINEMATIC_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUN
 TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project")
 """Of the ground, where the spec has any."""
 
-FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS + TERRAIN_FUNCTIONS
+GAIT_FUNCTIONS: Final = ("states", "leg_phase", "next_event", "foot_transfers", "foot_targets")
+"""Of every gait of the spec; `foot_transfers` where it has a lift, `foot_targets` where it has a stance too."""
+
+FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS + TERRAIN_FUNCTIONS + GAIT_FUNCTIONS

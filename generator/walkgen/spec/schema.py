@@ -5,6 +5,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 
+from walkgen.spec.gait import TAGS as GAIT_TAGS
+from walkgen.spec.gait import Gaits
 from walkgen.spec.joint_tables import JointRow, Pose
 from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec
 from walkgen.spec.linkage_forms import FiveBar, FourBar, LinkageForm, Parallelogram, Stephenson, Watt
@@ -224,7 +226,7 @@ Functions = Annotated[
     Annotated[Literal["all"], Tag("functions:word")] | Annotated[tuple[StrictStr, ...], Tag("functions:list")],
     Discriminator(_functions_kind),
 ]
-TAGS = frozenset({"end:word", "end:pose", "foot:point", "foot:pose", "functions:word", "functions:list"})
+TAGS = frozenset({"end:word", "end:pose", "foot:point", "foot:pose", "functions:word", "functions:list"}) | GAIT_TAGS
 """Parts of pydantic's error places that are no keys."""
 
 
@@ -267,6 +269,8 @@ class RobotSpec(Table):
     legs: tuple[LegSpec, ...] = Field(default=(), max_length=_MOST_LIMBS)
     terrain: tuple[TerrainPatch, ...] = Field(default=(), max_length=_MOST_LIMBS)
     adapt: AdaptSpec = AdaptSpec()
+    gait: Gaits | None = None
+    """One gait, or several under names of their own: [gait.tripod], [gait.wave]."""
 
 
 def schema_json() -> str:

@@ -1,4 +1,4 @@
-"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own and the ground's."""
+"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own, the ground's and the gaits'."""
 
 from collections.abc import Callable, Iterable, Iterator
 
@@ -13,6 +13,7 @@ from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.curve_inverse import curve_inverse
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
+from walkgen.symbolic.gait import gait_functions
 from walkgen.symbolic.inverse import inverse, inverse_branch
 from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
@@ -78,6 +79,7 @@ def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Deriva
     if mechanism.terrain:
         ground = TerrainFunctions(mechanism, mechanism.terrain)
         yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
+    yield from (build() for name, build in gait_functions(mechanism) if wanted(name))
 
 
 def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
