@@ -33,6 +33,7 @@ NAMES = (
     "odex",
     "pantograph",
     "phantomx_leg",
+    "quadruped",
     "solo12",
     "terrain_demo",
 )
@@ -162,3 +163,24 @@ def assert_same_body(robot, ours, theirs) -> None:
     if ours:
         pairs = zip((ours.mass, *ours.com, *ours.inertia), (theirs.mass, *theirs.com, *theirs.inertia), strict=True)
         assert max(abs(number(one, robot) - number(other, robot)) for one, other in pairs) <= CONTEXT.mpf("3e-16")
+
+
+def test_gaits_are_those_that_the_specs_name():
+    gaits = {name: {gait.name: gait for gait in mechanism(name).gaits} for name in ("mero", "quadruped", "garrec", "solo12")}
+    assert {name: list(found) for name, found in gaits.items()} == {
+        "mero": ["tripod", "wave", "slow_wave"],
+        "quadruped": ["waved", "swinging"],
+        "garrec": [""],
+        "solo12": [],
+    }
+    assert gaits["mero"]["tripod"].phase == (0, 1 / 2, 1 / 2, 0, 0, 1 / 2)  # 3 x 3, in the order of MERO_FEET
+    assert [gait.body for gait in gaits["quadruped"].values()] == ["waved", "swinging"]
+
+
+def test_the_quadrupeds_centre_of_mass_is_the_theorys():
+    """O17: G = (0.03, 0, 0.4) over feet at (+-0.35, +-0.3), but for what the bent legs move."""
+    robot = mechanism("quadruped")
+    masses = [number(platform.body.mass, robot) for platform in robot.platforms]
+    masses += [number(joint.body.mass, robot) for leg in robot.legs for joint in leg.joints]
+    assert sum(masses) == 60
+    assert masses[0] * number(robot.platforms[0].body.com[0], robot) / 60 == pytest.approx(0.03, abs=1e-15)

@@ -4,7 +4,7 @@
 import builtins
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal, Never, overload
+from typing import Any, Literal, NamedTuple, Never, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -15,6 +15,7 @@ from walkgen.terminal import as_json, count, progress_of, report, write_new
 
 if TYPE_CHECKING:
     from walkgen.pipeline import BuildOptions, BuildReport
+    from walkgen.spec.schema import RobotSpec
 
 TARGETS = ("c", "casadi", "numpy")
 DIFFERENCE, USER_ERROR = 1, 2
@@ -106,6 +107,7 @@ def build(
     def one(spec: Path) -> None:
         with progress_of(spec) as progress:
             built = pipeline.build(spec, output, options, progress)
+        report(built.notices)
         _print_build(built)
         if verify is not Verify.NONE and selftest.run(built.folder, selftest.STRICT if verify is Verify.FULL else FLAGS):
             failed.append(built.folder)
@@ -155,7 +157,7 @@ def check_specs(
         return
     if not specs:
         raise typer.BadParameter("name at least one spec, or ask for the --schema")
-    problems = _problems(specs, read)
+    problems = _problems(specs, lambda spec: _noticed(spec, read(spec)))
     if form is Format.JSON:
         typer.echo(json.dumps([as_json(problem) for problem in problems], indent=1))
     elif problems:
@@ -164,6 +166,14 @@ def check_specs(
         typer.echo(f"{count(len(specs), 'spec')} without a problem")
     if problems:
         raise typer.Exit(USER_ERROR)
+
+
+def _noticed(path: Path, spec: "RobotSpec") -> None:
+    """Say what a user should know of a good spec; only linkages have anything to tell, and need the algebra system for it."""
+    if any(design.planar for design in spec.leg_designs.values()):
+        from walkgen.pipeline import notices_of
+
+        report(notices_of(path, spec))
 
 
 @app.command()

@@ -11,18 +11,15 @@ from walkgen.emit.casadi_files import serialise
 from walkgen.emit.emit import emit
 from walkgen.emit.landing import BUILD_FOLDER, staged, stale_files
 from walkgen.emit.manifest import operations, source_digest
-from walkgen.errors import Problem, SpecError, ToolchainError
-from walkgen.graph.assembly import Coverage, coverage, titled
+from walkgen.errors import Problem, ToolchainError
+from walkgen.examine import examined
 from walkgen.graph.differentiate import derivative
 from walkgen.graph.lower import lower
 from walkgen.graph.passes import fused
 from walkgen.graph.program import Composite, Program
 from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
-from walkgen.model.mechanism import Limb, Mechanism
-from walkgen.runtime.solves.assembly import assemble as assemble_triads
-from walkgen.spec.document import open_document
-from walkgen.spec.positions import Positions
+from walkgen.model.mechanism import Mechanism
 from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
 from walkgen.symbolic.derive import derive
@@ -43,7 +40,7 @@ class BuildOptions:
 
 @dataclass(frozen=True)
 class BuildReport:
-    """What a build made; `library` is empty where no compiler was found."""
+    """What a build made; `library` is empty where no compiler was found, `notices` are what a user should know of the robot."""
 
     folder: Path
     files: tuple[str, ...]
@@ -51,9 +48,10 @@ class BuildReport:
     operations: int
     seconds: float
     library: str
+    notices: tuple[Problem, ...]
 
 
-def _silent(step: str) -> None:
+def _silent(step: str | Problem) -> None:
     del step
 
 
@@ -66,56 +64,33 @@ def build(path: Path, out: Path, options: BuildOptions = BuildOptions(), progres
         ToolchainError: the compiler refused the generated code.
     """
     start = time.perf_counter()
-    code = generate(path, options, progress)
+    notices: list[Problem] = []
+    code = generate(path, options, progress, notices.append)
     artifacts = emit(code)
     folder = out / code.mechanism.name
     library = _compiled(artifacts, folder, code, progress)
     files = tuple(str(artifact.path) for artifact in artifacts)
     total = sum(operations(body) for body in code.functions)
-    return BuildReport(folder, files, len(code.functions), total, time.perf_counter() - start, library)
+    return BuildReport(folder, files, len(code.functions), total, time.perf_counter() - start, library, tuple(notices))
 
 
-def generate(path: Path, options: BuildOptions = BuildOptions(), progress: Progress = _silent) -> RobotCode:
-    """Everything up to the printers: the robot's programs.
+def generate(
+    path: Path, options: BuildOptions = BuildOptions(), progress: Progress = _silent, notice: Callable[[Problem], None] = _silent
+) -> RobotCode:
+    """Everything up to the printers: the robot's programs; `notice` is told what a user should know of the robot.
 
     Raises:
-        SpecError: the spec is not a robot, or one whose linkage assembles nowhere.
+        SpecError: the spec is not a robot, or one whose linkage assembles nowhere or at dead points alone.
     """
     progress("read")
     spec = read(path)
     mechanism = assemble(spec, path.parent)
-    _refuse_apart(path, spec, mechanism)
+    for found in examined(path, spec, mechanism):
+        notice(found)
     functions = shared(tuple(_bodies(spec, mechanism, options, progress)))
     targets = options.targets or tuple(spec.generate.targets)
     digest = _digest(path, spec)
     return RobotCode(mechanism, functions, digest, targets, options.fma, options.float32)
-
-
-def _refuse_apart(path: Path, spec: RobotSpec, mechanism: Mechanism) -> None:
-    """No linkage that assembles nowhere within the limits of its drives: its code would give nothing but NaN."""
-    users = {leg.design: leg.name for leg in spec.legs if leg.design is not None}
-    legs = {leg.name: leg for leg in mechanism.legs}
-    problems = []
-    for design, user in users.items():
-        found = coverage_of(mechanism, legs[user])
-        if found is not None and found.assembled == 0:
-            place = Positions(open_document(path)).place(("leg_designs", design))
-            problems.append(
-                Problem("WG189", f"leg_designs.{design}: {_apart(found, legs[user])}", "mend the lengths that it joins, or limits", place)
-            )
-    if problems:
-        raise SpecError(*problems)
-
-
-def coverage_of(mechanism: Mechanism, leg: Limb) -> Coverage | None:
-    """How much of its drives' limits a leg's linkage assembles in."""
-    return coverage(mechanism, leg, assemble_triads)
-
-
-def _apart(found: Coverage, leg: Limb) -> str:
-    worst, count = found.failing[0]
-    points = f"0 % of its drives' limits, at none of {found.points} points"
-    return f"the linkage assembles in {points}; at {count} of them the {titled(leg, worst)} cannot close"
 
 
 def _digest(path: Path, spec: RobotSpec) -> str:
@@ -174,6 +149,15 @@ def stale(path: Path, out: Path, options: BuildOptions = BuildOptions()) -> tupl
     code = generate(path, options)
     folder = out / code.mechanism.name
     return tuple(str(folder / name) for name in stale_files(emit(code), folder))
+
+
+def notices_of(path: Path, spec: RobotSpec) -> tuple[Problem, ...]:
+    """What a user should know of a validated spec's robot.
+
+    Raises:
+        SpecError: as for `generate`.
+    """
+    return examined(path, spec, assemble(spec, path.parent))
 
 
 def spec_of(path: Path) -> RobotSpec:

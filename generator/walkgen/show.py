@@ -7,8 +7,10 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from walkgen import pipeline
-from walkgen.graph.assembly import Coverage, titled
+from walkgen.examine import assembly_of, drives_text, percent
+from walkgen.graph.assembly import titled
 from walkgen.model.classify import inverse_class
+from walkgen.model.gait import Gait
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
 from walkgen.show_code import chosen, equations, listing
@@ -127,9 +129,12 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
         yield from _limb(f"chain {chain.name}: {platforms[chain.platform]}{child}", chain)
     for leg in mechanism.legs:
         yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
-        yield from _assemblies(mechanism, leg)
-        yield from _coverage(pipeline.coverage_of(mechanism, leg), leg)
+        if leg.linkage is not None:
+            yield from _assemblies(mechanism, leg, leg.linkage)
+            yield from _assembly(mechanism, leg, leg.linkage)
         yield from _inverse(mechanism, leg)
+    for gait in mechanism.gaits:
+        yield from _gait(gait, [leg.name for leg in mechanism.legs])
 
 
 def _limb(title: str, limb: Limb) -> Iterator[str]:
@@ -147,7 +152,8 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
 def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:
     """How many freedoms, the drives, and the dyads with their sides."""
     names = linkage.structure.names
-    yield f"    linkage of {len(names) - len(linkage.structure.bars)} links, {linkage.structure.mobility} degrees of freedom in its plane"
+    links, freedoms = len(names) - len(linkage.structure.bars), linkage.structure.mobility
+    yield f"    linkage of {links} links, {freedoms} degrees of freedom in its plane by count"
     for drive in drives:
         limits = f"  q in [{', '.join(scalar_text(limit) for limit in drive.limits)}]" if drive.limits else ""
         yield f"    {drive.name}  {drive.kind} drive{limits}"
@@ -168,11 +174,11 @@ def _struts(triad: Triad, linkage: Linkage) -> str:
     return ", ".join(f"{kind} {structure.names[strut.body]}" for kind, strut in zip(kinds, triad.struts, strict=True))
 
 
-def _assemblies(mechanism: Mechanism, leg: Limb) -> Iterator[str]:
+def _assemblies(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
     """Where triads start from, and all that they could be there: the chosen one first, each with the angles of links that tell it."""
-    if leg.linkage is None or not leg.linkage.forward.triads:
+    if not linkage.forward.triads:
         return
-    found, names = start_of(mechanism, leg), leg.linkage.structure.names
+    found, names = start_of(mechanism, leg), linkage.structure.names
     if found is None:
         yield "    start: no assembly is found"
         return
@@ -180,24 +186,22 @@ def _assemblies(mechanism: Mechanism, leg: Limb) -> Iterator[str]:
         f"{drive.name} = {float(value):.6g}" for drive, value in zip(leg.joints[len(leg.serial) :], found.drives, strict=True)
     )
     yield f"    start at {drives}: {len(found.assemblies)} assemblies, the first is taken; start = {{ angles_deg = ... }} takes another"
-    ternary = [names[max(triad.ends)] for triad in leg.linkage.forward.triads]
+    ternary = [names[max(triad.ends)] for triad in linkage.forward.triads]
     for assembly in found.assemblies:
         angles = ", ".join(f"{name} = {degrees:.1f}" for name, degrees in zip(ternary, assembly.degrees, strict=True))
         yield f"        angles_deg = {{ {angles} }}, sine of the transmission angle at least {assembly.sine:.2g}"
 
 
-def _coverage(found: Coverage | None, leg: Limb) -> Iterator[str]:
-    """How much of the drives' limits assembles, and what fails in the rest."""
-    if found is not None:
-        failing = "".join(f"; {titled(leg, name)} cannot close in {_percent(count, found.points)}" for name, count in found.failing)
-        yield f"    assembles in {_percent(found.assembled, found.points)} of the drives' limits{failing}"
-
-
-def _percent(count: int, points: int) -> str:
-    """Rounded, but neither all nor nothing unless it is."""
-    share = 100 * count / points
-    rounded = round(share) if count in (0, points) else min(max(round(share), 1), 99)
-    return f"{rounded} %"
+def _assembly(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
+    """Freedoms by rank, how much of the drives' limits assembles, and what fails in the rest."""
+    found, drives = assembly_of(mechanism, leg, linkage), leg.joints[len(leg.serial) :]
+    if found.best is not None and found.mobility is not None:
+        twice = f": {', '.join(found.mobility.pairs)} say one thing twice" if found.mobility.pairs else ""
+        where = drives_text(drives, found.best)
+        yield f"    {found.mobility.freedoms} degrees of freedom by the rank of its pairs' equations at {where}{twice}"
+    if found.limited and found.points:
+        failing = "".join(f"; {titled(linkage, each.group)} cannot close in {percent(each.count, found.points)}" for each in found.failing)
+        yield f"    assembles in {percent(found.assembled, found.points)} of the drives' limits{failing}"
 
 
 def _joint(joint: Joint) -> str:
@@ -214,6 +218,14 @@ def _transform(transform: Transform) -> str:
 
 def _motions(transform: Transform) -> str:
     return " ".join(f"{'R' if motion.kind == 'rotate' else 'T'}{_AXES[motion.axis]}({scalar_text(motion.amount)})" for motion in transform)
+
+
+def _gait(gait: Gait, legs: Sequence[str]) -> Iterator[str]:
+    """How long and how far, and when each leg supports."""
+    name = f" {gait.name}" if gait.name else ""
+    yield f"gait{name}: {gait.kind}, period {_fraction(gait.period)} s, stride {_fraction(gait.stride)} m"
+    for leg, duty, phase in zip(legs, gait.duty_factor, gait.phase, strict=True):
+        yield f"    {leg}  supports {_fraction(duty)} of the period from {_fraction(phase)} on"
 
 
 def _inverse(mechanism: Mechanism, leg: Limb) -> Iterator[str]:

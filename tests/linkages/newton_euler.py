@@ -5,6 +5,7 @@ import numpy as np
 from linkages.closure import Closure
 
 STEPS = (-2, -1, 0, 1, 2)
+FIRST = np.array([1, -8, 0, 8, -1]) / 12
 SECOND = np.array([-1, 16, -30, 16, -1]) / 12
 
 
@@ -21,11 +22,19 @@ class Motion:
 
     def point(self, link, own):
         """Where a link's point is, and its acceleration."""
-        places = self.closure.seen(self.x, link, np.broadcast_to(own, (len(STEPS), 2)))[0]
+        places = self.seen(link, own)
         return places[2], SECOND @ (places - places[2]) / self.step**2
 
     def angle(self, link):
         return self.closure.angle(self.x, link)[0][2]
+
+    def seen(self, link, own):
+        """Where a link's point is at the five times."""
+        return self.closure.seen(self.x, link, np.broadcast_to(own, (len(STEPS), 2)))[0]
+
+    def rate(self, values):
+        """Time derivative of what is known at the five times."""
+        return FIRST @ values / self.step
 
     def turning(self, link):
         """A link's angular acceleration."""
@@ -34,11 +43,11 @@ class Motion:
 
 
 class Bodies:
-    """The dense system of a motion."""
+    """The dense system of a motion; `loads` are further ones on the links (force, moment about the origin)."""
 
-    def __init__(self, motion, gravity, load):
+    def __init__(self, motion, gravity, load, loads=0.0):
         self.motion, self.closure, self.gravity = motion, motion.closure, np.asarray(gravity)
-        self.columns, self.ends = [], []
+        self.columns, self.ends, self.drives = [], [], []
         for pin in self.closure.design.get("pins", ()):
             self._pin(pin)
         for cylinder in self.closure.design.get("cylinders", ()):
@@ -50,7 +59,7 @@ class Bodies:
             for end, force, moment in column:
                 link, at = self.ends[end]
                 matrix[3 * link : 3 * link + 3, number] += [*force, moment + _cross(at, force)]
-        self.wanted = self.demand(load)
+        self.wanted = self.demand(load) - np.ravel(loads)
         self.unknowns, _, self.rank, _ = np.linalg.lstsq(matrix[3:], self.wanted[3:], rcond=1e-13)
         self.left = np.abs(matrix[3:] @ self.unknowns - self.wanted[3:]).max()
 
@@ -87,9 +96,13 @@ class Bodies:
         for other in others:
             self.columns += [[(other, e, 0), (first, -e, 0)] for e in np.eye(2)]
         if pin.get("driven"):
+            self.drives.append(len(self.columns))
             self.columns.append([(others[0], np.zeros(2), 1), (first, np.zeros(2), -1)])
 
     def _cylinder(self, cylinder):
+        if not cylinder.get("driven"):
+            return
+        self.drives.append(len(self.columns))
         joined = [self.closure.coordinates(text) for text in cylinder["between"]]
         ends = [self.motion.point(*place)[0] for place in joined]
         along = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
@@ -98,6 +111,7 @@ class Bodies:
 
     def _slider(self, slider):
         """Normal force and moment, thrust if it is driven."""
+        self.drives += [len(self.columns) + 1] * bool(slider.get("driven"))
         link, own = self.closure.coordinates(slider["link"])
         guide, at = self.closure.links.index(slider["guide"]["link"]), self.motion.point(link, own)[0]
         runner, bearer = self._end(link, at), self._end(guide, at)

@@ -1,5 +1,7 @@
 """Triads from random starts: their assemblies by walkgen and by numbers, and where they get to when their drives move slowly."""
 
+from types import MappingProxyType
+
 import numpy as np
 
 from linkages.closure import Closure, newton
@@ -25,17 +27,17 @@ class Drawn:
     def _look(self, values):
         """Find all assemblies; ways of sliders are in units of what the values make the linkage's size."""
         path = self._folder / "drawn.toml"
-        path.write_text(spec(self.name, (), values), encoding="utf-8")
+        path.write_text(spec(self.name, (), values=values), encoding="utf-8")
         mechanism = assemble(read(path), self._folder)
         found = Assemblies(mechanism, mechanism.legs[0])
         known = [self.topology.parameters.index(parameter) for parameter in found.names]
         self._z = np.concatenate([self.drives, self.dimensions[:, known]], -1)
         self.assemblies = [found.at(row) for row in self._z]
 
-    def code(self, functions):
-        """Generated from the first set that assembles."""
+    def code(self, functions, friction=MappingProxyType({})):
+        """Generated from the first set that assembles; `friction` as for `spec`."""
         first = np.flatnonzero(self.closes)[0]
-        text = spec(self.name, functions, self.dimensions[first], self.drives[first])
+        text = spec(self.name, functions, friction, values=self.dimensions[first], start=self.drives[first])
         return code_of(text, functions, self._folder)
 
     def started(self, code, rows, which):

@@ -27,6 +27,15 @@ cylinders = [
     { name = "three", between = ["frame.C", "plate.C"], driven = true },
 ]
 """
+SECOND_JOINT = """branches = ["a", "b"]
+[[leg_designs.hydraulic.joints]]
+name = "slide"
+type = "prismatic"
+a = 0.0
+alpha_deg = 0
+d = 0.0
+[[leg_designs.hydraulic.joints]]"""
+PIN = 'joins = ["thigh.H", "shank.H"]'
 BAD = {
     "link": ("WG180", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shnk.H"]', "shank"),
     "point": ("WG180", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shank.h"]', "H"),
@@ -37,7 +46,15 @@ BAD = {
     "too many drives": ("WG183", 'joins = ["frame.I", "thigh.I"]', 'joins = ["frame.I", "thigh.I"]\ndriven = true', "2 degrees"),
     "one cylinder on one link": ("WG185", '["frame.E", "thigh.G"]', '["frame.E", "frame.I"]', "one link"),
     "no length": ("WG185", "limits = [0.25, 0.45]", "limits = [0.0, 0.45]", "no direction"),
-    "passive friction": ("WG186", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shank.H"]\nfriction = { viscous = 1 }', "driven"),
+    "passive rotor": ("WG186", PIN, PIN + "\nrotor = { inertia = 1 }", "driven"),
+    "negative friction": ("WG161", PIN, PIN + "\nfriction = { viscous = -1 }", "viscous"),
+    "negative coefficient": ("WG161", PIN, PIN + "\nfriction = { mu = -0.1, radius = 0.01 }", "mu"),
+    "no bolt": ("WG161", PIN, PIN + "\nfriction = { mu = 0.1, radius = 0.0 }", "radius"),
+    "a bolt of no size": ("WG111", PIN, PIN + "\nfriction = { mu = 0.1 }", "radius = 0.01"),
+    "a bolt that is smooth": ("WG111", PIN, PIN + "\nfriction = { radius = 0.01 }", "mu = 0.1"),
+    "friction of a cylinder's load": ("WG110", "max_effort = 4000.0", "friction = { mu = 0.1 }", "viscous"),
+    "branches": ("WG127", 'knee = "left" }', 'knee = "left" }\nbranches = ["a", "b", "c"]', "yaw_plus_h_left, yaw_plus_h_right, yaw_minus"),
+    "branches of no inverse": ("WG127", "[[leg_designs.hydraulic.joints]]", SECOND_JOINT, "2 joints (PR) before the linkage"),
     "no such dyad": ("WG187", 'knee = "left"', 'kne = "left"', "knee"),
     "no such side": ("WG187", 'knee = "left"', 'knee = "up"', "left or right"),
 }

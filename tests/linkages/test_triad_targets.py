@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from oracles.backends import Built
-from walkgen.pipeline import BuildOptions, build
+from walkgen import selftest
+from walkgen.examine import assembly_of
+from walkgen.pipeline import BuildOptions, build, mechanism_of
 from walkgen.runtime import load
 
 FUNCTIONS = ("foot_position", "foot_jacobian", "inverse_velocity", "assembly_status", "mass_matrix", "foot_positions")
@@ -113,3 +115,20 @@ def test_rates_and_bad_input(walker, turn):
     for bad in (np.nan, np.inf):
         assert leg.assembly_status([bad]) == BAD_INPUT
         assert np.isnan(leg.foot_position([bad])[[0, 2]]).all()
+
+
+def test_the_share_is_that_of_the_code(walker):
+    """Whole turns are taken off about the start as there; the rank of the pairs' equations confirms the count."""
+    mechanism = mechanism_of(walker.spec)
+    for leg in mechanism.legs:
+        found = assembly_of(mechanism, leg, leg.linkage)
+        q = np.linspace(-np.pi, np.pi, found.points)[:, None]
+        assert found.assembled == (walker.c.legs[leg.name].assembly_status(q) == OK).sum()
+        assert [(each.group, each.count) for each in found.failing] == [("coupler", found.points - found.assembled)]
+        assert (found.mobility.freedoms, found.mobility.pairs) == (1, ())
+
+
+def test_the_self_test_leaves_them_out(walker, capfd):
+    """Sides do not tell their assemblies apart."""
+    assert selftest.run(walker.folder) == 0
+    assert "foot_position" not in capfd.readouterr().out

@@ -7,6 +7,7 @@ of its guide, the pin of its runner, and the slider.
 
 import re
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 
@@ -58,8 +59,10 @@ def _link(index, name, points):
     return f"[leg_designs.one.links.{name}]\npoints = {{ {own} }}\n{mass if index else ''}"
 
 
-def _pair(kind, name, text):
-    return f'[[leg_designs.one.{kind}]]\nname = "{name.rstrip("*")}"\n{text}\n' + ("driven = true\n" if name.endswith("*") else "")
+def _pair(kind, name, text, friction):
+    own, driven = name.rstrip("*"), "driven = true\n" if name.endswith("*") else ""
+    rubs = f"friction = {{ {friction[own]} }}\n" if own in friction else ""
+    return f'[[leg_designs.one.{kind}]]\nname = "{own}"\n{text}\n{driven}{rubs}'
 
 
 def _quoted(words):
@@ -71,8 +74,10 @@ def _slider(text):
     return f'link = "{link}"\nguide = {{ link = "{guide}", point = [{_coordinate(x)}, {_coordinate(y)}], angle = {_coordinate(angle)} }}'
 
 
-def spec(name, functions, values=None, start=None):
-    """The text of a spec for a topology; `values` are the parameters' defaults, `start` the drives at which triads are assembled."""
+def spec(name, functions, friction=MappingProxyType({}), values=None, start=None):
+    """The text of a spec for a topology; `friction` by the names of pairs, `values` are the parameters' defaults, `start` the drives at
+    which triads are assembled.
+    """
     topology = (TOPOLOGIES | TRIADS)[name]
     defaults = [0.5] * len(topology.parameters) if values is None else [float(value) for value in values]
     wanted = ", ".join(f'"{function}"' for function in functions)
@@ -88,10 +93,10 @@ def spec(name, functions, values=None, start=None):
         *([] if start is None else [f"start = {{ drives = {[float(drive) for drive in start]} }}"]),
         "assembly = { " + ", ".join(f'{dyad} = "{side[0]}"' for dyad, side in topology.sides.items()) + " }",
         *(_link(index, link, points) for index, (link, points) in enumerate(_entries(topology.links))),
-        *(_pair("pins", pin, f"joins = [{_quoted(joins)}]") for pin, joins in _entries(topology.pins)),
-        *(_pair("sliders", slider, _slider(text)) for slider, text in _entries(topology.sliders)),
+        *(_pair("pins", pin, f"joins = [{_quoted(joins)}]", friction) for pin, joins in _entries(topology.pins)),
+        *(_pair("sliders", slider, _slider(text), friction) for slider, text in _entries(topology.sliders)),
         *(
-            _pair("cylinders", bar, f"between = [{_quoted(ends)}]\nmasses = {{ at_first = 0.4, at_second = 0.3 }}")
+            _pair("cylinders", bar, f"between = [{_quoted(ends)}]\nmasses = {{ at_first = 0.4, at_second = 0.3 }}", friction)
             for bar, ends in _entries(topology.cylinders)
         ),
     ]

@@ -160,11 +160,13 @@ class DynamicPeer:
         A = np.array(pin.computeCentroidalMap(model, data, full))
         rate = pin.computeCentroidalMomentumTimeVariation(model, data, full, rates, accelerations)
         com = np.array(pin.centerOfMass(model, data, full, rates, accelerations))
+        pin.ccrba(model, data, full, rates)
         push = pin.computeTotalMass(model) * model.gravity.linear - rate.linear
         return {
             "com": com,
             "com_jacobian": np.array(pin.jacobianCenterOfMass(model, data, full))[:, columns],
             "centroidal_momentum_matrix": A[:, columns],
+            "centroidal_inertia": np.array(data.Ig.inertia),
             "momentum": A @ rates,
             "momentum_rate": np.array(rate.vector),
             "demanded_wrench": np.concatenate([push, np.cross(com, push) - rate.angular]),

@@ -11,6 +11,7 @@ from walkgen.emit.c_text import comment_text, words
 from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Body, Joint, Limb, Mechanism
 from walkgen.model.walk import defaults, number
+from walkgen.spec.checks_gait import gait_owner
 from walkgen.spec.scalar import Scalar
 
 
@@ -40,6 +41,7 @@ def _all(code: RobotCode) -> Iterator[Macro]:
     yield Macro(f"{prefix}_PLATFORMS", str(len(robot.platforms)), "the first is the root")
     yield Macro(f"{prefix}_FEET", str(len(robot.legs)), "in the order of the legs")
     yield from _terrain(robot, prefix)
+    yield from _gaits(robot, prefix)
     yield from _parameters(robot, prefix)
     for platform in robot.platforms:
         yield from _mass(robot, f"{prefix}_PLATFORM_{words(platform.name)}", platform.body)
@@ -53,6 +55,15 @@ def _terrain(robot: Mechanism, prefix: str) -> Iterator[Macro]:
         yield Macro(f"{prefix}_TERRAIN_PATCHES", str(len(patches)), "the first that holds a point counts")
     for index, patch in enumerate(patches):
         yield Macro(f"{prefix}_TERRAIN_PATCH_{words(patch.name)}", str(index), "index of the patch")
+
+
+def _gaits(robot: Mechanism, prefix: str) -> Iterator[Macro]:
+    for gait in robot.gaits:
+        stem = f"{prefix}_{words(gait_owner(gait.name))}"
+        yield Macro(f"{stem}_PERIOD", _literal(gait.period), "s")
+        yield Macro(f"{stem}_STRIDE", _literal(gait.stride), "m in a period")
+        if gait.lift is not None:
+            yield Macro(f"{stem}_LIFT", _literal(gait.lift), "m, of a foot in transfer")
 
 
 def limb_owner(robot: Mechanism, limb: Limb) -> str:

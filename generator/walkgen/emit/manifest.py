@@ -11,9 +11,11 @@ from walkgen import __version__
 from walkgen.emit.artifact import Artifact, Body, RobotCode
 from walkgen.graph.program import Composite, Program
 from walkgen.model.classify import inverse_class
+from walkgen.model.gait import Gait
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Parameter
 from walkgen.model.walk import defaults, number
 from walkgen.signature import Port
+from walkgen.spec.checks_gait import gait_owner
 from walkgen.spec.scalar import Scalar
 
 FORMAT = 1
@@ -46,6 +48,7 @@ def manifest(code: RobotCode, sources: tuple[Artifact, ...]) -> Artifact:
         "chains": [_chain(chain, robot) for chain in robot.chains],
         "routes": [_route(leg, robot) for leg in robot.legs if robot.ancestors(leg.platform)],
         **({"terrain": [patch.name for patch in robot.terrain.patches]} if robot.terrain else {}),
+        **({"gaits": [_gait(gait, robot) for gait in robot.gaits]} if robot.gaits else {}),
         "functions": [_function(body) for body in code.functions],
     }
     return Artifact(PurePosixPath("manifest.json"), json.dumps(content, indent=1, allow_nan=False) + "\n")
@@ -105,6 +108,24 @@ def _route(leg: Limb, robot: Mechanism) -> dict[str, Any]:
     slices = [_slice(limb, robot) for limb in (*robot.ancestors(leg.platform), leg)]
     indices = [index for start, stop in slices for index in range(start, stop)]
     return {"name": leg.name, "owner": f"root_to_{leg.name}", "indices": indices}
+
+
+def _gait(gait: Gait, robot: Mechanism) -> dict[str, Any]:
+    return {
+        "name": gait.name,
+        "owner": gait_owner(gait.name),
+        "kind": gait.kind,
+        "legs": [leg.name for leg in robot.legs],
+        "duty_factor": list(map(float, gait.duty_factor)),
+        "phase": list(map(float, gait.phase)),
+        "period": float(gait.period),
+        "stride": float(gait.stride),
+        "lift": None if gait.lift is None else float(gait.lift),
+        "stance": None if gait.stance is None else [list(map(float, point)) for point in gait.stance],
+        "static": gait.static,
+        "body": gait.body,
+        "margin": None if gait.margin is None else float(gait.margin),
+    }
 
 
 def _function(body: Body) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.layout import lay_out
 from walkgen.emit.python_text import banner, docstring, port_line, title
 from walkgen.signature import Port, Signature
+from walkgen.spec.checks_gait import gait_owner
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,11 @@ _ATTRIBUTES = {
     "Route": ("name: str", "owner: str", "indices: NDArray[np.intp]", _FUNCTIONS),
 }
 _TERRAIN = ("name: str", "patches: tuple[str, ...]", _FUNCTIONS)
+_GAIT = (
+    *("name: str", "kind: str", "legs: tuple[str, ...]", "duty_factor: tuple[float, ...]", "phase: tuple[float, ...]"),
+    *("period: float", "stride: float", "lift: float | None", "stance: tuple[tuple[float, float, float], ...] | None"),
+    *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
+)
 _ROBOT = (
     "name: str",
     "description: str",
@@ -73,6 +79,13 @@ _ROBOT = (
 )
 """What walkgen.runtime gives a robot and its parts beside their functions."""
 
+_WORKED = "inverse_dynamics"
+_WORK = (
+    "",
+    "class Work(NamedTuple):",
+    *(f"    {name}: NDArray[np.float64]" for name in ("joints", "total", "joints_positive", "positive")),
+)
+"""What the runtime's `work` of a leg with efforts gives."""
 _ARRAYS = {"real": "Reals", "integer": "Integers", "truth": "Truths"}
 
 
@@ -82,15 +95,17 @@ def package_artifacts(code: RobotCode) -> tuple[Artifact, ...]:
     common = {"banner": banner(code), "title": title(code, "Python")}
     routed = tuple(leg.name for leg in robot.legs if robot.ancestors(leg.platform))
     terrain = robot.terrain is not None
-    parts = (Part("_Terrain", _TERRAIN, _methods(code, "terrain")),) if terrain else ()
-    attributes = (*_ROBOT, "terrain: _Terrain") if terrain else _ROBOT
+    parts = (*((Part("_Terrain", _TERRAIN, _methods(code, "terrain")),) if terrain else ()), *_gaits(code))
+    attributes = (*_ROBOT, *(("terrain: _Terrain",) if terrain else ()), *_gait_attributes(code))
     families = (
         _family(code, "Leg", {leg.name: leg.name for leg in robot.legs}),
         _family(code, "Chain", {chain.name: chain.name for chain in robot.chains}),
         _family(code, "Route", {name: f"root_to_{name}" for name in routed}),
     )
     real = "np.floating[Any]" if code.float32 else "np.float64"
+    worked = any(body.signature.name == _WORKED for body in code.functions)
     own = {
+        "records": _WORK if worked else (),
         "families": families,
         "parts": parts,
         "attributes": attributes,
@@ -114,6 +129,19 @@ def _family(code: RobotCode, kind: str, owners: Mapping[str, str]) -> Family:
     return Family(f"_{kind}s", f"Mapping[{key}, {value}]", _lookups(groups, key, value), groups, _ATTRIBUTES[kind])
 
 
+def _gaits(code: RobotCode) -> tuple[Part, ...]:
+    """A class for each gait: they differ in what they have."""
+    return tuple(
+        Part(f"_Gait{number}", _GAIT, _methods(code, gait_owner(gait.name))) for number, gait in enumerate(code.mechanism.gaits, start=1)
+    )
+
+
+def _gait_attributes(code: RobotCode) -> tuple[str, ...]:
+    gaits = code.mechanism.gaits
+    classes = " | ".join(f"_Gait{number}" for number, _ in enumerate(gaits, start=1))
+    return ("gait: _Gait1", f"gaits: Mapping[{_literal(gait.name for gait in gaits)}, {classes}]") if gaits else ()
+
+
 def _lookups(groups: tuple[Group, ...], key: str, value: str) -> tuple[str, ...]:
     """The mapping's own methods: each name gives its own class, an unknown one of them any."""
     pairs = [*((group.key, group.name) for group in groups if len(groups) > 1), (key, value)]
@@ -129,7 +157,20 @@ def _literal(names: Iterable[str]) -> str:
 
 def _methods(code: RobotCode, owner: str, indent: str = "        ") -> tuple[Method, ...]:
     """The callables of one limb, or of the robot for an empty owner."""
-    return tuple(_method(body.signature, indent) for body in code.functions if body.signature.owner == owner)
+    own = [body.signature for body in code.functions if body.signature.owner == owner]
+    found = [_method(signature, indent) for signature in own]
+    return (*found, *(_work(signature, indent) for signature in own if signature.name == _WORKED))
+
+
+def _work(efforts: Signature, indent: str) -> Method:
+    """What the runtime adds to a leg that has efforts."""
+    parameter = ", param: ArrayLike | None = None" if efforts.inputs[-1].name == "param" else ""
+    motion = ", ".join(_argument(port) for port in efforts.inputs if port.name != "param")
+    given = f"{motion}, *, period: float, times: ArrayLike | None = None{parameter}"
+    doc = "Work over one cycle of a sampled motion, [..., samples, n] each: signed and while power is positive, of every joint and in all."
+    return Method(
+        "work", given, "Work", docstring(indent, doc, "in: period s, times [samples] s; out: J", "trapezoids of effort times rate")
+    )
 
 
 def _method(signature: Signature, indent: str) -> Method:

@@ -1,12 +1,17 @@
-"""What the self-test expects: every forward function of a path of limbs, from a 50-digit matrix walk over the Mechanism."""
+"""What the self-test expects: every forward function of a path of limbs, from a 50-digit matrix walk over the Mechanism.
+
+A leg's linkage is closed by Newton's method on its loops; second derivatives are central differences there.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from walkgen.model.closing import Posture, closed
+from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import CORNERS, Joint, Limb, Mechanism
-from walkgen.model.walk import CONTEXT, Matrix, along, defaults, limb_frames, number
+from walkgen.model.walk import CONTEXT, Matrix, along, defaults, limb_frames, moved, number
 
 Numbers = list[Any]
 _STEP = CONTEXT.mpf(10) ** -16
@@ -24,30 +29,51 @@ class Sample:
     f: tuple[Any, ...]
 
     @cached_property
-    def _walked(self) -> tuple[list[Matrix], list[tuple[Joint, Matrix]]]:
+    def _walked(self) -> "Walk":
         return _walk(self.mechanism, self.limbs, self.q)
 
     @property
     def poses(self) -> list[Matrix]:
-        """The first limb's mount, the frame that moves with each joint, the tip."""
-        return self._walked[0]
+        """The first limb's mount, the frame that moves with each joint, the tip; a drive's frame is that of the link that it moves."""
+        return self._walked.poses
 
-    @cached_property
+    @property
     def columns(self) -> list[tuple[Numbers, Numbers]]:
         """Linear and angular column of every joint, at the tip."""
-        return _columns(*self._walked)
+        return self._walked.columns
 
     @cached_property
     def bias(self) -> Numbers:
-        """Jdot qd [6] by central differences along qd."""
-        ahead, behind = (_columns(*_walk(self.mechanism, self.limbs, self._moved(side * _STEP))) for side in (1, -1))
-        change = [
+        """Jdot qd [6]."""
+        return _combined(self._change(self.qd), self.qd)
+
+    def second(self, first: int, last: int) -> Numbers:
+        """D_first D_last p for first <= last: a revolute joint turns later columns about its own axis, a prismatic one leaves them."""
+        if self.limbs[-1].linkage is None:
+            return cross(self.columns[first][1], self.jacobian[last])
+        return self._slopes[first][last][:3]
+
+    @cached_property
+    def _slopes(self) -> list[list[Numbers]]:
+        units = ([CONTEXT.mpf(place == joint) for place in range(len(self.q))] for joint in range(len(self.q)))
+        return [self._change(unit) for unit in units]
+
+    def _change(self, rates: Sequence[Any]) -> list[Numbers]:
+        """Of every column [6] while q moves at these rates, by central differences."""
+        ahead, behind = (_walk(self.mechanism, self.limbs, self._moved(side * _STEP, rates)).columns for side in (1, -1))
+        return [
             [(a - b) / (2 * _STEP) for a, b in zip(_six(*new), _six(*old), strict=True)] for new, old in zip(ahead, behind, strict=True)
         ]
-        return _combined(change, self.qd)
 
-    def _moved(self, time: Any) -> Numbers:
-        return [q + time * qd for q, qd in zip(self.q, self.qd, strict=True)]
+    def _moved(self, time: Any, rates: Sequence[Any]) -> Numbers:
+        return [q + time * rate for q, rate in zip(self.q, rates, strict=True)]
+
+    @cached_property
+    def posture(self) -> Posture:
+        """Of the leg's linkage."""
+        leg = self.limbs[-1]
+        assert leg.linkage is not None
+        return _closed(leg.linkage, self.q[len(self.q) - leg.linkage.drive_count :], self.mechanism)
 
     @property
     def jacobian(self) -> list[Numbers]:
@@ -60,23 +86,65 @@ class Sample:
         return [self.poses[-1][row, 3] for row in range(3)]
 
 
-def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> tuple[list[Matrix], list[tuple[Joint, Matrix]]]:
-    """Poses along the path, and every joint with the frame whose z axis it moves about or along."""
+@dataclass(frozen=True)
+class Walk:
+    """`Sample.poses` and `Sample.columns`."""
+
+    poses: list[Matrix]
+    columns: list[tuple[Numbers, Numbers]]
+
+
+def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> Walk:
+    """Poses along the path, then the column of every joint about or along its frame's z axis."""
     values = defaults(mechanism)
     base, start = CONTEXT.eye(4), 0
     poses: list[Matrix] = []
     axes: list[tuple[Joint, Matrix]] = []
     for limb in limbs:
-        stop = start + len(limb.joints)
-        local = limb_frames(mechanism, limb, q[start:stop], values, base)
+        stop = start + len(limb.serial)
+        local = limb_frames(mechanism, replace(limb, joints=limb.serial, linkage=None), q[start:stop], values, base)
         poses += local[1:-1] if poses else local[:-1]
-        axes += [(joint, along(frame, joint.before, values)) for joint, frame in zip(limb.joints, local, strict=False)]
+        axes += [(joint, along(frame, joint.before, values)) for joint, frame in zip(limb.serial, local, strict=False)]
         base, start = local[-1], stop
-    return [*poses, base], axes
+    linkage = limbs[-1].linkage
+    if linkage is None:
+        return Walk([*poses, base], _columns(base, axes))
+    links, columns = _driven(_closed(linkage, q[start:], mechanism), base)
+    return Walk([*poses, *links], _columns(links[-1], axes) + columns)
 
 
-def _columns(poses: list[Matrix], axes: list[tuple[Joint, Matrix]]) -> list[tuple[Numbers, Numbers]]:
-    tip = [poses[-1][row, 3] for row in range(3)]
+def _closed(linkage: Linkage, drives: Sequence[Any], mechanism: Mechanism) -> Posture:
+    found = closed(linkage, defaults(mechanism), drives)
+    assert found is not None
+    return found
+
+
+def _driven(posture: Posture, plane: Matrix) -> tuple[list[Matrix], list[tuple[Numbers, Numbers]]]:
+    """Frames of the links that the drives move, then of the foot's at the foot point, and the drives' columns."""
+    linkage = posture.loops.linkage
+    body, point = linkage.foot[0], posture.loops.planar(linkage.foot[1])
+    origins = [(link, (CONTEXT.zero, CONTEXT.zero)) for link in _moved_links(linkage)]
+    x, y, z = ([plane[row, axis] for row in range(3)] for axis in range(3))
+    columns = [
+        ([a * along_x + b * along_y for a, b in zip(x, y, strict=True)], [entry * turn for entry in z])
+        for along_x, along_y, turn in posture.slopes(body, point)
+    ]
+    return [_placed(plane, *posture.place(link, at)) for link, at in (*origins, (body, point))], columns
+
+
+def _placed(plane: Matrix, x: Any, y: Any, angle: Any) -> Matrix:
+    return moved(moved(moved(plane, "translate", 0, x), "translate", 1, y), "rotate", 2, angle)
+
+
+def _moved_links(linkage: Linkage) -> list[int]:
+    """A pin's second link, a slider's runner, the link at a cylinder's second end."""
+    pairs = linkage.structure.pairs
+    links = [pairs[index].bodies[1] if pairs[index].kind == "R" else pairs[index].bodies[0] for index in linkage.driven]
+    return links + [[pair.bodies[0] for pair in pairs if bar in pair.bodies][1] for bar in sorted(linkage.structure.bars)]
+
+
+def _columns(pose: Matrix, axes: list[tuple[Joint, Matrix]]) -> list[tuple[Numbers, Numbers]]:
+    tip = [pose[row, 3] for row in range(3)]
     return [_column(joint, frame, tip) for joint, frame in axes]
 
 
@@ -112,9 +180,8 @@ def elements(matrix: Matrix, size: int = 4) -> Numbers:
 
 
 def _hessian(sample: Sample) -> Numbers:
-    """D_i D_j p for i before j: a revolute joint i turns column j about its own axis, a prismatic one leaves it."""
     count = len(sample.q)
-    second = {(i, j): cross(sample.columns[i][1], sample.jacobian[j]) for i in range(count) for j in range(i, count)}
+    second = {(i, j): sample.second(i, j) for i in range(count) for j in range(i, count)}
     return [second[min(i, j), max(i, j)][row] for row in range(3) for i in range(count) for j in range(count)]
 
 
@@ -170,6 +237,7 @@ EXPECTED: Mapping[str, Callable[[Sample], tuple[Numbers, ...]]] = {
     "joint_frames": lambda sample: (_frames(sample),),
     "sole_points": lambda sample: ([element for corner in sole_corners(sample) for element in corner],),
     "sole_normal": lambda sample: (sole_normal(sample),),
+    "transmission_angles": lambda sample: (sample.posture.angles,),
     "pose": lambda sample: (elements(sample.poses[-1]),),
     "jacobian": lambda sample: (_spatial(sample),),
     "frames": lambda sample: (_frames(sample),),

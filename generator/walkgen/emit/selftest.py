@@ -1,8 +1,10 @@
-"""The self-test generated beside a robot: C with expected values from a 50-digit walk over the Mechanism, never from a Program."""
+"""The self-test generated beside a robot: C with expected values from a 50-digit walk over the Mechanism, never from a Program.
+
+Linkages are closed by Newton's method on all their loops at once, where the Program places dyad after dyad.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 
 from walkgen.emit.artifact import Artifact, RobotCode
@@ -12,12 +14,12 @@ from walkgen.emit.c_printer import DOUBLE
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out
 from walkgen.emit.reference import EXPECTED, Numbers, Sample, elements, sole_corners, sole_normal
-from walkgen.model.mechanism import Joint, Limb, Mechanism
-from walkgen.model.walk import CONTEXT, defaults, number, platform_poses
+from walkgen.emit.samples import apart, is_regular, robot_rows, samples_of
+from walkgen.model.classify import inverse_class
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.model.walk import CONTEXT, defaults, platform_poses
 from walkgen.signature import Port, Signature
 
-_SAMPLES = 3
-_CONDITION = CONTEXT.mpf("0.05")
 _TIGHT, _LOOSE = "1e-12", "1e-9"
 _WIDTH = 100
 
@@ -59,45 +61,25 @@ def selftest_artifact(code: RobotCode) -> Artifact:
 
 def _checks(robot: Mechanism, signatures: Sequence[Signature]) -> Iterator[Check]:
     """A check for every function whose values the walk gives; samples are walked once for all functions of a path."""
-    paths = _paths(robot)
-    samples = {owner: [_sample(robot, path, index) for index in range(_SAMPLES)] for owner, path in paths.items()}
+    samples = {owner: samples_of(robot, path) for owner, path in _paths(robot).items()}
     inverted = {signature.owner for signature in signatures if signature.name in _INVERSES}
-    regular = {owner: [sample for sample in samples[owner] if _is_regular(sample)] for owner in sorted(inverted & set(samples))}
+    regular = {owner: [sample for sample in samples[owner] if is_regular(sample)] for owner in sorted(inverted & set(samples))}
+    rows = robot_rows(robot)
     for signature in signatures:
-        if not signature.owner and signature.name in _ROBOT and all(leg.linkage is None for leg in robot.legs):
-            yield _robot_check(robot, signature)
-        elif signature.owner in paths and signature.name in EXPECTED:
+        if not signature.owner and signature.name in _ROBOT and rows:
+            yield _robot_check(robot, signature, rows)
+        elif samples.get(signature.owner) and signature.name in EXPECTED:
             yield _forward(signature, samples[signature.owner])
+        elif samples.get(signature.owner) and signature.name == "assembly_status":
+            yield _assembly(signature, samples[signature.owner])
         elif regular.get(signature.owner) and signature.name in _INVERSES:
             yield _INVERSES[signature.name](signature, regular[signature.owner])
 
 
 def _paths(robot: Mechanism) -> dict[str, tuple[Limb, ...]]:
-    """The limbs between a function owner's base and tip; the walk knows no closed linkages."""
-    serial = [leg for leg in robot.legs if leg.linkage is None]
-    routes = {f"root_to_{leg.name}": (*robot.ancestors(leg.platform), leg) for leg in serial}
-    return routes | {limb_owner(robot, limb): (limb,) for limb in (*robot.chains, *serial)}
-
-
-def _sample(robot: Mechanism, path: tuple[Limb, ...], index: int) -> Sample:
-    joints = [joint for limb in path for joint in limb.joints]
-    rows = [tuple(_value(joint, place, index, salt) for place, joint in enumerate(joints)) for salt in (0, 1, 2)]
-    force = tuple(CONTEXT.mpf(value) / 4 for value in (3 - index, 5, index - 7))
-    return Sample(robot, path, rows[0], rows[1], rows[2], force)
-
-
-def _value(joint: Joint, place: int, index: int, salt: int) -> Any:
-    """A fixed number of sixteenths, scattered over both signs and never 0, so that it is exact in a double."""
-    scattered = (29 * place + 17 * index + 11 * salt + 7 * (place + 1) * (index + 2)) % 40 - 20
-    return CONTEXT.mpf(scattered if scattered else 9) / (16 if joint.kind == "revolute" else 64)
-
-
-def _is_regular(sample: Sample) -> bool:
-    """Far enough from singularities and from damping that an inverse is well conditioned."""
-    sizes = CONTEXT.svd_r(CONTEXT.matrix(sample.jacobian), compute_uv=False)
-    damping = sample.limbs[-1].damping
-    least = number(damping[0], sample.mechanism) if damping else CONTEXT.zero
-    return bool(min(sizes) > max(_CONDITION * max(sizes), 2 * least))
+    """The limbs between a function owner's base and tip."""
+    routes = {f"root_to_{leg.name}": (*robot.ancestors(leg.platform), leg) for leg in robot.legs}
+    return routes | {limb_owner(robot, limb): (limb,) for limb in robot.limbs}
 
 
 def _forward(signature: Signature, samples: Sequence[Sample]) -> Check:
@@ -114,6 +96,16 @@ def _compared(signature: Signature, tables: tuple[Table, ...], expected: Sequenc
     lines.append(f"{_call(signature, [port.name for port in outputs])};")
     lines += [f"worst = worse(worst, {port.name}, {port.name}_expected[sample], {port.size});" for port in outputs]
     return Check(signature.full_name, (*tables, *wanted), len(expected), tuple(lines), _TIGHT)
+
+
+def _assembly(signature: Signature, samples: Sequence[Sample]) -> Check:
+    """The linkage assembles where Newton's method closes it, and not where no start does."""
+    out = [q for q in map(apart, samples) if q]
+    rows = [*(sample.q for sample in samples), *out]
+    expected = [[CONTEXT.zero]] * len(samples) + [[CONTEXT.one]] * len(out)
+    tables = (_table("q", rows), _table("status_expected", expected))
+    lines = (f"worst = larger(worst, fabs({_call(signature, [])} - status_expected[sample][0]));",)
+    return Check(signature.full_name, tables, len(rows), lines, _TIGHT)
 
 
 def _call(signature: Signature, outputs: Sequence[str], **replaced: str) -> str:
@@ -139,12 +131,12 @@ def _inverse(signature: Signature, samples: Sequence[Sample]) -> Check:
 
 
 def _inverse_branch(signature: Signature, samples: Sequence[Sample]) -> Check:
-    """The foot's joint values are on one of the four branches."""
+    """The foot's joint values are on one of the branches."""
     tables = (_table("p", [s.position for s in samples]), _table("q_expected", [s.q for s in samples]))
-    joints = signature.outputs[0].size
+    joints, branches = signature.outputs[0].size, len(inverse_class(samples[0].mechanism, samples[0].limbs[-1]).branch_names)
     lines = (
         "double error = HUGE_VAL;",
-        "for (int32_t branch = 0; branch < 4; ++branch) {",
+        f"for (int32_t branch = 0; branch < {branches}; ++branch) {{",
         f"    double q[{joints}];",
         f"    if ({_call(signature, ['q'], branch='branch')} != WALKGEN_BAD_INPUT) {{",
         f"        error = nearer(error, q, q_expected[sample], {joints});",
@@ -185,11 +177,7 @@ _INVERSES = {
 }
 
 
-def _robot_check(robot: Mechanism, signature: Signature) -> Check:
-    rows = [
-        tuple(chain.from_iterable(_sample(robot, (limb,), index + place).q for place, limb in enumerate(robot.limbs)))
-        for index in range(_SAMPLES)
-    ]
+def _robot_check(robot: Mechanism, signature: Signature, rows: Sequence[Row]) -> Check:
     expected = [_ROBOT[signature.name](robot, q) for q in rows]
     return _compared(signature, _input_tables(signature, [{"q": q} for q in rows]), expected)
 

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from walkgen.model.gaits import gaits
 from walkgen.model.ground import ground
 from walkgen.model.limbs import body_of, chain_limb, leg_limb, mirrored_limb
 from walkgen.model.linkage_limb import linkage_limb
@@ -35,6 +36,7 @@ def assemble(spec: RobotSpec, folder: Path = Path()) -> Mechanism:
         sections=_sections(spec, values),
         adapt_weights=_adapt_weights(spec, values),
         terrain=ground(spec, folder, values),
+        gaits=gaits(spec, values),
     )
 
 

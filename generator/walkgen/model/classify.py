@@ -3,14 +3,21 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any
 
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT, along, defaults, joint_axis, limb_frames
-from walkgen.spec.assur import SIDES
-from walkgen.spec.branches import BRANCHED_JOINTS, branch_count
+from walkgen.spec.branches import (
+    BRANCHED_JOINTS,
+    CURVE_BRANCHES,
+    branch_count,
+    follows_curve,
+    linkage_branches,
+    linkage_choices,
+    linkage_hindrance,
+)
 
 
 @dataclass(frozen=True)
@@ -24,6 +31,7 @@ class InverseClass:
 
 YAW_PITCH_PITCH = "yaw-pitch-pitch"
 LINKAGE = "linkage"
+CURVE = "coupler curve"
 _YAW_BRANCHES = ("rho_plus_knee_plus", "rho_plus_knee_minus", "rho_minus_knee_plus", "rho_minus_knee_minus")
 _NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 _STRETCHES = (Fraction(1), Fraction(13, 11), Fraction(7, 9))
@@ -56,28 +64,28 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
 
 
 def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
-    """Of a leg that ends in a linkage: at most one joint turns its plane, two drives place the foot in it, dyad after dyad."""
+    """Of a leg that ends in a linkage: at most one joint turns its plane, two drives place the foot in it, dyad after dyad.
+
+    One drive leads the foot along a curve; then the joint may slide as well.
+    """
     kinds = "".join(joint.kind[0].upper() for joint in leg.serial)
-    if kinds not in ("", "R"):
-        return InverseClass("", (), f"{len(kinds)} joints ({kinds}) before the linkage: one that turns, or none, has a closed form")
-    if linkage.drive_count != 2:
-        return InverseClass("", (), f"{linkage.drive_count} drives do not place the foot in the plane: two do")
-    order = linkage.inverse
-    if linkage.forward.triads:
-        return InverseClass(
-            "", (), f"the drives hold the triad {linkage.forward.triads[0].name}: which of its assemblies a row has is not known"
-        )
-    if order.triads:
-        return InverseClass("", (), f"with the foot held no dyad is left to place: {order.triads[0].name} is part of a triad")
-    if len(order.clusters) > 1:
-        stuck = " + ".join(sorted(linkage.structure.names[min(cluster)] for cluster in order.clusters))
-        return InverseClass("", (), f"with the foot held no dyad is left to place: {stuck} form a group of more than four links")
-    words = [(f"{joint.name}_plus", f"{joint.name}_minus") for joint in leg.serial]
-    words += [
-        (f"{group.name}_{SIDES[group.kind][0]}", f"{group.name}_{SIDES[group.kind][1]}") for group in order.groups if SIDES[group.kind]
-    ]
-    names = tuple("_".join(choice) for choice in product(*words)) or ("only",)
-    return InverseClass(LINKAGE, leg.branches or names, "dyads placed one after another from the foot held in the plane")
+    if follows_curve(linkage.structure, len(kinds)):
+        return _curve_class(leg)
+    hindrance = linkage_hindrance(linkage.structure, linkage.foot[0], kinds)
+    if hindrance:
+        return InverseClass("", (), hindrance)
+    choices = linkage_choices(linkage.structure, linkage.foot[0], [joint.name for joint in leg.serial])
+    return InverseClass(
+        LINKAGE, leg.branches or linkage_branches(choices), "dyads placed one after another from the foot held in the plane"
+    )
+
+
+def _curve_class(leg: Limb) -> InverseClass:
+    drive = leg.joints[-1]
+    if drive.kind == "prismatic" and drive.limits is None:
+        return InverseClass("", (), f"between which values of {drive.name} to look for the foot's place its limits say: it has none")
+    reason = "one drive leads the foot along a curve, whose least distances from the target are found by a bounded search"
+    return InverseClass(CURVE, leg.branches or CURVE_BRANCHES, reason)
 
 
 def _not_yaw_pitch_pitch(mechanism: Mechanism, leg: Limb, kinds: str) -> str:

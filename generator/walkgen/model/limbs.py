@@ -9,6 +9,7 @@ from walkgen.model.mechanism import Body, Joint, Limb, Sole, Transform
 from walkgen.model.transform import HALF_TURN, X, Z, align, inverse, mirrored, origin, rotation, translation
 from walkgen.model.values import Values
 from walkgen.spec.joint_tables import JointRow, Link, Pose, Rotor
+from walkgen.spec.linkage import PairSpec
 from walkgen.spec.scalar import ONE, ZERO, Scalar, exact, mul, neg, power
 from walkgen.spec.schema import ChainDesign, LegDesign, LegSpec, PlatformSpec, SoleSpec
 
@@ -27,7 +28,7 @@ def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> 
     mount, tip = pose_transform(leg.mount, values), pose_transform(cast(Pose | None, design.foot), values)
     return Limb(
         *(leg.name, platform, mount, joints, tip),
-        damping=_damping(design, joints, tip, values),
+        damping=damping_of(design, _size(joints, tip, values), values),
         senses=_signs(leg, design),
         branches=design.branches or (),
         sole=sole_of(leg.sole or design.sole, values),
@@ -102,26 +103,25 @@ def _signs(own: LegSpec | None, design: LegDesign | ChainDesign) -> tuple[Sign, 
 
 def _joint(row: JointRow, convention: str | None, sign: Sign, zero: Scalar, source: str, values: Values) -> Joint:
     before, after, direction = _geometry(row, convention, values)
-    return Joint(
-        name=row.name,
-        kind=row.type,
-        before=before,
-        sign=cast(Sign, sign * direction),
-        zero=mul(exact(direction), zero),
-        after=after,
+    section = (row.link.section or "") if row.link else ""
+    place = Joint(row.name, row.type, before, cast(Sign, sign * direction), mul(exact(direction), zero), after)
+    return replace(actuated(place, row, values), body=_body(row.link, values), section=section, source_name=source)
+
+
+def actuated(joint: Joint, row: JointRow | PairSpec, values: Values) -> Joint:
+    """The joint with what its row says of its limits, friction and motor."""
+    return replace(
+        joint,
         limits=values.pair(row.si("limits")),
         max_speed=values.optional(row.si("max_speed")),
         max_effort=values.optional(row.si("max_effort")),
-        body=_body(row.link, values),
-        section=(row.link.section or "") if row.link else "",
-        source_name=source,
         viscous=values.resolve(row.friction.viscous) if row.friction else ZERO,
         coulomb=values.resolve(row.friction.coulomb) if row.friction else ZERO,
-        rotor=reflected(row.rotor, values),
+        rotor=_reflected(row.rotor, values),
     )
 
 
-def reflected(rotor: Rotor | None, values: Values) -> Scalar:
+def _reflected(rotor: Rotor | None, values: Values) -> Scalar:
     """Inertia as the joint feels it: gear^2 times the rotor's own."""
     if rotor is None:
         return ZERO
@@ -165,17 +165,18 @@ def _level_end(mount: Transform, joints: tuple[Joint, ...], offset: tuple[Scalar
     return inverse(rotations) + origin(offset, (ZERO, ZERO, ZERO))
 
 
-def _damping(design: LegDesign, joints: tuple[Joint, ...], tip: Transform, values: Values) -> tuple[Scalar, Scalar]:
-    """The spec's (epsilon, lambda_max), else for both a hundredth of how far a unit of the joints' rates moves the foot.
-
-    Per radian of a turning joint that is the leg's reach, per metre of a sliding one 1 m; of a leg with both, the lesser.
-    """
+def damping_of(design: LegDesign, size: float, values: Values) -> tuple[Scalar, Scalar]:
+    """The spec's (epsilon, lambda_max), else for both a hundredth of `size`: how far a unit of the joints' rates moves the foot."""
     if design.damping is not None:
         return values.resolve(design.damping.epsilon), values.resolve(design.damping.lambda_max)
-    sizes = {"revolute": _reach(joints, tip, values), "prismatic": 1.0}
-    size = min(sizes[joint.kind] for joint in joints)
     default = exact(Decimal(f"{size:.2g}") * _DAMPING_PER_SIZE)
     return default, default
+
+
+def _size(joints: tuple[Joint, ...], tip: Transform, values: Values) -> float:
+    """Per radian of a turning joint the leg's reach, per metre of a sliding one 1 m; of a leg with both, the lesser."""
+    sizes = {"revolute": _reach(joints, tip, values), "prismatic": 1.0}
+    return min(sizes[joint.kind] for joint in joints)
 
 
 def _reach(joints: tuple[Joint, ...], tip: Transform, values: Values) -> float:

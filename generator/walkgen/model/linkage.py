@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from decimal import Decimal
 from math import hypot
 
+from walkgen.model.pair_friction import PairFriction, frictions_of
 from walkgen.model.values import Values
 from walkgen.spec.assur import SIDES, Group, Order, Structure, Triad, order
 from walkgen.spec.planar import End, joined_pairs, link_names, structure_of
 from walkgen.spec.scalar import ZERO, Scalar, add, div, exact, mul, power, sub
 from walkgen.spec.schema import LegDesign
-from walkgen.spec.table import Pair as Coordinates
 
 Point = tuple[Scalar, Scalar]
 
@@ -44,7 +44,7 @@ class Linkage:
     sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). q is in the order of the
     structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders lump at its points. `sides` name
     how dyads are assembled, the first side where they are silent; `start` says how triads are, none where there is none. `size` (m) is
-    that of the longest link, to two digits.
+    that of the longest link, to two digits. `frictions` are those of the pairs that have any.
     """
 
     structure: Structure
@@ -55,6 +55,7 @@ class Linkage:
     sides: tuple[tuple[str, str], ...]
     size: Scalar
     start: Start = Start()
+    frictions: tuple[PairFriction, ...] = ()
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -64,7 +65,12 @@ class Linkage:
     @property
     def drive_count(self) -> int:
         """How many q the linkage has."""
-        return len(self.driven) + len(self.structure.bars)
+        return self.structure.drive_count
+
+    @property
+    def heavy(self) -> tuple[tuple[int, PlanarBody], ...]:
+        """The links that have mass and move."""
+        return tuple((body, mass) for body, mass in enumerate(self.masses) if mass and body)
 
     @property
     def forward(self) -> Order:
@@ -88,7 +94,7 @@ def linkage_of(design: LegDesign, values: Values) -> Linkage:
     link, _, point = str(design.foot).partition(".")
     angles = [values.resolve(slider.guide.si("angle")) for slider in design.sliders]
     points = tuple(tuple(_end(end, values) for end in joined.points) for joined in joined_pairs(design))
-    foot = _point(design.links[link].points[point], values)
+    foot = values.point(design.links[link].points[point])
     return Linkage(
         structure,
         points,
@@ -98,6 +104,7 @@ def linkage_of(design: LegDesign, values: Values) -> Linkage:
         tuple(design.assembly.items()),
         _size([*(end for ends in points for end in ends if end is not None), foot], values),
         _start(design, names, values),
+        frictions_of(design, values),
     )
 
 
@@ -115,30 +122,25 @@ def _start(design: LegDesign, names: Sequence[str], values: Values) -> Start:
     points = ((text.partition(".")[::2], at) for text, at in given.points.items())
     return Start(
         tuple(values.resolve(drive) for drive in given.si("drives") or ()),
-        tuple((names.index(link), _point(design.links[link].points[name], values), _point(at, values)) for (link, name), at in points),
+        tuple((names.index(link), values.point(design.links[link].points[name]), values.point(at)) for (link, name), at in points),
         tuple((names.index(link), values.resolve(angle)) for link, angle in given.turned.items()),
     )
 
 
-def _point(coordinates: Coordinates, values: Values) -> Point:
-    x, y = (values.resolve(entry) for entry in coordinates)
-    return x, y
-
-
 def _end(end: End, values: Values) -> Point | None:
-    return None if end is None else _point(end, values)
+    return None if end is None else values.point(end)
 
 
 def _masses(name: str, design: LegDesign, values: Values) -> Iterator[PlanarBody]:
     """The link's own, then what cylinders lump at its points."""
     link = design.links[name]
     if link.mass is not None:
-        yield PlanarBody(values.resolve(link.mass), _point(link.com or (ZERO, ZERO), values), values.resolve(link.inertia))
+        yield PlanarBody(values.resolve(link.mass), values.point(link.com or (ZERO, ZERO)), values.resolve(link.inertia))
     for cylinder in design.cylinders:
         for text, mass in zip(cylinder.between, (cylinder.masses.at_first, cylinder.masses.at_second), strict=True):
             owner, _, point = text.partition(".")
             if owner == name and mass is not None:
-                yield PlanarBody(values.resolve(mass), _point(link.points[point], values), ZERO)
+                yield PlanarBody(values.resolve(mass), values.point(link.points[point]), ZERO)
 
 
 def _whole(parts: Sequence[PlanarBody]) -> PlanarBody | None:

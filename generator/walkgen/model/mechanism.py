@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from walkgen.model.gait import Gait
 from walkgen.model.linkage import Linkage
 from walkgen.model.terrain import Terrain
 from walkgen.spec.scalar import ZERO, Scalar, Vector
@@ -60,12 +61,12 @@ class Joint:
     sign: Literal[1, -1]
     zero: Scalar
     after: Transform
-    limits: tuple[Scalar, Scalar] | None
-    max_speed: Scalar | None
-    max_effort: Scalar | None
-    body: Body | None
-    section: str
-    source_name: str
+    limits: tuple[Scalar, Scalar] | None = None
+    max_speed: Scalar | None = None
+    max_effort: Scalar | None = None
+    body: Body | None = None
+    section: str = ""
+    source_name: str = ""
     viscous: Scalar = ZERO
     coulomb: Scalar = ZERO
     rotor: Scalar = ZERO
@@ -149,7 +150,7 @@ class Parameter:
 class Mechanism:
     """The robot. Order of q: chains, then legs, joints from base to foot; every remaining Name is a runtime parameter.
 
-    `terrain` is the ground that the spec describes, if it does.
+    `terrain` is the ground that the spec describes, if it does, `gaits` are those that it names.
     `adapt_weights` are those of limits, normal (1) and clearance (1/m^2), and the clearance (m).
     """
 
@@ -163,6 +164,7 @@ class Mechanism:
     sections: tuple[Section, ...]
     adapt_weights: tuple[Scalar, Scalar, Scalar, Scalar] = (ZERO, ZERO, ZERO, ZERO)
     terrain: Terrain | None = None
+    gaits: tuple[Gait, ...] = ()
 
     @property
     def limbs(self) -> tuple[Limb, ...]:

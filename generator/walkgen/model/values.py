@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from mpmath.ctx_mp import MPContext
 
-from walkgen.spec.scalar import ZERO, Scalar, Vector, evaluate, names, substitute
+from walkgen.spec.scalar import ZERO, Exact, Scalar, Vector, evaluate, names, substitute
 from walkgen.spec.schema import ParameterSpec
 
 _CONTEXT = MPContext()
@@ -44,6 +45,10 @@ class Values:
         x, y, z = (self.resolve(scalar) for scalar in scalars or (ZERO, ZERO, ZERO))
         return (x, y, z)
 
+    def point(self, scalars: tuple[Scalar, Scalar]) -> tuple[Scalar, Scalar]:
+        """Two resolved scalars."""
+        return (self.resolve(scalars[0]), self.resolve(scalars[1]))
+
     def pair(self, scalars: Sequence[Scalar] | None) -> tuple[Scalar, Scalar] | None:
         """Two resolved scalars, or None."""
         if scalars is None:
@@ -54,6 +59,11 @@ class Values:
     def optional(self, scalar: Scalar | None) -> Scalar | None:
         """A resolved scalar, or None."""
         return None if scalar is None else self.resolve(scalar)
+
+    def fraction(self, scalar: Scalar) -> Fraction:
+        """The value of a number without runtime parameters: exact where it is rational, else to 50 digits."""
+        resolved = self.resolve(scalar)
+        return resolved.value if isinstance(resolved, Exact) else Fraction(_CONTEXT.nstr(evaluate(resolved, _CONTEXT, {}), _CONTEXT.dps))
 
     def number(self, scalar: Scalar) -> float:
         """The value at the default parameters, for choices that need a size and not an exact number."""

@@ -1,4 +1,4 @@
-"""Says why a robot, leg, chain, route or terrain has no function of a name, so that a user learns more than that it is not there."""
+"""Says why a robot, leg, chain, route, terrain or gait has no function of a name, so that a user learns more than that it is not there."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -21,12 +21,15 @@ _LEG = (
 _ROBOT = (
     "platform_poses foot_positions foot_jacobians contact_points contact_normals adapt adapt_velocity com com_jacobian "
     "centroidal_momentum_matrix momentum momentum_rate demanded_wrench floating_mass_matrix floating_inverse_dynamics contact_forces "
-    "friction_needed slip settle chain_reactions stance_compliance load_misfit stability_margins terrain"
+    "friction_needed slip settle chain_reactions stance_compliance load_misfit stability_margins stability_margins_d_com feasible_region "
+    "disturbance_margin tipping_acceleration tipping_time tipping_tilt tipping_speed_limit centroidal_inertia terrain gait"
 )
+_STABILITY = ("stability_margins", "stability_margins_d_com", "feasible_region", "disturbance_margin")
 VOCABULARY = {
     "leg": frozenset(_LEG.split()),
     "chain": frozenset({"pose", "jacobian", "frames"}),
     "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project"}),
+    "gait": frozenset({"states", "leg_phase", "next_event", "foot_transfers", "foot_targets"}),
     "route": frozenset(f"{_FORWARD} {_SEEDED}".split()),
     "robot": frozenset(_ROBOT.split()),
 }
@@ -38,9 +41,14 @@ _NEEDS = {
     "stance_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of all legs",
     "load_misfit": "no chain is elastic: name one of [sections] as section in the links of chains, and of all legs",
     "chain_reactions": "it has no connecting chains",
+    **dict.fromkeys(
+        (*_STABILITY, "tipping_acceleration", "tipping_time", "tipping_tilt", "tipping_speed_limit"), "it stands on fewer than two points"
+    ),
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
     **dict.fromkeys(("sole_points", "sole_normal", "ground_pressure"), "it stands on a point: sole in its design is a rectangle"),
     "sole_compliance": "it stands on a point, or a link of some length has no cross-section: give the design a sole and its links sections",
+    "foot_transfers": "the gait has no lift",
+    "foot_targets": "the gait has no stance",
     "contact_points": "every leg stands on a point, and foot_positions has them: sole in a leg design is a rectangle",
     "contact_normals": "a leg stands on a point, and has no normal: sole in a leg design is a rectangle",
 }
@@ -54,7 +62,7 @@ def absent(kind: str, owner: str, name: str, built: Iterable[str], *, joints: in
     """What to raise for a name that `owner` does not have.
 
     Args:
-        kind: leg, chain, route, terrain or robot.
+        kind: leg, chain, route, terrain, gait or robot.
         owner: its name.
         name: what was asked for.
         built: the names it does have.
@@ -79,6 +87,8 @@ def _reason(name: str, joints: int) -> str:
         return f"{joints} joints cannot give the foot every pose; inverse reaches positions"
     if name in _NEEDS:
         return f"{_NEEDS[name]}, or [generate] functions leaves it out"
+    if name == "gait":
+        return "its spec has no [gait]"
     if name == "terrain":
         return "its spec describes no ground: [[terrain]] does"
     return "it was not built: [generate] functions leaves it out, or walkgen does not derive it for this mechanism"

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from walkgen.errors import Problem, ToolchainError
-from walkgen.runtime import contact, settling
+from walkgen.runtime import contact, settling, stability
 from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.counted import Counted
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
-from walkgen.runtime.robot import Chain, Leg, Robot, Route, Terrain
+from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Terrain
 from walkgen.runtime.ufuncs import make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
@@ -130,6 +130,7 @@ def _robot(folder: Path, manifest: Manifest, backend: _Backend) -> Robot:
         chains=MappingProxyType({chain["name"]: _chain(chain, limits, owned.get(chain["name"], _NONE)) for chain in manifest.chains}),
         routes=MappingProxyType({route["name"]: _route(route, owned.get(route["owner"], _NONE)) for route in manifest.routes}),
         terrain=Terrain("terrain", manifest.patches, owned.get("terrain", _NONE)) if manifest.patches else None,
+        gaits=MappingProxyType({gait["name"]: _gait(gait, owned.get(gait["owner"], _NONE)) for gait in manifest.gaits}),
         functions=MappingProxyType(functions),
         backend=backend.name,
         backend_reason=backend.reason,
@@ -142,7 +143,7 @@ def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
     bare = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
     functions = {name: as_called(function, signatures[name], defaults, single) for name, function in bare}
-    return functions | _solves(manifest.robot, functions)
+    return functions | _solves(manifest.robot, functions) | stability.named(manifest.robot, functions, signatures)
 
 
 def _solves(robot: str, functions: Mapping[str, Function]) -> dict[str, Function]:
@@ -184,3 +185,22 @@ def _route(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Route
     indices = np.array(entry["indices"], dtype=np.intp)
     indices.setflags(write=False)
     return Route(entry["name"], entry["owner"], indices, functions)
+
+
+def _gait(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait:
+    numbers = {key: None if entry[key] is None else float(entry[key]) for key in ("lift", "margin")}
+    return Gait(
+        name=entry["name"],
+        kind=entry["kind"],
+        legs=tuple(entry["legs"]),
+        duty_factor=tuple(map(float, entry["duty_factor"])),
+        phase=tuple(map(float, entry["phase"])),
+        period=float(entry["period"]),
+        stride=float(entry["stride"]),
+        lift=numbers["lift"],
+        stance=None if entry["stance"] is None else tuple((float(x), float(y), float(z)) for x, y, z in entry["stance"]),
+        static=bool(entry["static"]),
+        body=entry["body"],
+        margin=numbers["margin"],
+        functions=functions,
+    )

@@ -24,7 +24,7 @@ class FunctionEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """manifest.json, typed; `legs`, `chains`, `routes` and `parameters` keep the file's keys, `patches` are those of the ground."""
+    """manifest.json, typed; `legs`, `chains`, `routes`, `gaits` and `parameters` keep the file's keys, `patches` are the ground's."""
 
     robot: str
     description: str
@@ -40,6 +40,7 @@ class Manifest:
     chains: tuple[dict[str, Any], ...]
     routes: tuple[dict[str, Any], ...]
     patches: tuple[str, ...]
+    gaits: tuple[dict[str, Any], ...]
     functions: tuple[FunctionEntry, ...]
 
 
@@ -83,6 +84,7 @@ def _manifest(content: dict[str, Any]) -> Manifest:
         chains=_tables(content["chains"]),
         routes=_tables(content["routes"]),
         patches=_texts(content.get("terrain", [])),
+        gaits=_tables(content.get("gaits", [])),
         functions=tuple(_function(entry, robot) for entry in content["functions"]),
     )
 

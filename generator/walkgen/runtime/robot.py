@@ -1,4 +1,4 @@
-"""What `load` gives: a robot, its legs, chains, routes and ground, with the generated functions as attributes."""
+"""What `load` gives: a robot, its legs, chains, routes, ground and gaits, with the generated functions as attributes."""
 
 import builtins
 from collections.abc import Callable, Mapping
@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from walkgen.errors import Problem, ToolchainError, UnsupportedMechanism
 from walkgen.runtime.absent import absent
 from walkgen.runtime.calls import Function
 from walkgen.runtime.manifest import FunctionEntry
 from walkgen.runtime.modules import execute
+from walkgen.runtime.work import Work, cycle_work
 
 
 class _Owner:
@@ -51,6 +53,36 @@ class Leg(_Owner):
     branch_names: tuple[str, ...]
     inverse_class: str
     functions: Mapping[str, Function]
+
+    def work(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        f: ArrayLike | None = None,
+        *,
+        period: float,
+        times: ArrayLike | None = None,
+        param: ArrayLike | None = None,
+    ) -> Work:
+        """Work over one cycle of a sampled periodic motion: efforts of `inverse_dynamics` times rates, integrated by `cycle_work`.
+
+        Args:
+            q: joint values at the samples [..., samples, n]; the sample after the last is the first again.
+            qd: their rates.
+            qdd: their accelerations.
+            f: the ground's force on the foot [..., samples, 3] (N), 0 where left out.
+            period: of the cycle (s).
+            times: of the samples [samples] (s), not falling, two alike where the force jumps; even steps where left out.
+            param: the runtime parameters.
+
+        Raises:
+            UnsupportedMechanism: WG410 the leg was built without `inverse_dynamics`.
+            ValueError: too few samples, or times that do not fit them and the period.
+        """
+        given = {} if param is None else {"param": param}
+        efforts = self.inverse_dynamics(q, qd, qdd, f, **given)
+        return cycle_work(efforts * np.asarray(qd, dtype=float), period, times)
 
     def __repr__(self) -> str:
         inverse = f"inverse {self.inverse_class}" if self.inverse_class else "inverse from a seed"
@@ -102,12 +134,40 @@ class Terrain(_Owner):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Gait(_Owner):
+    """A gait of the spec: its numbers, one a leg in the order of `legs`, and its functions of time, which are also attributes.
+
+    `duty_factor` and `phase` are in periods, `period` in s, `stride` along x in a period, `lift`, `stance` [k][3] in the first platform's
+    frame and `margin` in m; None is what the spec leaves out. `walkgen.gait.pattern.Gait.of` makes a gait of walkgen.gait of it.
+    """
+
+    name: str
+    kind: str
+    legs: tuple[str, ...]
+    duty_factor: tuple[float, ...]
+    phase: tuple[float, ...]
+    period: float
+    stride: float
+    lift: float | None
+    stance: tuple[tuple[float, float, float], ...] | None
+    static: bool
+    body: str
+    margin: float | None
+    functions: Mapping[str, Function]
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<gait{name}: {self.kind}, {self.period:g} s, {len(self.functions)} functions>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A loaded robot; functions take array-likes with leading batch dimensions and broadcast as ufuncs do.
 
     `functions` has every function by its full name; the robot's own (`foot_positions`, ...) are also attributes.
     `backend` is "c" or "numpy" and `backend_reason` says why; `limits` [nq,2] are infinite where the spec gives none;
-    `parameters` are the runtime parameters' default values; `terrain` is there where the spec describes the ground.
+    `parameters` are the runtime parameters' default values; `terrain` is there where the spec describes the ground,
+    `gait`, the first of its `gaits`, where it has any.
     """
 
     name: str
@@ -121,6 +181,7 @@ class Robot:
     chains: Mapping[str, Chain]
     routes: Mapping[str, Route]
     terrain: Terrain | None
+    gaits: Mapping[str, Gait]
     functions: Mapping[str, Function]
     backend: str
     backend_reason: str
@@ -130,6 +191,8 @@ class Robot:
         self.__dict__.update(self._own())
         if self.terrain is None:
             del self.__dict__["terrain"]  # so that asking for it says why there is none
+        if self.gaits:
+            self.__dict__["gait"] = next(iter(self.gaits.values()))
 
     def _own(self) -> dict[str, Function]:
         signatures = [entry.signature for entry in self.entries if not entry.signature.owner]

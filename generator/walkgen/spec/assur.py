@@ -56,6 +56,11 @@ class Structure:
         joints = sum(len(pair.bodies) - 1 for pair in self.pairs if not self.bars & set(pair.bodies))
         return 3 * (links - 1) - 2 * joints
 
+    @property
+    def drive_count(self) -> int:
+        """Driven pairs, and driven cylinders."""
+        return len(self.bars) + sum(pair.driven for pair in self.pairs)
+
     def released(self, foot: int) -> "Structure":
         """Without drives, the foot's link pinned to the frame: what places the drives for a foot. Pairs keep their indices."""
         free = tuple(Pair(pair.kind, pair.name, () if self.bars & set(pair.bodies) else pair.bodies) for pair in self.pairs)

@@ -9,7 +9,7 @@ from walkgen.spec.evaluate import Numbers
 from walkgen.spec.joint_tables import JointRow
 from walkgen.spec.problems import Finding, shown
 from walkgen.spec.scalar import Scalar
-from walkgen.spec.schema import Design, RobotSpec, SoleSpec
+from walkgen.spec.schema import Design, LegDesign, RobotSpec, SoleSpec
 from walkgen.spec.table import Path, Table, entries
 from walkgen.spec.tree import design_of
 
@@ -40,17 +40,19 @@ def check_joints(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
 
 
 def _branches(spec: RobotSpec) -> Iterator[Finding]:
-    """Every branch of a leg's inverse has a name, or none has."""
+    """Every branch of the inverse of a leg of joints in series has a name, or none has."""
     for name, design in spec.leg_designs.items():
-        if design.branches is None:
-            continue
-        count = branch_count("".join(joint.type[0].upper() for joint in design.joints))
-        if len(design.branches) != count:
-            message = f"branches has {len(design.branches)} names; the inverse of these joints has {count or 'no'} branches"
-            cure = (
-                f"give {count} names in their fixed order, or leave branches out" if count else "leave branches out: there is inverse_near"
-            )
-            yield Finding("WG127", ("leg_designs", name, "branches"), message, cure)
+        if not design.planar:
+            count = branch_count("".join(joint.type[0].upper() for joint in design.joints))
+            yield from named_branches(("leg_designs", name, "branches"), design, count)
+
+
+def named_branches(path: Path, design: LegDesign, count: int) -> Iterator[Finding]:
+    """The inverse has as many branches as the design names, if it does."""
+    if design.branches is not None and len(design.branches) != count:
+        message = f"branches has {len(design.branches)} names; the inverse of these joints has {count or 'no'} branches"
+        cure = f"give {count} names in their fixed order, or leave branches out" if count else "leave branches out: there is inverse_near"
+        yield Finding("WG127", path, message, cure)
 
 
 def _soles(spec: RobotSpec) -> Iterator[Finding]:

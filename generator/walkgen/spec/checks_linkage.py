@@ -1,18 +1,24 @@
 """Rules of planar linkages: points exist, pairs join what can move, all hangs together, and the drives move exactly what is free."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 
 from walkgen.spec.assur import Structure, order
+from walkgen.spec.branches import CURVE_BRANCHES, follows_curve, linkage_branches, linkage_choices, linkage_hindrance
 from walkgen.spec.checks_assembly import check_assembly
+from walkgen.spec.checks_joints import named_branches
 from walkgen.spec.evaluate import Numbers
-from walkgen.spec.linkage import FRAME, CylinderSpec
-from walkgen.spec.planar import structure_of
+from walkgen.spec.linkage import FRAME, CylinderSpec, PinFriction
+from walkgen.spec.mobility import loops_of
+from walkgen.spec.planar import joined_pairs, located, structure_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
+from walkgen.spec.scalar import ZERO
 from walkgen.spec.schema import LegDesign, RobotSpec
-from walkgen.spec.table import Path
+from walkgen.spec.table import Path, entries
 
 _OF_LINKAGES = ("plane", "assembly", "start")
+_MOST_CHOICES = 4
 
 
 def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
@@ -25,9 +31,10 @@ def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         broken = list(_references(path, design))
         yield from broken
         yield from _passive(path, design)
+        yield from _bolts(path, design)
         yield from _cylinders(path, design, numbers)
         if not broken:
-            yield from _structure(path, design)
+            yield from _structure(path, design, numbers)
 
 
 def _no_linkage(path: Path, design: LegDesign) -> Iterator[Finding]:
@@ -107,13 +114,22 @@ def _pin(path: Path, joins: tuple[str, ...], driven: bool) -> Iterator[Finding]:
 
 
 def _passive(path: Path, design: LegDesign) -> Iterator[Finding]:
-    """What only a driven pair can have."""
+    """What only a pair with a motor can have."""
     for key in ("pins", "sliders", "cylinders"):
         for index, pair in enumerate(getattr(design, key)):
-            for name in ("friction", "rotor", "max_effort", "max_speed"):
+            for name in ("rotor", "max_effort", "max_speed"):
                 if not pair.driven and getattr(pair, name) is not None:
-                    message = f"{name}: the pair is not driven, and passive pairs are without friction"
+                    message = f"{name}: the pair is not driven, and only a motor has that"
                     yield Finding("WG186", (*path, key, index, name), message, f"remove {name}, or write driven = true")
+
+
+def _bolts(path: Path, design: LegDesign) -> Iterator[Finding]:
+    """Friction of what a pin carries needs its coefficient and the bolt's radius."""
+    for here, friction in entries(design, path):
+        if isinstance(friction, PinFriction) and (friction.mu is None) != (friction.radius is None):
+            key, example = ("radius", "radius = 0.01 (m)") if friction.radius is None else ("mu", "mu = 0.1")
+            message = f'missing key "{key}": mu and radius stand together'
+            yield Finding("WG111", (*here, key), message, f"write {example}, or leave both out")
 
 
 def _cylinders(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
@@ -139,7 +155,7 @@ def _length(path: Path, cylinder: CylinderSpec, numbers: Numbers) -> Iterator[Fi
         )
 
 
-def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
+def _structure(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
     """What counting and ordering tell."""
     structure = structure_of(design)
     astray = _disconnected(structure)
@@ -147,9 +163,8 @@ def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
         names = ", ".join(shown(structure.names[body]) for body in astray)
         yield Finding("WG182", (*path, "links"), f"nothing joins {names} to the frame", "join every link by pins, sliders or cylinders")
         return
-    drives = len(structure.bars) + sum(pair.driven for pair in structure.pairs)
-    if structure.mobility != drives:
-        yield Finding("WG183", path, _count(structure, drives), "drive as many pairs as there are freedoms, or mend the pairs")
+    if structure.mobility != structure.drive_count:
+        yield _miscounted(path, design, structure, numbers)
         return
     found = order(structure)
     if len(found.clusters) > 1:
@@ -161,6 +176,21 @@ def _structure(path: Path, design: LegDesign) -> Iterator[Finding]:
             yield Finding("WG150", path, f"the group {stuck} has more than four links, which is not supported", cure)
         return
     yield from check_assembly(path, design, structure)
+    if design.branches is not None:
+        yield from _branches((*path, "branches"), design, structure)
+
+
+def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
+    """As many names as branches, which the cure spells where there are few."""
+    if follows_curve(structure, len(design.joints)):
+        yield from named_branches(path, design, len(CURVE_BRANCHES))
+        return
+    foot, _ = located(design, str(design.foot))
+    hindrance = linkage_hindrance(structure, foot, "".join(joint.type[0].upper() for joint in design.joints))
+    choices = linkage_choices(structure, foot, [joint.name for joint in design.joints])
+    for finding in named_branches(path, design, 0 if hindrance else 2 ** len(choices)):
+        spelt = f"{finding.cure}: {', '.join(linkage_branches(choices))}" if len(choices) <= _MOST_CHOICES else finding.cure
+        yield replace(finding, cure=f"leave branches out: {hindrance}" if hindrance else spelt)
 
 
 def _tied_twice(structure: Structure, clusters: tuple[frozenset[int], ...]) -> bool:
@@ -179,12 +209,26 @@ def _disconnected(structure: Structure) -> list[int]:
     return [body for body in range(len(structure.names)) if body not in reached]
 
 
-def _count(structure: Structure, drives: int) -> str:
+def _miscounted(path: Path, design: LegDesign, structure: Structure, numbers: Numbers) -> Finding:
+    """Not as many drives as freedoms; where its dimensions are special, it has others than the count says."""
+    guides = [slider.guide.si("angle") or ZERO for slider in design.sliders]
+    joined = joined_pairs(design)
+    angles = (*(ZERO,) * (len(joined) - len(guides)), *guides)
+    loops = loops_of(structure, [each.points for each in joined], angles, numbers.number)
+    found = min((loops.mobility(x) for x in loops.poses()), key=lambda each: each.freedoms, default=None) if loops else None
+    if found is None or found.freedoms == structure.mobility:
+        return Finding("WG183", path, _count(structure), "drive as many pairs as there are freedoms, or mend the pairs")
+    pairs = ", ".join(shown(name) for name in found.pairs)
+    message = f"{_count(structure)}; the rank of its pairs' equations where it closes leaves {found.freedoms}: {pairs} say one thing twice"
+    return Finding("WG191", path, message, "leave out a link between these pairs whose motion the others make already")
+
+
+def _count(structure: Structure) -> str:
     links = len(structure.names) - len(structure.bars)
     joints = sum(len(pair.bodies) - 1 for pair in structure.pairs if not structure.bars & set(pair.bodies))
     return (
         f"the linkage has 3 ({links} - 1) - 2 * {joints} = {structure.mobility} degrees of freedom in its plane, "
-        f"and {drives} driven pairs (cylinders left out of the count of links and pairs)"
+        f"and {structure.drive_count} driven pairs (cylinders left out of the count of links and pairs)"
     )
 
 

@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from typing import TypeVar
 
-from walkgen.spec.functions import CHAIN_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, ROUTE_FUNCTIONS, TERRAIN_FUNCTIONS
+from walkgen.spec.checks_gait import gait_owner, gaits_of
+from walkgen.spec.functions import CHAIN_FUNCTIONS, GAIT_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, ROUTE_FUNCTIONS, TERRAIN_FUNCTIONS
 from walkgen.spec.linkage import PairSpec
 from walkgen.spec.linkage_forms import DriveSpec
 from walkgen.spec.names import PATTERN, RESERVED, is_own_prefix, suggestion
@@ -54,6 +55,7 @@ def _named(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
         yield from (((key, index, "name"), entry.name) for index, entry in enumerate(getattr(spec, key)))
     for path, design in _designs(spec):
         yield from (((*path, "joints", index, "name"), joint.name) for index, joint in enumerate(design.joints))
+    yield from ((path, name) for name, path, _ in gaits_of(spec) if name)
     yield from _branch_names(spec)
     yield from _pair_names(spec)
 
@@ -114,13 +116,15 @@ def _function_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     robot = spec.robot.name
     yield from ((("robot", "name"), f"{robot}_{function}") for function in ROBOT_FUNCTIONS)
     yield from ((("terrain",), f"{robot}_terrain_{function}") for function in TERRAIN_FUNCTIONS if spec.terrain)
+    for name, path, _ in gaits_of(spec):
+        yield from ((path, f"{robot}_{gait_owner(name)}_{function}") for function in GAIT_FUNCTIONS)
     for index, platform in _first(spec.platforms)[1:]:
         yield from ((("platforms", index, "name"), f"{robot}_{platform.name}_{function}") for function in CHAIN_FUNCTIONS)
     for index, leg in _first(spec.legs):
-        path: Path = ("legs", index, "name")
-        yield from ((path, f"{prefix}_{leg.name}_{function}") for function in LEG_FUNCTIONS for prefix in (robot, f"{robot}_f32"))
+        place: Path = ("legs", index, "name")
+        yield from ((place, f"{prefix}_{leg.name}_{function}") for function in LEG_FUNCTIONS for prefix in (robot, f"{robot}_f32"))
         if spec.platforms and platform_of(spec, leg) != spec.platforms[0].name:
-            yield from ((path, f"{robot}_root_to_{leg.name}_{function}") for function in ROUTE_FUNCTIONS)
+            yield from ((place, f"{robot}_root_to_{leg.name}_{function}") for function in ROUTE_FUNCTIONS)
 
 
 def _joint_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:

@@ -6,8 +6,9 @@ from itertools import combinations
 
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
+from walkgen.spec.gait import GaitSpec
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
-from walkgen.spec.linkage import CylinderSpec, PinSpec, SliderSpec
+from walkgen.spec.linkage import CylinderSpec, PinFriction, PinSpec, SliderFriction, SliderSpec
 from walkgen.spec.linkage_forms import DriveSpec, FiveBar, FourBar, Parallelogram, Stephenson, Watt
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
@@ -23,19 +24,23 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     Damping: ("epsilon", "lambda_max"),
     SoleSpec: ("length", "length_mm", "width", "width_mm", "kn", "kt"),
     TerrainPatch: ("spacing", "kn", "kt"),
+    GaitSpec: ("period", "pitch", "pitch_mm"),
     FourBar: _FOUR_BARS,
     **dict.fromkeys((Watt, Stephenson), (*_FOUR_BARS, "second_coupler", "second_rocker")),
     Parallelogram: ("ground", "crank"),
     FiveBar: ("cranks", "couplers"),
     **dict.fromkeys((DriveSpec, PinSpec, SliderSpec, CylinderSpec), ("max_speed", "max_effort")),
+    PinFriction: ("radius",),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Link: ("mass",),
     PlatformSpec: ("mass",),
     Friction: ("viscous", "coulomb"),
+    **dict.fromkeys((PinFriction, SliderFriction), ("viscous", "coulomb", "mu")),
     Rotor: ("inertia",),
     TerrainPatch: ("mu",),
     FiveBar: ("ground",),
+    GaitSpec: ("lift", "lift_mm"),
     AdaptSpec: ("limit_weight", "normal_weight", "clearance_weight"),
 }
 _PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")

@@ -59,6 +59,7 @@ FLOATING_FUNCTIONS: Final = (
     "demanded_wrench",
     "floating_mass_matrix",
     "floating_inverse_dynamics",
+    "centroidal_inertia",
 )
 """Of the robot; those of the centre of mass where it has any mass."""
 
@@ -77,6 +78,18 @@ CONTACT_FUNCTIONS: Final = (
     "settle",
 )
 """Of robots with feet to share a load, for any number of feet in contact; `settle` where there are three legs, mass and terrain."""
+
+STABILITY_FUNCTIONS: Final = (
+    "stability_margins",
+    "stability_margins_d_com",
+    "feasible_region",
+    "disturbance_margin",
+    "tipping_acceleration",
+    "tipping_time",
+    "tipping_tilt",
+    "tipping_speed_limit",
+)
+"""Of robots with feet to share a load, for any number of feet in contact, or about a line between two."""
 
 SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_compliance")
 """Of legs with a sole; `sole_compliance` where the links have sections."""
@@ -99,8 +112,11 @@ KINEMATIC_FUNCTIONS: Final = (
 )
 """Of the robot; contacts apart from feet where a leg has a sole, their normals where every leg has one."""
 
-ROBOT_FUNCTIONS: Final = (*KINEMATIC_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUNCTIONS, *CONTACT_FUNCTIONS)
+ROBOT_FUNCTIONS: Final = (*KINEMATIC_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUNCTIONS, *CONTACT_FUNCTIONS, *STABILITY_FUNCTIONS)
 TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project")
 """Of the ground, where the spec has any."""
 
-FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS + TERRAIN_FUNCTIONS
+GAIT_FUNCTIONS: Final = ("states", "leg_phase", "next_event", "foot_transfers", "foot_targets")
+"""Of every gait of the spec; `foot_transfers` where it has a lift, `foot_targets` where it has a stance too."""
+
+FUNCTION_NAMES: Final = LEG_FUNCTIONS + CHAIN_FUNCTIONS + ROBOT_FUNCTIONS + TERRAIN_FUNCTIONS + GAIT_FUNCTIONS

@@ -26,6 +26,22 @@ class PlanarLinkSpec(Table):
     """About the centre of mass, normal to the plane (kg m^2)."""
 
 
+class PinFriction(Friction):
+    """In a pin, against the turning; what it carries rubs on the bolt: mu * radius * force."""
+
+    mu: Number | None = None
+    """Coefficient of friction between bolt and eye."""
+    radius: Number | None = None
+    """Of the bolt (m)."""
+
+
+class SliderFriction(Friction):
+    """In a slider, against the sliding; what it carries across its guide rubs there: mu * force."""
+
+    mu: Number | None = None
+    """Coefficient of friction on the guide."""
+
+
 class ActuatorSpec(Table):
     """What a driven pair can do."""
 
@@ -55,6 +71,8 @@ class PinSpec(PairSpec):
     """The last joined point's name where left out."""
     joins: tuple[StrictStr, ...] = Field(max_length=_MOST_ENDS)
     """Points, each as link.point; n of them count n - 1 pairs."""
+    friction: PinFriction | None = None
+    """Of every further link's turning against the first."""
     limits_deg: Pair | None = None
 
 
@@ -78,6 +96,7 @@ class SliderSpec(PairSpec):
     link: StrictStr
     """The sliding point, as link.point."""
     guide: Guide
+    friction: SliderFriction | None = None
     limits_mm: Pair | None = None
 
 

@@ -8,12 +8,12 @@ and rocker; the second rocker joins E on the one of these two to G on the other.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 from pydantic import StrictStr
 
-from walkgen.spec.linkage import FRAME, ActuatorSpec, PinSpec, PlanarLinkSpec
+from walkgen.spec.linkage import FRAME, ActuatorSpec, PinFriction, PinSpec, PlanarLinkSpec
 from walkgen.spec.scalar import ZERO, Scalar
 from walkgen.spec.table import Number, Pair, Table
 
@@ -30,6 +30,7 @@ class DriveSpec(ActuatorSpec):
 
     name: StrictStr | None = None
     """The crank's where left out."""
+    friction: PinFriction | None = None
     limits_deg: Pair | None = None
 
 
@@ -40,6 +41,8 @@ class LinkageForm(Table):
     """The foot point in the axes of its link (m); the design's own `foot` where left out."""
     foot_link: StrictStr | None = None
     """Link of the foot; the coupler where left out, of a six-bar the second coupler."""
+    friction: PinFriction | None = None
+    """Of every pin that is not driven."""
 
 
 class FourBar(LinkageForm):
@@ -130,6 +133,12 @@ class LinkageTables:
 
 def tables_of(form: LinkageForm) -> LinkageTables:
     """The links and pins that a well-formed short form stands for."""
+    tables = _tables(form)
+    pins = tuple(pin if pin.driven else pin.model_copy(update={"friction": form.friction}) for pin in tables.pins)
+    return replace(tables, pins=pins)
+
+
+def _tables(form: LinkageForm) -> LinkageTables:
     if isinstance(form, FiveBar):
         return _five_bar(form)
     if isinstance(form, Parallelogram):

@@ -50,7 +50,7 @@ def _exact_places(joined: tuple[Joined, ...]) -> dict[tuple[int, int], Complex]:
 
 def _exact_foot(design: LegDesign) -> tuple[int, Complex]:
     """Its link and place; no link where the place is not exact."""
-    body, (x, y) = _located(design, str(design.foot))
+    body, (x, y) = located(design, str(design.foot))
     return (body, (x.value, y.value)) if isinstance(x, Exact) and isinstance(y, Exact) else (-1, (Fraction(0), Fraction(0)))
 
 
@@ -64,14 +64,15 @@ def pin_name(joins: tuple[str, ...], name: str | None) -> str:
     return name or joins[-1].rpartition(".")[2].lower()
 
 
-def _located(design: LegDesign, text: str) -> tuple[int, Coordinates]:
+def located(design: LegDesign, text: str) -> tuple[int, Coordinates]:
+    """A link by its number, and the point that the text names."""
     link, _, point = text.partition(".")
     return link_names(design).index(link), design.links[link].points[point]
 
 
 def _pins(design: LegDesign) -> Iterator[Joined]:
     for pin in design.pins:
-        ends = [_located(design, text) for text in pin.joins]
+        ends = [located(design, text) for text in pin.joins]
         pair = Pair("R", pin_name(pin.joins, pin.name), tuple(body for body, _ in ends), pin.driven)
         yield Joined(pair, tuple(point for _, point in ends))
 
@@ -81,13 +82,13 @@ def _cylinders(design: LegDesign) -> Iterator[Joined]:
     for cylinder in design.cylinders:
         if cylinder.driven:
             for text, far in zip(cylinder.between, ((ZERO, ZERO), None), strict=True):
-                body, point = _located(design, text)
+                body, point = located(design, text)
                 yield Joined(Pair("R", cylinder.name, (body, bar)), (point, far))
             bar += 1
 
 
 def _sliders(design: LegDesign) -> Iterator[Joined]:
     for slider in design.sliders:
-        body, point = _located(design, slider.link)
+        body, point = located(design, slider.link)
         guide = link_names(design).index(slider.guide.link)
         yield Joined(Pair("P", slider.name, (body, guide), slider.driven), (point, slider.guide.point))

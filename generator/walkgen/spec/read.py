@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from walkgen.errors import Problem, SpecError, UnsupportedMechanism
 from walkgen.spec.checks_forms import check_forms
+from walkgen.spec.checks_gait import check_gaits
 from walkgen.spec.checks_joints import check_joints, check_units
 from walkgen.spec.checks_names import check_joined_names, check_names, check_texts
 from walkgen.spec.checks_terrain import check_height_maps, check_terrain
@@ -62,6 +63,7 @@ def findings_of(spec: RobotSpec, folder: Path) -> Iterator[Finding]:
         check_inertias(spec, numbers),
         check_terrain(spec, numbers),
         check_height_maps(spec, numbers, folder),
+        check_gaits(spec, numbers),
     )
 
 

@@ -5,6 +5,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 
+from walkgen.spec.gait import TAGS as GAIT_TAGS
+from walkgen.spec.gait import Gaits
 from walkgen.spec.joint_tables import JointRow, Pose
 from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec, StartSpec
 from walkgen.spec.linkage_forms import FiveBar, FourBar, LinkageForm, Parallelogram, Stephenson, Watt
@@ -79,7 +81,7 @@ class LegDesign(Design):
     sole: SoleSpec | None = None
     """Rectangle on which the leg stands; on the foot point alone where left out."""
     damping: Damping | None = None
-    branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_JOINTS)
+    branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_NAMES)
     """Names of the inverse's branches, in their fixed order."""
 
     links: dict[StrictStr, PlanarLinkSpec] = Field(default_factory=dict, max_length=_MOST_LINKS)
@@ -226,7 +228,7 @@ Functions = Annotated[
     Annotated[Literal["all"], Tag("functions:word")] | Annotated[tuple[StrictStr, ...], Tag("functions:list")],
     Discriminator(_functions_kind),
 ]
-TAGS = frozenset({"end:word", "end:pose", "foot:point", "foot:pose", "functions:word", "functions:list"})
+TAGS = frozenset({"end:word", "end:pose", "foot:point", "foot:pose", "functions:word", "functions:list"}) | GAIT_TAGS
 """Parts of pydantic's error places that are no keys."""
 
 
@@ -269,6 +271,8 @@ class RobotSpec(Table):
     legs: tuple[LegSpec, ...] = Field(default=(), max_length=_MOST_LIMBS)
     terrain: tuple[TerrainPatch, ...] = Field(default=(), max_length=_MOST_LIMBS)
     adapt: AdaptSpec = AdaptSpec()
+    gait: Gaits | None = None
+    """One gait, or several under names of their own: [gait.tripod], [gait.wave]."""
 
 
 def schema_json() -> str:

@@ -32,6 +32,8 @@ _STAND_INS: Mapping[str, Any] = {
     "name": "?",
     "type": "revolute",
     "surface": "plane",
+    "kind": "free",
+    "period": 1,
     "gravity": [0, 0, -1],
     **dict.fromkeys(("value", "epsilon", "lambda_max", "E", "G", "A", "Iy", "Iz", "J"), 1),
     **dict.fromkeys(("ground", "crank", "coupler", "rocker", "second_coupler", "second_rocker"), 1),
@@ -157,17 +159,24 @@ def _child(value: Any, part: str | int) -> Any:
 def _keys(path: Path) -> tuple[str, ...]:
     """The keys allowed in the table at the path; no keys where names are free."""
     model: type[Table] = RobotSpec
-    named = False
+    named = perhaps = False
     for part in path:
-        if named or isinstance(part, int):
-            named = False
+        if named or isinstance(part, int) or (perhaps and part not in model.model_fields):
+            named = perhaps = False
             continue
         if part not in model.model_fields:
             return ()
         annotation = model.model_fields[part].annotation
-        model = next(_tables_in(annotation), model)
-        named = getattr(annotation, "__origin__", None) is dict
+        tables = tuple(_tables_in(annotation))
+        model = tables[0] if tables else model
+        perhaps = _has_names(annotation)
+        named = perhaps and (not tables or getattr(annotation, "__origin__", None) is dict)
     return () if named else tuple(model.model_fields)
+
+
+def _has_names(annotation: Any) -> bool:
+    """Whether the value may be a table of free names."""
+    return getattr(annotation, "__origin__", None) is dict or any(_has_names(argument) for argument in get_args(annotation))
 
 
 def _tables_in(annotation: Any) -> Iterator[type[Table]]:

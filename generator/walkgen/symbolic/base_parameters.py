@@ -9,9 +9,10 @@ import sympy
 from walkgen.model.mechanism import Mechanism
 from walkgen.model.walk import CONTEXT, defaults
 from walkgen.symbolic.frames import Frame, parameter_symbols
-from walkgen.symbolic.minimal import Parameter, minimal
+from walkgen.symbolic.minimal import Motions, Parameter, minimal
 from walkgen.symbolic.newton_euler import NewtonEuler
 from walkgen.symbolic.regressor import Regressor
+from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tape import DIGITS, Vec
 from walkgen.symbolic.tape_values import tape_values
 from walkgen.symbolic.tree import Tree
@@ -21,25 +22,33 @@ _TURNING, _SLIDING = (1, 2, 5, 6, 7, 8, 9), (0, 1, 2, 3)
 """What giving back to the parent leaves: all but mass, mz and xx, or mass and first moment."""
 
 
-def base_regressor(mechanism: Mechanism, motion: NewtonEuler, gravity: Vec) -> tuple[list[list[sympy.Expr]], list[sympy.Expr]]:
-    """Regressor, rows by joint, and values of the parameters that stay.
+def base_regressor(
+    mechanism: Mechanism, motion: NewtonEuler, gravity: Vec, spread: Spread, candidates: Sequence[Parameter], motions: Motions
+) -> tuple[list[tuple[sympy.Expr, ...]], list[sympy.Expr]]:
+    """Regressor, rows by q, and values of the parameters that stay.
 
     Args:
         mechanism: for its runtime parameters.
-        motion: of one leg, regrouped without regard to its inertias' values.
+        motion: of one leg.
         gravity: in the base's axes.
+        spread: from q to the tree's coordinates.
+        candidates: all parameters that may matter, base to tip.
+        motions: how the links can move.
     """
     tree, tape = motion.turning.tree, motion.tape
-    candidates = [(index, number) for index, link in enumerate(tree.links) for number in (_TURNING if link.revolute else _SLIDING)]
     samples = [tape_values(tape, given) for given in _samples(mechanism)]
     builder, columns, values = Regressor(motion), [], []
-    for combination in minimal(tree, gravity, candidates, samples):
+    for combination in minimal(tree, gravity, candidates, samples, motions):
         index, number = combination.kept
-        columns.append(builder.column(index, number, Frame()))
+        columns.append(builder.efforts(spread, index, number, Frame()))
         others = sympy.Add(*(_factor(factor) * _entry(tree, other) for other, factor in combination.others))
         values.append(tape.let(f"p_{tree.links[index].name}_{number}", _entry(tree, combination.kept) + others))
-    places = {link.coordinate: index for index, link in enumerate(tree.links)}
-    return [[column.get(places[row], sympy.S.Zero) for column in columns] for row in range(len(tree.links))], values
+    return list(zip(*columns, strict=True)), values
+
+
+def kept_by_regrouping(tree: Tree) -> list[Parameter]:
+    """Of a tree that was regrouped without regard to its inertias' values."""
+    return [(index, number) for index, link in enumerate(tree.links) for number in (_TURNING if link.revolute else _SLIDING)]
 
 
 def _samples(mechanism: Mechanism) -> Iterator[dict[sympy.Symbol, Any]]:

@@ -1,8 +1,8 @@
-"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own and the ground's."""
+"""derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own, the ground's and the gaits'."""
 
 from collections.abc import Callable, Iterable, Iterator
 
-from walkgen.model.classify import inverse_class
+from walkgen.model.classify import CURVE, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.spec.functions import TERRAIN_FUNCTIONS
@@ -11,12 +11,14 @@ from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.closing import closed
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
+from walkgen.symbolic.curve_inverse import curve_inverse
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
+from walkgen.symbolic.gait import gait_functions
 from walkgen.symbolic.inverse import inverse, inverse_branch
 from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
-from walkgen.symbolic.linkage_functions import LINKAGE, LinkageFunctions
+from walkgen.symbolic.linkage_functions import LINKAGE, linkage_function
 from walkgen.symbolic.linkage_inverse import linkage_inverse
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.reach import inverse_pose, inverse_reach
@@ -24,6 +26,7 @@ from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 from walkgen.symbolic.settle import settle
 from walkgen.symbolic.soles import SoleFunctions
+from walkgen.symbolic.stability import StabilityFunctions
 from walkgen.symbolic.stance import stance_functions
 from walkgen.symbolic.terrain import TerrainFunctions
 
@@ -80,6 +83,7 @@ def _derived(mechanism: Mechanism, names: tuple[str, ...]) -> Iterator[Derivatio
     if mechanism.terrain:
         ground = TerrainFunctions(mechanism, mechanism.terrain)
         yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
+    yield from (build() for name, build in gait_functions(mechanism) if wanted(name))
 
 
 def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
@@ -96,6 +100,7 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     if mechanism.terrain and wanted("settle"):
         surface = TerrainFunctions(mechanism, mechanism.terrain).surface()
         yield from _existing([settle(mechanism, robot.foot_positions(), floating.weight(), surface)])
+    stood |= StabilityFunctions(mechanism, floating.mass).functions()
     yield from (build() for name, build in stood.items() if wanted(name))
 
 
@@ -104,8 +109,7 @@ def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivat
     yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
     yield from (build() for name, build in SoleFunctions(mechanism, leg).functions().items() if wanted(name))
     if leg.linkage is not None:
-        linked = LinkageFunctions(mechanism, leg)
-        yield from (linked.function(name) for name in LINKAGE if wanted(name))
+        yield from (linkage_function(mechanism, leg, name) for name in LINKAGE if wanted(name))
     else:
         yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
 
@@ -136,7 +140,8 @@ def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted:
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
     """All branches where they are known."""
     if leg.linkage is not None:
-        yield from (function for function in linkage_inverse(mechanism, leg) if wanted(function.signature.name))
+        build = curve_inverse if inverse_class(mechanism, leg).name == CURVE else linkage_inverse
+        yield from (function for function in build(mechanism, leg) if wanted(function.signature.name))
     elif inverse_class(mechanism, leg).name:
         yield from (build(mechanism, leg) for name, build in BRANCHED.items() if wanted(name))
     elif wanted("inverse_admissible"):

@@ -132,7 +132,7 @@ def planar_joints(sliding: Body | None = None, turning: Body | None = None) -> t
 
 
 def _joint(name: str, kind: Literal["revolute", "prismatic"], before: Transform, after: Transform, body: Body | None) -> Joint:
-    return Joint(name, kind, before, 1, ZERO, after, None, None, None, body, "", "")
+    return Joint(name, kind, before, 1, ZERO, after, body=body)
 
 
 def _mixed(columns: Sequence[Vec], factors: Exprs) -> Vec:

@@ -29,8 +29,12 @@ class Drive:
         """Against the motion; 0 at rest."""
         if rate == 0:
             return _ZERO
-        sign = Indicator(Less(0, rate)) - Indicator(Less(rate, 0))
-        return self.viscous * rate + (self.coulomb * sign if self.coulomb != 0 else _ZERO)
+        return self.viscous * rate + (self.coulomb * sense(rate) if self.coulomb != 0 else _ZERO)
+
+
+def sense(rate: sympy.Expr) -> sympy.Expr:
+    """1, 0 or -1: its sign."""
+    return Indicator(Less(0, rate)) - Indicator(Less(rate, 0))
 
 
 def drives(joints: Sequence[tuple[str, Joint]], mechanism: Mechanism, tape: Tape) -> tuple[Drive, ...]:

@@ -72,10 +72,10 @@ class FloatingDynamics:
         x, y, z = (dot(column, vector) for column in self.axes)
         return self.tape.vector(name, (x, y, z))
 
-    def motion(self, gravity: Vec) -> Motion:
-        """The base's, from v and a; its origin accelerates by dv/dt + w x v less gravity (world axes)."""
+    def motion(self, gravity: Vec, a: Exprs) -> Motion:
+        """The base's, from v and its time derivative a; its origin accelerates by dv/dt + w x v less gravity (world axes)."""
         velocity, spin = (triple(self.symbols["v"], start) for start in (0, 3))
-        linear, angular = (triple(self.symbols["a"], start) for start in (0, 3))
+        linear, angular = (triple(a, start) for start in (0, 3))
         x, y, z = spin
         origin = plus(minus(linear, self.local(gravity, "gravity")), cross(spin, velocity))
         pole = (self.tape.let("base_pole_x", x * z + angular[1]), self.tape.let("base_pole_y", y * z - angular[0]))
@@ -83,9 +83,16 @@ class FloatingDynamics:
 
     def newton_euler(self, gravity: Vec, forces: Sequence[Vec] = ()) -> NewtonEuler:
         """At v and a."""
-        rates, accelerations = self.symbols["v"][6:], self.symbols["a"][6:]
-        own = self.spread.rates(rates), self.spread.accelerations(rates, accelerations)
-        return NewtonEuler(self.turning, *own, self.motion(gravity), forces)
+        return self._accelerated(self.symbols["a"], gravity, forces)
+
+    def steady(self, gravity: Vec, forces: Sequence[Vec]) -> NewtonEuler:
+        """At v, with a = 0."""
+        return self._accelerated((_ZERO,) * len(self.symbols["a"]), gravity, forces)
+
+    def _accelerated(self, a: Exprs, gravity: Vec, forces: Sequence[Vec]) -> NewtonEuler:
+        rates = self.symbols["v"][6:]
+        own = self.spread.rates(rates), self.spread.accelerations(rates, a[6:])
+        return NewtonEuler(self.turning, *own, self.motion(gravity, a), forces)
 
     def about_centre(self, wrench: Wrench, name: str) -> Exprs:
         """Of the base's origin and axes, about the centre of mass in the world's axes."""

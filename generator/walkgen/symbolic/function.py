@@ -76,11 +76,21 @@ class Select(sympy.Function):
         """The second value if the condition is known to be false, or both are one."""
         return otherwise if truth is sympy.false or then == otherwise else None
 
+    def _eval_derivative(self, symbol: sympy.Basic) -> sympy.Expr:
+        """That of the value that is taken."""
+        truth, then, otherwise = self.args
+        return Select(truth, then.diff(symbol), otherwise.diff(symbol))
+
 
 class Indicator(sympy.Function):
     """1 where a condition holds, 0 elsewhere: for choices that the data make unpredictable."""
 
     nargs = 1
+
+    def _eval_derivative(self, symbol: sympy.Basic) -> sympy.Expr:
+        """0 but where it jumps."""
+        del symbol
+        return sympy.S.Zero
 
 
 class Epsilon(sympy.Function):

@@ -9,16 +9,19 @@ import sympy
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port
-from walkgen.symbolic.base_parameters import base_regressor
+from walkgen.symbolic.base_parameters import base_regressor, kept_by_regrouping
 from walkgen.symbolic.composite_bodies import CompositeBodies
 from walkgen.symbolic.coriolis import Coriolis
+from walkgen.symbolic.driven_motions import driven_motions
 from walkgen.symbolic.drives import drives, effort_unit
 from walkgen.symbolic.first_moments import FirstMoments
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.inertia import Inertia
+from walkgen.symbolic.linked_tree import whole_bodies
+from walkgen.symbolic.minimal import free_motions
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler
 from walkgen.symbolic.ports import joint_port
-from walkgen.symbolic.regressor import regressor_of
+from walkgen.symbolic.regressor import PARAMETERS, regressor_of
 from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tangents import tangents
 from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, constant_vector, dot, scaled, symbols_of
@@ -38,7 +41,7 @@ class LegDynamics:
     def __init__(self, mechanism: Mechanism, leg: Limb, tree: Tree, spread: Spread, tape: Tape) -> None:
         self.mechanism, self.leg, self.tree, self.tape = mechanism, leg, tree, tape
         self.spread = spread.on(tape)
-        self.ports = {port.name: port for port in _ports(leg.joints)}
+        self.ports = {port.name: port for port in dynamics_ports(leg.joints)}
         self.symbols = {name: symbols_of(port) for name, port in self.ports.items()}
         self.drives = drives([(joint.name, joint) for joint in leg.joints], mechanism, self.tape)
         x, y, z = (expression(component, parameter_symbols(mechanism)) for component in mechanism.gravity)
@@ -61,17 +64,19 @@ class LegDynamics:
     def efforts(self, rates: Exprs, accelerations: Exprs, gravity: Vec, force: Exprs = ()) -> Exprs:
         """Of the links alone."""
         base = Motion(origin=scaled(sympy.S.NegativeOne, gravity))
-        forces = [(force[0], force[1], force[2])] if force else []
-        return self.spread.borne(self._pushed(rates, accelerations, base, forces).efforts)
+        return self.spread.borne(self._pushed(rates, accelerations, base, _forces(force)).efforts)
 
     def _pushed(self, rates: Exprs, accelerations: Exprs, base: Motion, forces: Sequence[Vec] = ()) -> NewtonEuler:
         return NewtonEuler(self.turning, self.spread.rates(rates), self.spread.accelerations(rates, accelerations), base, forces)
 
-    def virtual_efforts(self) -> Exprs:
-        """Of the tree's own coordinates at the motion of qd, qdd, with the ground's force f on the foot."""
+    def virtual_efforts(self, rates: Exprs, accelerations: Exprs, force: Exprs = ()) -> Exprs:
+        """Of the tree's own coordinates, with the ground's force on the foot."""
         base = Motion(origin=scaled(sympy.S.NegativeOne, self.gravity))
-        x, y, z = self.symbols["f"]
-        return self._pushed(self.symbols["qd"], self.symbols["qdd"], base, [(x, y, z)]).efforts
+        return self._pushed(rates, accelerations, base, _forces(force)).efforts
+
+    def rubbed(self, rates: Exprs, force: Exprs = ()) -> Exprs:
+        """Efforts against friction in pairs of a linkage, but for that of the drives' own joints."""
+        return self.spread.rubbed(rates, lambda: self.virtual_efforts(rates, self.still, force))
 
     def held(self, turning: Turning, base: Motion) -> Exprs:
         """Efforts that keep links at rest on an accelerated base."""
@@ -87,7 +92,7 @@ class LegDynamics:
         """Efforts of the joints, friction and rotors included."""
         efforts = self.efforts(rates, accelerations, self.gravity, force)
         own = (drive.effort(*pair) for drive, pair in zip(self.drives, zip(rates, accelerations, strict=True), strict=True))
-        return tuple(effort + more for effort, more in zip(efforts, own, strict=True))
+        return tuple(map(sympy.Add, efforts, own, self.rubbed(rates, force)))
 
     @cached_property
     def mass_matrix(self) -> dict[tuple[int, int], sympy.Expr]:
@@ -161,8 +166,9 @@ def potential_energy(leg: LegDynamics) -> Exprs:
 
 
 def inverse_dynamics_derivatives(leg: LegDynamics) -> Exprs:
-    """By q, then by qd; a rotor's share depends on neither, of friction the viscous part on qd."""
-    efforts = leg.efforts(leg.symbols["qd"], leg.symbols["qdd"], leg.gravity)
+    """By q, then by qd; a rotor's share depends on neither, of a joint's friction the viscous part on qd."""
+    qd = leg.symbols["qd"]
+    efforts = tuple(map(sympy.Add, leg.efforts(qd, leg.symbols["qdd"], leg.gravity), leg.rubbed(qd)))
     slopes = tangents(leg.tape, efforts, [*leg.named("q"), *leg.named("qd")])
     count = len(efforts)
     by_q, by_qd = [row[:count] for row in slopes], [row[count:] for row in slopes]
@@ -173,16 +179,27 @@ def inverse_dynamics_derivatives(leg: LegDynamics) -> Exprs:
 
 def regressor(leg: LegDynamics) -> Exprs:
     """Row-major."""
-    return tuple(chain.from_iterable(regressor_of(leg.moving())))
+    return tuple(chain.from_iterable(regressor_of(leg.moving(), leg.spread, whole_bodies(leg.leg))))
 
 
 def base_parameters(leg: LegDynamics) -> Exprs:
     """The regressor of the fewest parameters, row-major, then their values."""
-    rows, values = base_regressor(leg.mechanism, leg.moving(), leg.gravity)
+    linkage, tree = leg.leg.linkage, leg.tree
+    if linkage is None:
+        candidates, motions = kept_by_regrouping(tree), free_motions(tree)
+    else:
+        candidates = [(index, number) for index in whole_bodies(leg.leg) for number in range(len(PARAMETERS))]
+        motions = driven_motions(leg.mechanism, leg.leg, linkage, leg.spread)
+    rows, values = base_regressor(leg.mechanism, leg.moving(), leg.gravity, leg.spread, candidates, motions)
     return (*chain.from_iterable(rows), *values)
 
 
-def _ports(joints: Sequence[Joint]) -> Iterator[Port]:
+def _forces(force: Exprs) -> list[Vec]:
+    return [(force[0], force[1], force[2])] if force else []
+
+
+def dynamics_ports(joints: Sequence[Joint]) -> Iterator[Port]:
+    """What functions of dynamics take."""
     yield from (joint_port("q", joints), joint_port("qd", joints, "/s"), joint_port("qdd", joints, "/s^2"))
     yield Port("tau", (len(joints),), effort_unit(joints))
     yield Port("f", (3,), "N", default=(0.0, 0.0, 0.0))

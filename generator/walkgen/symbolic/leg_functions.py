@@ -8,6 +8,7 @@ import sympy
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port
+from walkgen.symbolic.driven_motions import NoPostureError
 from walkgen.symbolic.drives import effort_unit
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.leg_dynamics import (
@@ -125,7 +126,7 @@ DYNAMICS: dict[str, Entry] = {
     ),
     "regressor": Entry(
         ("q", "qd", "qdd"),
-        lambda joints, _: (Port("Y", (len(joints), 10 * len(joints)), _PER_PARAMETER),),
+        lambda joints, elements: (Port("Y", (len(joints), elements // len(joints)), _PER_PARAMETER),),
         regressor,
         "Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia about the "
         "origin of its joint's frame, in that frame's axes; friction and rotors are left out.",
@@ -145,8 +146,12 @@ DYNAMICS: dict[str, Entry] = {
     ),
 }
 
-SERIAL_ONLY = ("regressor", "base_parameters")
-"""Of parameters that links of a linkage do not have."""
+IDENTIFIED = {
+    "regressor": " Links: one a joint before the linkage, the last with the linkage's frame on it, then those of the linkage in the "
+    "spec's order, each about the origin of its own axes, z the plane's normal.",
+    "base_parameters": "",
+}
+"""Functions of what every link weighs, plate or not, and what there is to say of a linkage's."""
 
 
 class LegFunctions:
@@ -164,16 +169,25 @@ class LegFunctions:
         return regrouped(self._described[0], self._tape, floating=False)
 
     def function(self, name: str) -> Function | None:
-        """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass."""
-        entry, joints = DYNAMICS[name], self._leg.joints
-        if self._leg.linkage is not None and name in SERIAL_ONLY:
-            return None
-        tree = self._fewest if entry.by_value else regrouped(self._described[0], self._tape, floating=False, by_value=False)
-        leg = LegDynamics(self._mechanism, self._leg, tree, self._described[1], self._tape.fork())
+        """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass, fewest parameters of
+        one that never assembles or has triads.
+        """
+        entry, joints, doc = DYNAMICS[name], self._leg.joints, DYNAMICS[name].doc
+        if self._leg.linkage is not None and name in IDENTIFIED:
+            leg, doc = self._whole(), doc + IDENTIFIED[name]
+        else:
+            tree = self._fewest if entry.by_value else regrouped(self._described[0], self._tape, floating=False, by_value=False)
+            leg = LegDynamics(self._mechanism, self._leg, tree, self._described[1], self._tape.fork())
         try:
             built = entry.build(leg)
-        except SingularMatrixError:
+        except (SingularMatrixError, NoPostureError):
             return None
         inputs, outputs = [leg.ports[port] for port in entry.inputs], entry.outputs(joints, len(built))
-        words = signature(self._mechanism, self._leg.name, name, inputs, outputs, entry.doc, entry.source)
+        words = signature(self._mechanism, self._leg.name, name, inputs, outputs, doc, entry.source)
         return leg.tape.function(words, built)
+
+    def _whole(self) -> LegDynamics:
+        """With all ten parameters of every link."""
+        tape = Tape()
+        tree, spread = spread_leg(self._mechanism, self._leg, symbols_of(joint_port("q", self._leg.joints)), tape, whole=True)
+        return LegDynamics(self._mechanism, self._leg, tree, spread, tape)

@@ -5,10 +5,10 @@ import sympy
 from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import STATUSES, Port
+from walkgen.symbolic.driven import kinematics_of
 from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Both, Finite, Function, Indicator, LessEqual, Solve, Step
-from walkgen.symbolic.path import Kinematics, path_of
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, branch_rows, parameters_of, row_ports
 from walkgen.symbolic.screws import geometry_port, geometry_step, limits_of, limits_port, limits_step, sequence_of
@@ -71,18 +71,19 @@ def inverse_distance(mechanism: Mechanism, leg: Limb) -> Solve:
     doc = "Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input."
     words = signature(mechanism, leg.name, "inverse_distance", [TARGET], [output], doc, "as inverse")
     rows = branch_rows(mechanism, leg)
-    last = Step(_distances(mechanism, leg, output), ("rows", "p", *parameters_of(mechanism), "distance"))
+    last = Step(row_distances(mechanism, leg, output), ("rows", "p", *parameters_of(mechanism), "distance"))
     return Solve(words, rows.ports, (*rows.steps, last), rows.closed_form(words, last))
 
 
-def _distances(mechanism: Mechanism, leg: Limb, output: Port) -> Function:
+def row_distances(mechanism: Mechanism, leg: Limb, output: Port) -> Function:
+    """rows [b,n], p -> how far from p the foot is at each."""
     rows = row_ports(leg, inverse_class(mechanism, leg), "rows", "states")[0]
     tape = Tape()
     values, count = symbols_of(rows), len(leg.joints)
     x, y, z = symbols_of(TARGET)
     gaps = []
     for start in range(0, rows.size, count):
-        foot = Kinematics(path_of((leg,), values[start : start + count], parameter_symbols(mechanism)), tape).position
+        foot = kinematics_of((leg,), values[start : start + count], parameter_symbols(mechanism), tape).position
         gap = tape.vector("gap", minus(foot, (x, y, z)))
         gaps.append(sympy.sqrt(sympy.Add(*(part**2 for part in gap))))
     return tape.function(signature(mechanism, leg.name, "row_distances", [rows, TARGET], [output], "", ""), gaps)

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import sympy
 
+from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.spec.assur import SIDES, Group, Triad
@@ -13,13 +15,14 @@ from walkgen.symbolic.choices import less
 from walkgen.symbolic.closure import assembled_port, forward_placing
 from walkgen.symbolic.drives import effort_unit
 from walkgen.symbolic.frames import parameter_symbols
-from walkgen.symbolic.free_bodies import FreeBodies, Load, at
+from walkgen.symbolic.free_bodies import FreeBodies, Load
 from walkgen.symbolic.function import Angle, Finite, Function, Less, Residue, Select
-from walkgen.symbolic.leg_dynamics import LegDynamics
-from walkgen.symbolic.linked_tree import bodies_with_mass, spread_leg
+from walkgen.symbolic.leg_dynamics import LegDynamics, dynamics_ports
+from walkgen.symbolic.linked_tree import spread_leg
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import difference, inner, outer
 from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.rubbing import Rubbed, demands, end_points
 from walkgen.symbolic.tape import Tape, symbols_of
 from walkgen.symbolic.triads import transmission
 
@@ -34,31 +37,40 @@ class Entry:
     """Inputs, builder of ports and values, words."""
 
     inputs: tuple[str, ...]
-    build: Callable[["LinkageFunctions"], tuple[tuple[Port, ...], Exprs]]
+    build: Callable[["PlacedLinkage"], tuple[tuple[Port, ...], Exprs]]
     doc: str
     source: str
 
 
-class LinkageFunctions:
-    """Of one leg, each on a tape of its own."""
+def linkage_function(mechanism: Mechanism, leg: Limb, name: str) -> Function:
+    """One of `LINKAGE`, of one leg."""
+    assert leg.linkage is not None
+    entry, placed = LINKAGE[name], PlacedLinkage(mechanism, leg, leg.linkage)
+    ports, values = entry.build(placed)
+    available = {port.name: port for port in dynamics_ports(leg.joints)}
+    inputs = [available[port] for port in entry.inputs]
+    doc = entry.doc.format(pairs=", ".join(placed.end_names), groups=", ".join(group.name for group in placed.groups))
+    return placed.tape.function(signature(mechanism, leg.name, name, inputs, ports, doc, entry.source), values)
 
-    def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
-        assert leg.linkage is not None
-        self._mechanism, self.leg, self.linkage = mechanism, leg, leg.linkage
-        self.parameters = parameter_symbols(mechanism)
 
-    def function(self, name: str) -> Function:
-        """One of `LINKAGE`."""
-        entry = LINKAGE[name]
-        self.tape = Tape()
-        tree, spread = spread_leg(self._mechanism, self.leg, symbols_of(joint_port("q", self.leg.joints)), self.tape)
-        self.dynamics = LegDynamics(self._mechanism, self.leg, tree, spread, self.tape)
-        self.drives = self.leg.joints[len(self.leg.serial) :]
-        self.placing = forward_placing(self.leg, self.dynamics.symbols["q"][len(self.leg.serial) :], self.parameters, self.tape)
-        ports, values = entry.build(self)
-        inputs = [self.dynamics.ports[port] for port in entry.inputs]
-        doc = entry.doc.format(pairs=", ".join(self._ends), groups=", ".join(group.name for group in self.groups))
-        return self.tape.function(signature(self._mechanism, self.leg.name, name, inputs, ports, doc, entry.source), values)
+class PlacedLinkage:
+    """What a builder works with: one leg's linkage placed on a tape of its own, and its dynamics once they are asked for."""
+
+    def __init__(self, mechanism: Mechanism, leg: Limb, linkage: Linkage) -> None:
+        self._mechanism, self._leg, self.linkage, self.tape = mechanism, leg, linkage, Tape()
+        self.q, self.parameters = symbols_of(joint_port("q", leg.joints)), parameter_symbols(mechanism)
+        self.drives = leg.joints[len(leg.serial) :]
+        self.placing = forward_placing(leg, self.q[len(leg.serial) :], self.parameters, self.tape)
+
+    @cached_property
+    def dynamics(self) -> LegDynamics:
+        """Of the leg, on the same tape."""
+        return LegDynamics(self._mechanism, self._leg, *spread_leg(self._mechanism, self._leg, self.q, self.tape), self.tape)
+
+    @property
+    def assembled(self) -> sympy.Symbol:
+        """Whether triads were closed: a status."""
+        return symbols_of(assembled_port(self._leg))[0]
 
     @property
     def groups(self) -> tuple[Group | Triad, ...]:
@@ -72,9 +84,12 @@ class LinkageFunctions:
         return [(index, body) for index, pair in enumerate(structure.pairs) for body in pair.bodies if body not in structure.bars]
 
     @property
-    def _ends(self) -> list[str]:
+    def end_names(self) -> list[str]:
+        """Of `ends`, then of passive cylinders with friction."""
         structure = self.linkage.structure
-        return [f"{structure.pairs[pair].name} on {structure.names[body]}" for pair, body in self.ends]
+        pairs = [(structure.pairs[pair].name, body) for pair, body in self.ends]
+        cylinders = [(each.name, body) for each in self.linkage.frictions if each.pair is None for body, _ in each.ends]
+        return [f"{name} on {structure.names[body]}" for name, body in pairs + cylinders]
 
     def efforts(self) -> Exprs:
         """Of all q at their motion."""
@@ -82,32 +97,33 @@ class LinkageFunctions:
         return self.dynamics.newton_euler(symbols["qd"], symbols["qdd"], symbols["f"])
 
     def demands(self) -> dict[int, Load]:
-        """By link, what its pairs must give it in the plane: what the tree's joints of each link would."""
-        virtual = self.dynamics.virtual_efforts()
-        start, found = len(self.leg.serial), dict[int, Load]()
-        for body, mass in bodies_with_mass(self.linkage):
-            centre = self.placing.point(body, self.placing.planar(mass.com))
-            found[body] = at(centre, (virtual[start], virtual[start + 1])) + Load(moment=virtual[start + 2])
-            start += 3
-        body, point = self.linkage.foot
-        foot = at(self.placing.point(body, self.placing.planar(point)), (virtual[start], virtual[start + 1]))
-        found[body] = found.get(body, Load()) + foot
-        return found
+        """By link, what its pairs must give it, friction apart."""
+        qd, qdd, f = (self.dynamics.symbols[name] for name in ("qd", "qdd", "f"))
+        return demands(self.linkage, self.placing, self.dynamics.virtual_efforts(qd, qdd, f)[len(self._leg.serial) :])
+
+    def friction(self) -> list[Rubbed]:
+        """What friction in every pair without a drive does to the pair's links."""
+        dynamics = self.dynamics
+        qd, f, still = dynamics.symbols["qd"], dynamics.symbols["f"], dynamics.still
+        return [
+            each
+            for rubbing in dynamics.spread.rubbings
+            for each in rubbing.loads(rubbing.against(qd, dynamics.virtual_efforts(qd, still, f) if rubbing.loaded else ()))
+        ]
 
 
-def _assembly_status(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _assembly_status(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     """The first group that fails decides: those after it have no place."""
     status: sympy.Expr = OK
     for margin in reversed(leg.placing.margins):
         status = Select(less(margin.value, 0), UNREACHABLE, Select(less(margin.value, _DEAD), SINGULAR, status))
     if leg.linkage.forward.triads:
-        (assembled,) = symbols_of(assembled_port(leg.leg))
-        status = Select(Less(0, assembled), assembled, status)
-    taint = leg.tape.let("taint", sympy.Add(*(Residue(value) for value in (*leg.dynamics.symbols["q"], *leg.parameters.values()))))
+        status = Select(Less(0, leg.assembled), leg.assembled, status)
+    taint = leg.tape.let("taint", sympy.Add(*(Residue(value) for value in (*leg.q, *leg.parameters.values()))))
     return (Port("status", kind="integer"),), [Select(Finite(taint), status, BAD_INPUT)]
 
 
-def _transmission_angles(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _transmission_angles(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     return (Port("angles", (len(leg.groups),), "rad"),), [_angle(leg.placing, group) for group in leg.groups]
 
 
@@ -123,12 +139,12 @@ def _angle(placing: Placing, group: Group | Triad) -> sympy.Expr:
     return Angle(inner(rod, along), -outer(rod, along))
 
 
-def _driving_forces(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _driving_forces(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     efforts = leg.efforts()[-len(leg.drives) :]
     return (Port("forces", (len(efforts),), effort_unit(leg.drives)),), efforts
 
 
-def _power(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
+def _power(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     efforts = leg.efforts()
     powers = [leg.tape.let("power", effort * rate) for effort, rate in zip(efforts, leg.dynamics.symbols["qd"], strict=True)]
     positive = [Select(Less(power, 0), 0, power) for power in powers]
@@ -136,16 +152,28 @@ def _power(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
     return ports, [*powers, sympy.Add(*powers), sympy.Add(*positive)]
 
 
-def _joint_reactions(leg: LinkageFunctions) -> tuple[tuple[Port, ...], Exprs]:
-    found = FreeBodies(leg.linkage, leg.placing, leg.demands(), leg.tape)
+def _joint_reactions(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
+    """Friction is a load on the links that its pair joins, and part of what the pair gives them."""
+    demand, rubbed = leg.demands(), leg.friction()
+    for _, ends in rubbed:
+        for body, load in ends:
+            demand[body] = demand.get(body, Load()) + -load
+    given = dict(FreeBodies(leg.linkage, leg.placing, demand, leg.tape).given)
+    cylinders = []
+    for friction, ends in rubbed:
+        for (body, load), point in zip(ends, end_points(friction, leg.placing), strict=True):
+            if friction.pair is None:
+                cylinders += [*load.force, load.about(point)]
+            else:
+                given[friction.pair, body] = given.get((friction.pair, body), Load()) + load
     rows = []
     for pair, body in leg.ends:
-        load = found.given.get((pair, body), Load())
+        load = given.get((pair, body), Load())
         rows += [*load.force, load.about(leg.placing.joint(pair))]
-    return (Port("reactions", (len(leg.ends), 3), "N, N, N m"),), rows
+    return (Port("reactions", (len(leg.end_names), 3), "N, N, N m"),), rows + cylinders
 
 
-_MOTION_DOC = "gravity, inertia, friction of the drives and the ground's force f on the foot, in the platform's axes"
+_MOTION_DOC = "gravity, inertia, friction and the ground's force f on the foot, in the platform's axes"
 
 LINKAGE: dict[str, Entry] = {
     "assembly_status": Entry(

@@ -5,10 +5,11 @@ only where the centre is matters in space, and how fast the link turns.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import sympy
 
-from walkgen.model.linkage import Linkage, PlanarBody
+from walkgen.model.linkage import Linkage, PlanarBody, Point
 from walkgen.model.mechanism import Body, Limb, Mechanism
 from walkgen.spec.scalar import ZERO, div, exact
 from walkgen.symbolic.closure import forward_placing
@@ -18,6 +19,7 @@ from walkgen.symbolic.inertia import inertia_of
 from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
 from walkgen.symbolic.robot import joint_indices
+from walkgen.symbolic.rubbing import rubbing_of
 from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tape import Tape
 from walkgen.symbolic.tree import BASE, Attachment, Foot, Growth, Tree
@@ -25,11 +27,17 @@ from walkgen.symbolic.tree import BASE, Attachment, Foot, Growth, Tree
 Exprs = Sequence[sympy.Expr]
 
 
-def spread_leg(mechanism: Mechanism, leg: Limb, q: Exprs, tape: Tape) -> tuple[Tree, Spread]:
-    """One leg on its platform, which is held."""
+def spread_leg(mechanism: Mechanism, leg: Limb, q: Exprs, tape: Tape, *, whole: bool = False) -> tuple[Tree, Spread]:
+    """One leg on its platform, which is held; `whole`: with every link of a linkage as one body in its own axes, weightless or not."""
     growth, spread = Growth(parameter_symbols(mechanism), tape), Spread(len(q), tape)
-    grow_leg(growth, spread, leg, Attachment(BASE, Frame()), q, range(len(q)), "")
+    grow_leg(growth, spread, leg, Attachment(BASE, Frame()), q, range(len(q)), "", whole=whole)
     return growth.tree(), spread
+
+
+def whole_bodies(leg: Limb) -> tuple[int, ...]:
+    """Links of the leg's whole tree whose inertia may be anything: one a joint in series, then one a link of the linkage but the frame."""
+    serial, links = len(leg.serial), len(leg.linkage.masses) - 1 if leg.linkage else 0
+    return (*range(serial), *(serial + 3 * number + 2 for number in range(links)))
 
 
 def spread_robot(mechanism: Mechanism, q: Exprs, tape: Tape) -> tuple[Tree, Spread]:
@@ -61,47 +69,84 @@ def _grow_series(
     return Attachment(place.link, place.frame * frame_of(limb.tip, growth.parameters))
 
 
-def grow_leg(growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str) -> None:
+def grow_leg(
+    growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str, *, whole: bool = False
+) -> None:
     """Add a leg with its foot; `indices` are its joints' in the robot's q."""
     place = _grow_series(growth, spread, leg, start, q, indices, prefix)
     if leg.linkage is not None:
         drives = indices[len(leg.serial) :]
-        place = _grow_linkage(growth, spread, leg, place, [q[index] for index in drives], drives, prefix)
+        parts = _whole_parts(leg.linkage) if whole else _parts(leg.linkage)
+        place = _grow_linkage(growth, spread, leg, place, q, drives, prefix, parts)
     origin = growth.tape.vector(f"{prefix}foot", place.frame.origin) if prefix else place.frame.origin
     growth.feet.append(Foot(place.link, origin))
 
 
+@dataclass(frozen=True)
+class Part:
+    """A link of a linkage: the point of it that is followed, what slides with that point, and what turns as well."""
+
+    body: int
+    point: Point
+    sliding: Body | None
+    turning: Body | None
+
+
+def _parts(linkage: Linkage) -> list[Part]:
+    """Those with mass, by their centres."""
+    return [Part(body, mass.com, *_bodies(mass)) for body, mass in linkage.heavy]
+
+
+def _whole_parts(linkage: Linkage) -> list[Part]:
+    """All that move, by their origins."""
+    return [Part(body, (ZERO, ZERO), None, _plate(mass) if mass else None) for body, mass in enumerate(linkage.masses) if body]
+
+
 def _grow_linkage(
-    growth: Growth, spread: Spread, leg: Limb, place: Attachment, drives: Exprs, indices: Sequence[int], prefix: str
+    growth: Growth,
+    spread: Spread,
+    leg: Limb,
+    place: Attachment,
+    q: Exprs,
+    indices: Sequence[int],
+    prefix: str,
+    parts: Sequence[Part],
 ) -> Attachment:
-    """Add every link that has mass, and the foot point without any; where the foot is."""
+    """Add links, and the foot point without mass; where the foot is. The frame's mass is the last serial joint's."""
     linkage = leg.linkage
     assert linkage is not None
+    if linkage.masses[0]:
+        growth.carry(place, inertia_of(_plate(linkage.masses[0]), growth.parameters, growth.tape, f"{prefix}frame"), f"{prefix}frame")
+    drives = [q[index] for index in indices]
     placing = forward_placing(leg, drives, growth.parameters, growth.tape)
-    parts = [(f"{prefix}{linkage.structure.names[body]}", body, mass) for body, mass in bodies_with_mass(linkage)]
+    names = [f"{prefix}{linkage.structure.names[part.body]}" for part in parts]
     coordinates: list[Coordinate] = []
-    for name, body, mass in parts:
-        coordinates += _at(f"{name}", placing.point(body, placing.planar(mass.com)), growth.tape)
-        coordinates.append(Coordinate(f"{name}_angle", rotor=placing.pose(body).rotor))
+    for name, part in zip(names, parts, strict=True):
+        coordinates += _at(name, placing.point(part.body, placing.planar(part.point)), growth.tape)
+        coordinates.append(Coordinate(f"{name}_angle", rotor=placing.pose(part.body).rotor))
     coordinates += _at(f"{prefix}foot", placing.point(linkage.foot[0], placing.planar(linkage.foot[1])), growth.tape)
     motion = PlanarMotion(growth.tape, drives, coordinates)
-    numbers = iter(spread.driven(indices, [coordinate.value for coordinate in coordinates], motion))
-    for name, _, mass in parts:
+    own = spread.driven(indices, [coordinate.value for coordinate in coordinates], motion)
+    if linkage.frictions:
+        spread.rubbings.append(rubbing_of(linkage, placing, growth.parameters, own.start, indices, drives, growth.tape))
+    numbers = iter(own)
+    for name, part in zip(names, parts, strict=True):
         at = place
-        for joint, number in zip(planar_joints(*_bodies(mass)), numbers, strict=False):
+        for joint, number in zip(planar_joints(part.sliding, part.turning), numbers, strict=False):
             at = growth.joint(joint, at, number, f"{name}_{joint.name}")
     for joint, number in zip(planar_joints()[:2], numbers, strict=True):
         place = growth.joint(joint, place, number, f"{prefix}foot_{joint.name}")
     return place
 
 
-def bodies_with_mass(linkage: Linkage) -> list[tuple[int, PlanarBody]]:
-    """Those that move."""
-    return [(body, mass) for body, mass in enumerate(linkage.masses) if mass and body]
-
-
 def _at(name: str, point: Planar, tape: Tape) -> list[Coordinate]:
     return [Coordinate(f"{name}_{axis}", tape.let(f"{name}_{axis}", value)) for axis, value in zip("xy", point, strict=True)]
+
+
+def _plate(mass: PlanarBody) -> Body:
+    """In axes of the link whose z is the plane's normal."""
+    half = div(mass.inertia, exact(2))
+    return Body(mass.mass, (*mass.com, ZERO), (half, half, mass.inertia, ZERO, ZERO, ZERO))
 
 
 def _bodies(mass: PlanarBody) -> tuple[Body, Body]:

@@ -5,7 +5,7 @@ nearer to the base does the same to the joints (Gautier and Khalil 1990: energy 
 """
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,8 +35,12 @@ class Combination:
     others: tuple[tuple[Parameter, Any], ...]
 
 
+Motions = Callable[[Values, random.Random], list[tuple[Any, Any]]]
+"""A random value and rate of every link's joint, for the symbols' values."""
+
+
 def minimal(
-    tree: Tree, gravity: Vec, candidates: Sequence[Parameter], samples: Sequence[Mapping[sympy.Symbol, Any]]
+    tree: Tree, gravity: Vec, candidates: Sequence[Parameter], samples: Sequence[Mapping[sympy.Symbol, Any]], motions: Motions
 ) -> tuple[Combination, ...]:
     """The candidates that are independent, nearest to the base first, and the rest as parts of them.
 
@@ -46,8 +50,9 @@ def minimal(
         candidates: parameters in the links' frames, base to tip.
         samples: values of the symbols, once for every set of runtime parameters; a candidate is dropped only if it depends on the
             others by the same factors for all.
+        motions: how the links can move.
     """
-    found = [_dependences(_energies(tree, gravity, candidates, known), len(candidates)) for known in samples]
+    found = [_dependences(_energies(tree, gravity, candidates, known, motions), len(candidates)) for known in samples]
     factors = {column: first for column, first in found[0].items() if all(_same(first, other.get(column)) for other in found[1:])}
     kept = [column for column in range(len(candidates)) if column not in factors]
     combinations = []
@@ -55,6 +60,16 @@ def minimal(
         others = [(candidates[other], row[column]) for other, row in factors.items() if abs(row.get(column, 0)) > _NEGLIGIBLE]
         combinations.append(Combination(candidates[column], tuple(others)))
     return tuple(combinations)
+
+
+def free_motions(tree: Tree) -> Motions:
+    """Of joints that move on their own."""
+
+    def pair(generator: random.Random) -> tuple[Any, Any]:
+        q, rate = (CONTEXT.mpf(generator.randrange(-2000, 2000)) / 1000 for _ in range(2))
+        return q, rate
+
+    return lambda _, generator: [pair(generator) for _ in tree.links]
 
 
 def _same(one: dict[int, Any], other: dict[int, Any] | None) -> bool:
@@ -74,14 +89,14 @@ class _State:
     velocity: list[Any]
 
 
-def _energies(tree: Tree, gravity: Vec, candidates: Sequence[Parameter], known: Values) -> list[list[Any]]:
+def _energies(tree: Tree, gravity: Vec, candidates: Sequence[Parameter], known: Values, motions: Motions) -> list[list[Any]]:
     """Kinetic energies at random states, and differences of potential energy: a column a candidate."""
     generator = random.Random(len(candidates))  # noqa: S311 (states, not secrets)
     down = _numbers(gravity, known)
     rows: list[list[Any]] = []
     first: list[Any] = []
     for _ in range(len(candidates) + _SPARE_SAMPLES):
-        states = _states(tree, known, generator)
+        states = _states(tree, known, motions(known, generator))
         rows.append([_kinetic(states[link], number) for link, number in candidates])
         potential = [_potential(states[link], number, down) for link, number in candidates]
         first = first or potential
@@ -89,15 +104,14 @@ def _energies(tree: Tree, gravity: Vec, candidates: Sequence[Parameter], known: 
     return rows
 
 
-def _states(tree: Tree, known: Values, generator: random.Random) -> list[_State]:
+def _states(tree: Tree, known: Values, motions: Sequence[tuple[Any, Any]]) -> list[_State]:
     still = [CONTEXT.mpf(0)] * 3
     base = _State([_numbers(axis, known) for axis in IDENTITY], still, still, still)
     found: list[_State] = []
-    for link in tree.links:
+    for link, motion in zip(tree.links, motions, strict=True):
         before = base if link.parent == BASE else found[link.parent]
         after = None if link.parent == BASE else tree.links[link.parent]
-        q, rate = (CONTEXT.mpf(generator.randrange(-2000, 2000)) / 1000 for _ in range(2))
-        found.append(_moved(link, after, before, (q, rate), known))
+        found.append(_moved(link, after, before, motion, known))
     return found
 
 
@@ -170,10 +184,11 @@ def _dependences(rows: list[list[Any]], count: int) -> dict[int, dict[int, Any]]
 
 
 def _reduce(rows: list[list[Any]], pivot: int, column: int) -> None:
-    """Gauss and Jordan: the pivot's row scaled to 1, its column cleared in all others."""
+    """Gauss and Jordan: the pivot's row scaled to 1, its column cleared in all others; left of it the row is 0."""
     scale = rows[pivot][column]
-    rows[pivot] = [entry / scale for entry in rows[pivot]]
+    ahead = [entry / scale for entry in rows[pivot][column:]]
+    rows[pivot][column:] = ahead
     for index, row in enumerate(rows):
         if index != pivot and row[column] != 0:
             factor = row[column]
-            rows[index] = [entry - factor * one for entry, one in zip(row, rows[pivot], strict=True)]
+            row[column:] = [entry - factor * one if one else entry for entry, one in zip(row[column:], ahead, strict=True)]

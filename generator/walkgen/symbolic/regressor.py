@@ -1,5 +1,6 @@
 """Efforts as a linear function of inertia: what every unit of mass, first moment and inertia asks of the joints."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import sympy
@@ -7,6 +8,7 @@ import sympy
 from walkgen.symbolic.frames import Frame
 from walkgen.symbolic.inertia import NO_TENSOR, Inertia
 from walkgen.symbolic.newton_euler import Motion, NewtonEuler, accelerated
+from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tape import IDENTITY, plus, times
 from walkgen.symbolic.wrench import Wrench, along_route
 
@@ -49,13 +51,14 @@ class Regressor:
         there = replace(motion, origin=self.tape.vector(f"{name}_frame_at", plus(motion.origin, swing)))
         return there.entered(frame.rotation, self.tape, f"{name}_frame")
 
+    def efforts(self, spread: Spread, index: int, number: int, frame: Frame) -> tuple[sympy.Expr, ...]:
+        """A column as efforts on q."""
+        found, places = self.column(index, number, frame), {link.coordinate: place for place, link in enumerate(self.turning.links)}
+        return spread.borne([found.get(places[coordinate], sympy.S.Zero) for coordinate in range(len(places))])
 
-def regressor_of(motion: NewtonEuler) -> list[list[sympy.Expr]]:
-    """Rows by joint, columns by link and `PARAMETERS`, in every joint's own frame."""
-    builder, links = Regressor(motion), motion.links
-    places = {link.coordinate: index for index, link in enumerate(links)}
-    columns = []
-    for coordinate in range(len(links)):
-        index = places[coordinate]
-        columns += [builder.column(index, number, links[index].frame) for number in range(len(PARAMETERS))]
-    return [[column.get(places[row], sympy.S.Zero) for column in columns] for row in range(len(links))]
+
+def regressor_of(motion: NewtonEuler, spread: Spread, bodies: Sequence[int]) -> list[tuple[sympy.Expr, ...]]:
+    """Rows by q, columns by body, one of the tree's links each, and `PARAMETERS`, in every link's own frame."""
+    builder = Regressor(motion)
+    columns = [builder.efforts(spread, index, number, motion.links[index].frame) for index in bodies for number in range(len(PARAMETERS))]
+    return list(zip(*columns, strict=True))

@@ -57,6 +57,20 @@ def _centroidal(robot: FloatingDynamics) -> Exprs:
     return (*upper, *flat([ZERO_VECTOR] * 3 + spins + robot.by_coordinate(moments)))
 
 
+def _centroidal_inertia(robot: FloatingDynamics) -> Exprs:
+    """The base's columns of angular momentum by spins about its own axes, by the world's instead."""
+    about = CompositeBodies(robot.turning).base.seen_from(scaled(sympy.S.NegativeOne, robot.moments.centre)).named(robot.tape, "centroidal")
+    spins = [robot.world(column, f"spin_{name}") for column, name in zip(about.columns, "xyz", strict=True)]
+    found = {
+        (row, column): robot.tape.let(
+            f"inertia_{row}{column}", sum((spin[row] * axis[column] for spin, axis in zip(spins, robot.axes, strict=True)), _ZERO)
+        )
+        for row in range(3)
+        for column in range(row + 1)
+    }
+    return tuple(found[max(row, column), min(row, column)] for row in range(3) for column in range(3))
+
+
 def _momentum(robot: FloatingDynamics) -> Exprs:
     velocity = Velocity(triple(robot.symbols["v"], 3), triple(robot.symbols["v"], 0))
     return robot.about_centre(Velocities(robot.turning, robot.spread.rates(robot.symbols["v"][6:]), velocity).base_momentum, "momentum")
@@ -105,10 +119,9 @@ def _inverse_dynamics(robot: FloatingDynamics) -> Exprs:
     local = [robot.local(triple(forces, 3 * foot), f"force_on_{leg.name}") for foot, leg in enumerate(robot.mechanism.legs)]
     motion = robot.newton_euler(robot.gravity, local)
     rates, accelerations = robot.symbols["v"][6:], robot.symbols["a"][6:]
-    efforts = [
-        effort + drive.effort(rate, acceleration)
-        for effort, drive, rate, acceleration in zip(robot.spread.borne(motion.efforts), robot.drives, rates, accelerations, strict=True)
-    ]
+    own = (drive.effort(*pair) for drive, pair in zip(robot.drives, zip(rates, accelerations, strict=True), strict=True))
+    rubbed = robot.spread.rubbed(rates, lambda: robot.steady(robot.gravity, local).efforts)
+    efforts = map(sympy.Add, robot.spread.borne(motion.efforts), own, rubbed)
     return (*motion.base_wrench.force, *motion.base_wrench.moment, *efforts)
 
 
@@ -155,6 +168,15 @@ ROBOT_DYNAMICS: dict[str, Entry] = {
         _centroidal,
         f"Momentum by v: {_MOMENTUM}; {_STATE}.",
         f"{_EULER}; Orin and Goswami 2008",
+    ),
+    "centroidal_inertia": Entry(
+        ("base_pose", "q"),
+        "I",
+        lambda _: (3, 3),
+        _always("kg m^2"),
+        _centroidal_inertia,
+        "Rotational inertia of the robot about its centre of mass, world axes, its joints locked; rotors left out.",
+        f"{_EULER}; Orin, Goswami and Lee 2013",
     ),
     "momentum": Entry(
         ("base_pose", "q", "v"),
@@ -234,6 +256,15 @@ class FloatingFunctions:
         inputs = [robot.ports[port] for port in entry.inputs]
         words = signature(self._mechanism, "", name, inputs, [output], entry.doc, entry.source)
         return robot.tape.function(words, entry.build(robot))
+
+    def mass(self, tape: Tape) -> sympy.Expr:
+        """Of the robot, onto another tape: it depends on runtime parameters alone."""
+        tree = self._described[0]
+        masses = dict(self._tape.lines)
+        total = sum((link.inertia.mass for link in tree.links), tree.base.mass)
+        while names := total.free_symbols & masses.keys():
+            total = total.xreplace({name: masses[name] for name in names})
+        return tape.let("own_mass", total)
 
     def weight(self) -> Function | None:
         """What gravity does to the robot held in its joints: where, in the base's frame, and the force, in the world; None without mass."""

@@ -4,12 +4,13 @@ A linkage's links are links of the tree that slide and turn in the plane, with c
 those on y.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import sympy
 
 from walkgen.symbolic.planar_motion import PlanarMotion
+from walkgen.symbolic.rubbing import Rubbing
 from walkgen.symbolic.tape import Tape
 
 Exprs = Sequence[sympy.Expr]
@@ -19,7 +20,7 @@ _ONE = sympy.S.One
 @dataclass
 class Spread:
     """`values` are the tree's coordinates; `slopes` the entries of S by coordinate, then by q; `motions` whose coordinates start where,
-    and which q drive them.
+    and which q drive them; `rubbings` the friction of linkages that have any.
     """
 
     count: int
@@ -27,11 +28,12 @@ class Spread:
     values: list[sympy.Expr] = field(default_factory=list)
     slopes: list[Mapping[int, sympy.Expr]] = field(default_factory=list)
     motions: list[tuple[int, Sequence[int], PlanarMotion]] = field(default_factory=list)
+    rubbings: list[Rubbing] = field(default_factory=list)
 
     def on(self, tape: Tape) -> "Spread":
         """The same, written on a tape that began as this one's."""
         motions = [(start, drives, motion.on(tape)) for start, drives, motion in self.motions]
-        return replace(self, tape=tape, motions=motions)
+        return replace(self, tape=tape, motions=motions, rubbings=[rubbing.on(tape) for rubbing in self.rubbings])
 
     def joint(self, index: int, value: sympy.Expr) -> int:
         """A coordinate that is a q; its number."""
@@ -68,6 +70,20 @@ class Spread:
         for row, effort in zip(self.slopes, efforts, strict=True):
             for index, slope in row.items():
                 found[index].append(slope * effort)
+        return tuple(sympy.Add(*terms) for terms in found)
+
+    def rubbed(self, qd: Exprs, steady: Callable[[], Exprs]) -> tuple[sympy.Expr, ...]:
+        """Efforts on the q against friction in pairs of linkages.
+
+        Args:
+            qd: rates of all q.
+            steady: gives efforts on the tree's coordinates at these rates and loads, without accelerations; asked where loads count.
+        """
+        loads = steady() if any(rubbing.loaded for rubbing in self.rubbings) else ()
+        found: list[list[sympy.Expr]] = [[] for _ in range(self.count)]
+        for rubbing in self.rubbings:
+            for index, effort in rubbing.efforts(qd, loads):
+                found[index].append(effort)
         return tuple(sympy.Add(*terms) for terms in found)
 
     def matrix(self, entries: Mapping[tuple[int, int], sympy.Expr]) -> dict[tuple[int, int], sympy.Expr]:

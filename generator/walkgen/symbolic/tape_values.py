@@ -1,16 +1,17 @@
 """Values of what is on a tape, to 50 digits: for choices that algebra alone cannot make."""
 
 from collections.abc import Mapping, Sequence
-from functools import reduce
+from functools import cache, reduce
 from operator import mul
 from typing import Any
 
 import sympy
 
 from walkgen.model.walk import CONTEXT
+from walkgen.symbolic.function import Angle
 from walkgen.symbolic.tape import DIGITS, Tape
 
-_FUNCTIONS = {sympy.sin: CONTEXT.sin, sympy.cos: CONTEXT.cos, sympy.tan: CONTEXT.tan, sympy.atan2: CONTEXT.atan2}
+_FUNCTIONS = {sympy.sin: CONTEXT.sin, sympy.cos: CONTEXT.cos, sympy.tan: CONTEXT.tan, sympy.atan2: CONTEXT.atan2, Angle: CONTEXT.atan2}
 
 
 def tape_values(tape: Tape, given: Mapping[sympy.Symbol, Any]) -> dict[sympy.Symbol, Any]:
@@ -22,12 +23,23 @@ def tape_values(tape: Tape, given: Mapping[sympy.Symbol, Any]) -> dict[sympy.Sym
     return known
 
 
+def lines_behind(tape: Tape, wanted: Sequence[sympy.Expr]) -> list[tuple[sympy.Symbol, sympy.Expr]]:
+    """The lines that expressions rest on, in order."""
+    needed = {symbol for expression in wanted for symbol in expression.free_symbols}
+    found = []
+    for symbol, definition in reversed(tape.lines):
+        if symbol in needed:
+            needed |= definition.free_symbols
+            found.append((symbol, definition))
+    return found[::-1]
+
+
 def value(expression: sympy.Expr, known: Mapping[sympy.Symbol, Any]) -> Any:
     """The value of sums, products, powers and circular functions of known symbols."""
     if expression.is_Symbol:
         return known[expression]
     if expression.is_number:
-        return CONTEXT.mpf(str(expression.evalf(DIGITS)))
+        return _number(expression)
     arguments: Sequence[Any] = [value(argument, known) for argument in expression.args]
     if expression.is_Add:
         return sum(arguments)
@@ -36,3 +48,8 @@ def value(expression: sympy.Expr, known: Mapping[sympy.Symbol, Any]) -> Any:
     if expression.is_Pow:
         return arguments[0] ** arguments[1]
     return _FUNCTIONS[expression.func](*arguments)
+
+
+@cache
+def _number(expression: sympy.Expr) -> Any:
+    return CONTEXT.mpf(str(expression.evalf(DIGITS)))

@@ -13,21 +13,26 @@
 #define WALKGEN_CONIC_STEP_F32
 #endif
 
+/* One more than feet: what bounds their forces can have a cone too. */
+#ifndef WALKGEN_MAX_CONES
+#define WALKGEN_MAX_CONES (WALKGEN_MAX_FEET + 1)
+#endif
+
 /* The problem, of `rows` equations: A by columns, three a cone; `mass` NULL, or x's weights where half of sum mass x^2 is to be least, s
  * and a being 0. The answer: what the first equations and all of them lack at most, and the gap x . z. */
 struct WG_NAME(wg_conic) {
     int32_t cones, rows;
     const WG_REAL *mass;
-    WG_REAL column[3 * WALKGEN_MAX_FEET][6], b[6], a[6];
-    WG_REAL x[3 * WALKGEN_MAX_FEET], z[3 * WALKGEN_MAX_FEET], y[6], s, unbalanced, lacking, gap;
+    WG_REAL column[3 * WALKGEN_MAX_CONES][6], b[6], a[6];
+    WG_REAL x[3 * WALKGEN_MAX_CONES], z[3 * WALKGEN_MAX_CONES], y[6], s, unbalanced, lacking, gap;
 };
 
 /* A step's system: V of every cone (xx, xy, xz, yy, yz, zz) and, with masses, the factor C of 1 + V mass V; V z, V^-1 of the step in x,
  * C^-1 V A' = Q R with Q by columns, R^-T a, R^-T of what A x + s a lacks, what z and a . y lack; and the step. */
 struct WG_NAME(wg_conic_step) {
-    WG_REAL V[WALKGEN_MAX_FEET][6], C[WALKGEN_MAX_FEET][6], even[3 * WALKGEN_MAX_FEET], scaled[3 * WALKGEN_MAX_FEET];
-    WG_REAL Q[6][3 * WALKGEN_MAX_FEET], R[6][6], u[6], primal[6], dual[3 * WALKGEN_MAX_FEET], last;
-    WG_REAL dx[3 * WALKGEN_MAX_FEET], dz[3 * WALKGEN_MAX_FEET], dy[6], ds;
+    WG_REAL V[WALKGEN_MAX_CONES][6], C[WALKGEN_MAX_CONES][6], even[3 * WALKGEN_MAX_CONES], scaled[3 * WALKGEN_MAX_CONES];
+    WG_REAL Q[6][3 * WALKGEN_MAX_CONES], R[6][6], u[6], primal[6], dual[3 * WALKGEN_MAX_CONES], last;
+    WG_REAL dx[3 * WALKGEN_MAX_CONES], dz[3 * WALKGEN_MAX_CONES], dy[6], ds;
 };
 
 /* R^-T v in place of v. */

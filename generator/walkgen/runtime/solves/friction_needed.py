@@ -98,7 +98,7 @@ class Problem:
 def problem_of(points: Reals, normals: Reals, wrench: Reals) -> Problem:
     """The problem of a stance; its unknowns are along the frames [k, 3, 3] (normal, two tangents, by rows)."""
     stance = stance_of(points, wrench)
-    frames = np.array([_frame(normal) for normal in normals])
+    frames = np.array([frame_of(normal) for normal in normals])
     columns = np.concatenate([stance.grasp[:, 3 * i : 3 * i + 3] @ frames[i].T for i in range(len(points))], axis=1)
     U, singular, _ = np.linalg.svd(columns)
     kept = U[:, : np.count_nonzero(singular > _STEEP)]
@@ -106,7 +106,8 @@ def problem_of(points: Reals, normals: Reals, wrench: Reals) -> Problem:
     return Problem(stance, frames, kept, Carrying(kept.T @ columns, -kept.T @ stance.load), outside)
 
 
-def _frame(normal: Reals) -> Reals:
+def frame_of(normal: Reals) -> Reals:
+    """A normal and two tangents, by rows."""
     basis = np.linalg.svd(normal[None])[2]
     return np.stack([normal, basis[1], basis[2]])
 
@@ -157,16 +158,33 @@ def _root(problem: Carrying, low: float, high: float) -> float:
 
 
 def reach(problem: Carrying, mu: float) -> tuple[float, Reals, Reals]:
-    """The greatest s, or one above 4, forces x of it without it, and multipliers y, by a primal-dual interior-point method."""
+    """The greatest s, or one above 4, forces x of it without it, and multipliers y."""
     normal = np.arange(problem.columns.shape[1]) % 3 == 0
     size = np.where(normal, 1.0, mu)
-    columns, lift = problem.columns * size, problem.columns[:, normal].sum(axis=1)
+    found = greatest(Carrying(problem.columns * size, problem.b), problem.columns[:, normal].sum(axis=1), _ENOUGH)
+    return found.s, size * found.x + found.s * normal, found.y
+
+
+class Greatest(NamedTuple):
+    """The greatest s of columns x + s sought = b with x in cones |tangential| <= normal, or one that is enough; x, multipliers y of the
+    equations, and whether it is the greatest to 1e-9.
+    """
+
+    s: float
+    x: Reals
+    y: Reals
+    closed: bool
+
+
+def greatest(problem: Carrying, sought: Reals, enough: float) -> Greatest:
+    """By a primal-dual interior-point method."""
+    columns, normal = problem.columns, np.arange(problem.columns.shape[1]) % 3 == 0
     x, z = np.where(normal, 1.0, 0.0), np.where(normal, 1.0, 0.0)
-    y, s = np.zeros(len(problem.b)), 0.0
+    y, s, gap, lacking = np.zeros(len(problem.b)), 0.0, np.inf, np.inf
     for _ in range(60):
-        primal, dual, last = problem.b - columns @ x - s * lift, columns.T @ y - z, 1.0 - lift @ y
+        primal, dual, last = problem.b - columns @ x - s * sought, columns.T @ y - z, 1.0 - sought @ y
         gap, lacking = float(x @ z), max(np.abs(primal).max(), np.abs(dual).max(), abs(last))
-        if (gap <= 1e-14 and lacking <= 1e-13) or (s > _ENOUGH and np.abs(primal).max() <= 1e-9):
+        if (gap <= 1e-14 and lacking <= 1e-13) or (s > enough and np.abs(primal).max() <= 1e-9):
             break
         V = _scaling(x, z)
         Q, R = np.linalg.qr(V @ columns.T)
@@ -175,7 +193,7 @@ def reach(problem: Carrying, mu: float) -> tuple[float, Reals, Reals]:
         for turn in range(2):
             g = target - even - V @ dual
             h = Q.T @ g - np.linalg.solve(R.T, primal)
-            u = np.linalg.solve(R.T, lift)
+            u = np.linalg.solve(R.T, sought)
             ds = min((last - u @ h) / (u @ u), 10.0 * (1.0 + abs(s)))
             h += ds * u
             dx, dy = V @ (g - Q @ h), np.linalg.solve(R, h)
@@ -188,7 +206,7 @@ def reach(problem: Carrying, mu: float) -> tuple[float, Reals, Reals]:
         if not (_size(x + along * dx).min() > 0.0 and _size(z + across * dz).min() > 0.0):
             break
         x, s, z, y = x + along * dx, s + along * float(ds), z + across * dz, y + across * dy
-    return s, size * x + s * normal, y
+    return Greatest(s, x, y, max(gap, lacking) <= 1e-9)
 
 
 def _size(x: Reals) -> Reals:

@@ -1,0 +1,92 @@
+"""What the linkages of a good spec do within the limits of their drives, told before any code is written: refusals and notices."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from walkgen.errors import Place, Problem, SpecError
+from walkgen.graph.assembly import Assembly, Failure, assembly, titled
+from walkgen.model.linkage import Linkage
+from walkgen.model.mechanism import Joint, Limb, Mechanism
+from walkgen.runtime.solves.assembly import assemble
+from walkgen.spec.document import open_document
+from walkgen.spec.positions import Positions
+from walkgen.spec.schema import RobotSpec
+
+
+def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem, ...]:
+    """Notices of every leg design with a linkage: in which part of its drives' limits it does not assemble.
+
+    Raises:
+        SpecError: WG189 a linkage assembles nowhere within them, so that its code would give nothing but NaN; WG191 it has other freedoms
+            than the count says wherever it does.
+    """
+    legs = {leg.name: leg for leg in mechanism.legs}
+    users = {leg.design: legs[leg.name] for leg in spec.legs if leg.design is not None}
+    if not any(leg.linkage for leg in users.values()):
+        return ()
+    positions = Positions(open_document(path))
+    problems: list[Problem] = []
+    notices: list[Problem] = []
+    for design, leg in users.items():
+        if leg.linkage is not None:
+            place, found = positions.place(("leg_designs", design)), assembly_of(mechanism, leg, leg.linkage)
+            problems += _refused(f"leg_designs.{design}", place, found, leg.linkage)
+            notices += _partial(f"leg_designs.{design}", place, found, leg, leg.linkage)
+    if problems:
+        raise SpecError(*problems)
+    return tuple(notices)
+
+
+def assembly_of(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Assembly:
+    """How much of its drives' limits a leg's linkage assembles in, and its freedoms there."""
+    return assembly(mechanism, leg, linkage, assemble)
+
+
+def percent(count: int, points: int) -> str:
+    """Rounded, but neither all nor nothing unless it is."""
+    share = 100 * count / points
+    rounded = round(share) if count in (0, points) else min(max(round(share), 1), 99)
+    return f"{rounded} %"
+
+
+def drives_text(drives: Sequence[Joint], values: Sequence[float]) -> str:
+    """Where drives are, for people."""
+    return ", ".join(f"{drive.name} {value:.4g} {_unit(drive)}" for drive, value in zip(drives, values, strict=True))
+
+
+def _refused(design: str, place: Place, found: Assembly, linkage: Linkage) -> Iterator[Problem]:
+    count = linkage.structure.mobility
+    if found.startless:
+        message = f"the triad {', '.join(found.startless)} has no assembly at the start, nor where it was looked for around"
+        yield Problem("WG189", f"{design}: {message}", "mend the lengths that it joins, or give start other drives", place)
+    elif found.assembled == 0 and found.limited:
+        worst = found.failing[0]
+        points = f"0 % of its drives' limits, at none of {found.points} points"
+        message = f"the linkage assembles in {points}; at {worst.count} of them the {titled(linkage, worst.group)} cannot close"
+        yield Problem("WG189", f"{design}: {message}", "mend the lengths that it joins, or the limits", place)
+    if found.mobility is not None and found.mobility.freedoms != count:
+        message = f"the linkage has {count} degrees of freedom by count, {found.mobility.freedoms} by the rank of its pairs' equations"
+        pairs = f"{', '.join(found.mobility.pairs)} say one thing twice wherever it closes"
+        yield Problem("WG191", f"{design}: {message}: {pairs}", "change lengths that keep these pairs at a dead point", place)
+
+
+def _partial(design: str, place: Place, found: Assembly, leg: Limb, linkage: Linkage) -> Iterator[Problem]:
+    """One line."""
+    if found.limited and 0 < found.assembled < found.points:
+        share, drives = percent(found.assembled, found.points), leg.joints[len(leg.serial) :]
+        parts = (
+            f"{titled(linkage, each.group)} cannot close in {percent(each.count, found.points)} ({_where(each, drives)})"
+            for each in found.failing
+        )
+        message = f"notice: {design}: the linkage assembles in {share} of its drives' limits; {'; '.join(parts)}"
+        yield Problem("WG192", message, place=Place(place.file, place.line, place.column))
+
+
+def _where(failure: Failure, drives: Sequence[Joint]) -> str:
+    """Between which values of the drives."""
+    spans = zip(drives, failure.low, failure.high, strict=True)
+    return ", ".join(f"{drive.name} {low:.4g} to {high:.4g} {_unit(drive)}" for drive, low, high in spans)
+
+
+def _unit(drive: Joint) -> str:
+    return "rad" if drive.kind == "revolute" else "m"

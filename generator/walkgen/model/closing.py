@@ -1,0 +1,171 @@
+"""Where the bodies of a linkage are, by Newton's method on its loops in 50 digits, and on which side every dyad is."""
+
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+from walkgen.model.linkage import Linkage
+from walkgen.model.loops import Loops, Planar, Row
+from walkgen.model.walk import CONTEXT
+from walkgen.spec.assur import SIDES, Group
+
+_STARTS, _MOST_STARTS, _STEPS, _HALVINGS = 300, 3000, 40, 5
+_CLOSED, _EXACT = 1e-12, CONTEXT.mpf(10) ** -46
+_TOLD = ("RRR", "RRP", "RPP")
+"""Groups of which there is one on each side."""
+_DIGITS = 9
+"""Drives that agree to so many decimal places start from one pose."""
+
+
+@dataclass(frozen=True)
+class Posture:
+    """A linkage whose loops are closed: `x` holds x, y and angle of every body but the frame."""
+
+    loops: Loops
+    x: tuple[Any, ...]
+
+    def place(self, body: int, point: Planar) -> tuple[Any, Any, Any]:
+        """A body's point in the frame's axes, and its angle."""
+        return (*self.loops.seen(self.x, body, point).at, self.loops.angle(self.x, body))
+
+    def slopes(self, body: int, point: Planar) -> list[tuple[Any, Any, Any]]:
+        """Of `place`, by every drive."""
+        rows = (*self.loops.seen(self.x, body, point).slopes, {3 * body - 1: CONTEXT.mpf(1)} if body else {})
+        columns = [[sum(slope * self._by_drives[at][drive] for at, slope in row.items()) for row in rows] for drive in self._drives]
+        return [(x, y, angle) for x, y, angle in columns]
+
+    @property
+    def _drives(self) -> range:
+        return range(len(self.loops.drives))
+
+    @cached_property
+    def _by_drives(self) -> list[list[Any]]:
+        """Slopes of all unknowns: the equations hold while the drives move."""
+        rows = [row for _, row in self.loops.equations(self.x)]
+        solved = _solved(rows, self.loops.size)
+        assert solved is not None
+        return [[-row.get(self.loops.size + drive, CONTEXT.zero) for drive in self._drives] for row in solved]
+
+    def pin(self, pair: int) -> Planar:
+        """Where a pair is, in the frame's axes."""
+        return self.loops.end(self.x, pair, 0).at
+
+    def transmission(self, group: Group) -> Any:
+        """The angle of a dyad that has two sides: positive on its first, 0 and pi at its dead points."""
+        if group.kind == "RRR":
+            p, q, inner = (self.pin(pair) for pair in group.pairs)
+            a, b = ((p[0] - inner[0], p[1] - inner[1]), (q[0] - inner[0], q[1] - inner[1]))
+            return CONTEXT.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+        slider = next(pair for pair in group.pairs if self.loops.linkage.structure.pairs[pair].kind == "P")
+        runner, guide = self._rod(group, slider)
+        rod, along = (runner[0] - guide[0], runner[1] - guide[1]), self.loops.guide(self.x, slider)
+        return CONTEXT.atan2(rod[0] * along[0] + rod[1] * along[1], rod[1] * along[0] - rod[0] * along[1])
+
+    def _rod(self, group: Group, slider: int) -> tuple[Planar, Planar]:
+        """The pins on the side of the slider's runner and of its guide."""
+        on_base, on_second, between = group.pairs
+        pairs_of = ((on_base, on_second), (on_base, between), (on_second, between))
+        guide = next(pair for pair in pairs_of[group.guide] if pair != slider)
+        runner = next(pair for pair in group.pairs if pair not in (slider, guide))
+        return self.pin(runner), self.pin(guide)
+
+    @property
+    def angles(self) -> list[Any]:
+        """Transmission angles of the dyads that have sides, in the order of placement."""
+        return [self.transmission(group) for group in self.loops.linkage.forward.dyads if SIDES[group.kind]]
+
+    @property
+    def as_stated(self) -> bool:
+        """Whether every dyad is on the side that the spec says."""
+        linkage = self.loops.linkage
+        sides = [linkage.side(group) for group in linkage.forward.dyads if SIDES[group.kind]]
+        return all(side * angle > 0 for side, angle in zip(sides, self.angles, strict=True))
+
+
+def closed(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any]) -> Posture | None:
+    """The posture on the spec's sides, in 50 digits; None where no start leads to one, or sides do not tell postures apart."""
+    if any(group.kind not in _TOLD for group in linkage.forward.groups):
+        return None
+    near = tuple(round(float(drive), _DIGITS) for drive in drives)
+    start = _found(linkage, tuple(values.items()), near)
+    return start and _exact(linkage, values, drives, start.x)
+
+
+@cache
+def _found(linkage: Linkage, values: tuple[tuple[str, Any], ...], drives: tuple[float, ...]) -> Posture | None:
+    """From random starts, until one is as the spec says; where the loops close at all, which some of few starts shows, from many more."""
+    loops, generator = Loops(linkage, dict(values), drives, float), random.Random(len(drives))  # noqa: S311 (starts, not secrets)
+    closes = False
+    for start in range(_MOST_STARTS):
+        x = _descended(loops, _start(loops, generator)) if closes or start < _STARTS else None
+        closes |= x is not None
+        posture = x and _exact(linkage, dict(values), drives, x)
+        if posture and posture.as_stated:
+            return posture
+    return None
+
+
+def _start(loops: Loops, generator: random.Random) -> list[float]:
+    size = 1.5 * loops.reach
+    spans = (size, size, CONTEXT.pi)
+    return [generator.uniform(-float(spans[place % 3]), float(spans[place % 3])) for place in range(loops.size)]
+
+
+def _descended(loops: Loops, x: list[float]) -> list[float] | None:
+    """Newton's method with steps that lessen the residual."""
+    size = _residual(loops, x)
+    for _ in range(_STEPS):
+        if size < _CLOSED * max(1.0, loops.reach):
+            return x
+        step = _step(loops, x)
+        trials = ([a + b / 2**halving for a, b in zip(x, step, strict=True)] for halving in range(_HALVINGS)) if step else iter(())
+        better = next(((trial, left) for trial in trials if (left := _residual(loops, trial)) < size), None)
+        if better is None:
+            return None
+        x, size = better
+    return None
+
+
+def _exact(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any], start: Sequence[Any]) -> Posture | None:
+    """Newton's method to the last digit, from close by."""
+    loops, x = Loops(linkage, values, drives), [CONTEXT.mpf(entry) for entry in start]
+    for _ in range(8):
+        step = _step(loops, x)
+        if step is None:
+            return None
+        x = [a + b for a, b in zip(x, step, strict=True)]
+        if max(abs(entry) for entry in step) < _EXACT:
+            return Posture(loops, tuple(x))
+    return None
+
+
+def _residual(loops: Loops, x: Sequence[Any]) -> Any:
+    return max(abs(value) for value, _ in loops.equations(x))
+
+
+def _step(loops: Loops, x: Sequence[Any]) -> list[Any] | None:
+    """Newton's, None where the slopes are singular."""
+    right = loops.size + len(loops.drives)
+    solved = _solved([row | {right: -value} for value, row in loops.equations(x)], loops.size)
+    return None if solved is None else [row.get(right, loops.real(0)) for row in solved]
+
+
+def _solved(rows: Sequence[Row], size: int) -> list[Row] | None:
+    """Gauss and Jordan on sparse rows: row i holds what is right of unknown i; None where there is no pivot."""
+    left, done = [dict(row) for row in rows], dict[int, Row]()
+    for column in range(size):
+        index = max(range(len(left)), key=lambda index: abs(left[index].get(column, 0)))
+        pivot = left.pop(index)
+        scale = pivot.get(column, 0)
+        if scale == 0:
+            return None
+        pivot = {at: value / scale for at, value in pivot.items() if at > column}
+        for row in (*left, *done.values()):
+            factor = row.pop(column, 0)
+            if factor:
+                for at, value in pivot.items():
+                    row[at] = row[at] - factor * value if at in row else -factor * value
+        done[column] = pivot
+    return [done[column] for column in range(size)]

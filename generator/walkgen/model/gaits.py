@@ -1,0 +1,49 @@
+"""From the spec's gait tables to Gaits: parameters put in, phases from the kind's formula, legs in the order of the feet."""
+
+from collections.abc import Mapping
+
+from walkgen.gait import phases
+from walkgen.model.gait import Gait, Point
+from walkgen.model.values import Values
+from walkgen.spec.checks_gait import gaits_of, is_static
+from walkgen.spec.gait import GaitSpec
+from walkgen.spec.gait_timing import timing
+from walkgen.spec.scalar import ZERO, Vector
+from walkgen.spec.schema import RobotSpec
+
+
+def gaits(spec: RobotSpec, values: Values) -> tuple[Gait, ...]:
+    """All gaits of a validated spec, in the order of the file."""
+    legs = tuple(leg.name for leg in spec.legs)
+    tables = {name: gait for name, _, gait in gaits_of(spec)}
+    return tuple(_gait(name, gait, _stance(gait, tables), legs, values) for name, gait in tables.items())
+
+
+def _gait(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> Gait:
+    times = timing(gait, values.fraction)
+    stride, lift, margin = (gait.si(key) for key in ("stride", "lift", "margin"))
+    return Gait(
+        name=name,
+        kind=gait.kind,
+        duty_factor=tuple(times[leg][0] for leg in legs),
+        phase=tuple(phases.fraction(times[leg][1]) for leg in legs),
+        period=values.fraction(gait.period),
+        stride=values.fraction(ZERO if stride is None else stride),
+        lift=None if lift is None else values.fraction(lift),
+        stance=None if points is None else tuple(_point(points[leg], values) for leg in legs),
+        static=is_static(gait),
+        body=gait.body,
+        margin=None if margin is None else values.fraction(margin),
+    )
+
+
+def _stance(gait: GaitSpec, others: Mapping[str, GaitSpec]) -> Mapping[str, Vector] | None:
+    """The gait's own, or that of the gait it names."""
+    given = others[gait.stance].stance if isinstance(gait.stance, str) else gait.stance
+    assert not isinstance(given, str)
+    return given
+
+
+def _point(entries: Vector, values: Values) -> Point:
+    x, y, z = (values.fraction(entry) for entry in entries)
+    return (x, y, z)
