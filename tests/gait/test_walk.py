@@ -123,6 +123,7 @@ def test_power_is_what_energy_changes_by(robot, trajectory, name):
     power = (walk.power.weight + walk.power.inertia).sum(axis=1)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(walk.times))])
     energy = _energy(robot, walk)
+    assert walk.energy["weight"] + walk.energy["inertia"] == pytest.approx(gained[-1], abs=1e-9)
     assert np.abs(gained - (energy - energy[0])).max() < 2e-3 * np.ptp(energy) + 2e-3
 
 
