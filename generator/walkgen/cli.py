@@ -16,6 +16,7 @@ from walkgen.terminal import as_json, count, progress_of, report, write_new
 if TYPE_CHECKING:
     from walkgen.pipeline import BuildOptions, BuildReport
     from walkgen.spec.schema import RobotSpec
+    from walkgen.walking import Walked
 
 TARGETS = ("c", "casadi", "numpy")
 DIFFERENCE, USER_ERROR = 1, 2
@@ -36,6 +37,14 @@ class Format(StrEnum):
 
     TEXT = "text"
     JSON = "json"
+
+
+class Body(StrEnum):
+    """What a platform does before a leg lifts."""
+
+    LEVEL = "level"
+    WAVED = "waved"
+    SWINGING = "swinging"
 
 
 class Verify(StrEnum):
@@ -189,6 +198,51 @@ def show(
 
     chosen = stage or (Stage.FUNCTIONS if function else Stage.MECHANISM)
     typer.echo(text.show(spec, chosen.value, function))
+
+
+@app.command()
+def gait(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC", help="A robot spec (TOML) with a [gait].")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="walk.html to look at, walk.csv to reckon with.")
+    ] = None,
+    png: Annotated[Path | None, typer.Option("--png", metavar="FILE.png", help="A still picture.")] = None,
+    name: Annotated[str, typer.Option("--gait", metavar="NAME", help="Which of the spec's gaits; its first where left out.")] = "",
+    terrain: Annotated[
+        str, typer.Option(metavar="GROUND", help="flat, slope:DEGREES, or a height in x and y; the spec's, else flat.")
+    ] = "",
+    body: Annotated[Body | None, typer.Option(help="What the platform does before a leg lifts, instead of what the gait says.")] = None,
+    margin: Annotated[float | None, typer.Option(metavar="M", help="The least static stability margin; the gait's, else 0.")] = None,
+    cycles: Annotated[int, typer.Option(metavar="N", help="Periods to walk.")] = 3,
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Instants in a second.")] = 100.0,
+    from_rest: Annotated[bool, typer.Option("--from-rest", help="Start and stop; else walk steadily.")] = False,
+    give: Annotated[float, typer.Option(metavar="M", help="How far ground and feet give, for legs with a path of their own.")] = 0.0,
+    adapt: Annotated[bool, typer.Option("--adapt", help="Adapt the connecting chains to the footholds; else hold them straight.")] = False,
+) -> None:
+    """Simulate a walk: animation, table, picture; exit code 1 where the robot cannot walk so, with what stands against it."""
+    from walkgen import walking
+
+    wanted = walking.Wanted(name, terrain, body.value if body else "", margin, cycles, rate, from_rest, adapt, give)
+    with progress_of(spec) as progress:
+        result = walking.walked(spec, wanted, progress)
+        progress("write")
+        if output is not None:
+            write_new(output, walking.written(result, output))
+        if png is not None:
+            write_new(png, walking.pictured(result))
+    _print_walk(result, [file for file in (output, png) if file is not None])
+
+
+def _print_walk(result: "Walked", files: list[Path]) -> None:
+    walk = result.walk
+    pace = f"{walk.times[-1]:.4g} s, {count(len(walk.holds.leg), 'foothold')}, {walk.trajectory.gait.speed:.4g} m/s"
+    typer.echo(f"{walk.robot}: {pace}, least static margin {walk.least_margin:.4g} m")
+    for file in files:
+        typer.echo(f"  {file}")
+    for fault in walk.faults:
+        typer.echo(f"  {fault}")
+    if not walk.feasible:
+        raise typer.Exit(DIFFERENCE)
 
 
 @app.command()
