@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from walkgen import __version__
+from walkgen.arguments import TO_FILE, Body, Format, Output, Specs, Stage, Verify, targets_of
 from walkgen.errors import Problem, WalkgenError
 from walkgen.terminal import as_json, count, progress_of, report, write_new
 
@@ -18,41 +18,7 @@ if TYPE_CHECKING:
     from walkgen.spec.schema import RobotSpec
     from walkgen.walking import Walked
 
-TARGETS = ("c", "casadi", "numpy")
 DIFFERENCE, USER_ERROR = 1, 2
-TO_FILE = "Write here instead of to the terminal."
-
-
-class Stage(StrEnum):
-    """What `walkgen show` can show."""
-
-    SPEC = "spec"
-    MECHANISM = "mechanism"
-    FUNCTIONS = "functions"
-    PROGRAM = "program"
-
-
-class Format(StrEnum):
-    """How `walkgen check` reports."""
-
-    TEXT = "text"
-    JSON = "json"
-
-
-class Body(StrEnum):
-    """What a platform does before a leg lifts."""
-
-    LEVEL = "level"
-    WAVED = "waved"
-    SWINGING = "swinging"
-
-
-class Verify(StrEnum):
-    """What `walkgen build` proves of what it built."""
-
-    NONE = "none"
-    TEST = "test"
-    FULL = "full"
 
 
 class _Commands(TyperGroup):
@@ -74,9 +40,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-Specs = Annotated[list[Path], typer.Argument(metavar="SPEC", help="Robot specs (TOML).")]
-Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Each robot gets its own folder DIR/<robot>/.")]
 
 
 def _print_version(asked: bool) -> None:
@@ -106,7 +69,7 @@ def build(
     from walkgen import pipeline, selftest
     from walkgen.toolchain import FLAGS
 
-    options = pipeline.BuildOptions(targets=_targets(targets), float32=float32, fma=not no_fma)
+    options = pipeline.BuildOptions(targets=targets_of(targets), float32=float32, fma=not no_fma)
     if check:
         _check_stale(specs, output, options)
         return
@@ -332,15 +295,6 @@ def _problems(specs: list[Path], one: Callable[[Path], object]) -> tuple[Problem
         except WalkgenError as error:
             found.extend(error.problems)
     return tuple(found)
-
-
-def _targets(text: str) -> tuple[str, ...]:
-    """The targets asked for, in their fixed order; none means the spec's."""
-    names = tuple(part.strip() for part in text.split(",") if part.strip())
-    unknown = [name for name in names if name not in TARGETS]
-    if unknown:
-        raise typer.BadParameter(f"unknown: {', '.join(unknown)}; targets are {', '.join(TARGETS)}", param_hint="--targets")
-    return tuple(name for name in TARGETS if name in names)
 
 
 if __name__ == "__main__":
