@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,40 +9,16 @@ import typer
 from typer.core import TyperGroup
 
 from walkgen import __version__
+from walkgen.arguments import TO_FILE, Body, Format, Output, Specs, Stage, Verify, targets_of
 from walkgen.errors import Problem, WalkgenError
 from walkgen.terminal import as_json, count, progress_of, report, write_new
 
 if TYPE_CHECKING:
     from walkgen.pipeline import BuildOptions, BuildReport
     from walkgen.spec.schema import RobotSpec
+    from walkgen.walking import Walked
 
-TARGETS = ("c", "casadi", "numpy")
 DIFFERENCE, USER_ERROR = 1, 2
-TO_FILE = "Write here instead of to the terminal."
-
-
-class Stage(StrEnum):
-    """What `walkgen show` can show."""
-
-    SPEC = "spec"
-    MECHANISM = "mechanism"
-    FUNCTIONS = "functions"
-    PROGRAM = "program"
-
-
-class Format(StrEnum):
-    """How `walkgen check` reports."""
-
-    TEXT = "text"
-    JSON = "json"
-
-
-class Verify(StrEnum):
-    """What `walkgen build` proves of what it built."""
-
-    NONE = "none"
-    TEST = "test"
-    FULL = "full"
 
 
 class _Commands(TyperGroup):
@@ -65,9 +40,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-Specs = Annotated[list[Path], typer.Argument(metavar="SPEC", help="Robot specs (TOML).")]
-Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Each robot gets its own folder DIR/<robot>/.")]
 
 
 def _print_version(asked: bool) -> None:
@@ -97,7 +69,7 @@ def build(
     from walkgen import pipeline, selftest
     from walkgen.toolchain import FLAGS
 
-    options = pipeline.BuildOptions(targets=_targets(targets), float32=float32, fma=not no_fma)
+    options = pipeline.BuildOptions(targets=targets_of(targets), float32=float32, fma=not no_fma)
     if check:
         _check_stale(specs, output, options)
         return
@@ -192,6 +164,51 @@ def show(
 
 
 @app.command()
+def gait(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC", help="A robot spec (TOML) with a [gait].")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="walk.html to look at, walk.csv to reckon with.")
+    ] = None,
+    png: Annotated[Path | None, typer.Option("--png", metavar="FILE.png", help="A still picture.")] = None,
+    name: Annotated[str, typer.Option("--gait", metavar="NAME", help="Which of the spec's gaits; its first where left out.")] = "",
+    terrain: Annotated[
+        str, typer.Option(metavar="GROUND", help="flat, slope:DEGREES, or a height in x and y; the spec's, else flat.")
+    ] = "",
+    body: Annotated[Body | None, typer.Option(help="What the platform does before a leg lifts, instead of what the gait says.")] = None,
+    margin: Annotated[float | None, typer.Option(metavar="M", help="The least static stability margin; the gait's, else 0.")] = None,
+    cycles: Annotated[int, typer.Option(metavar="N", help="Periods to walk.")] = 3,
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Instants in a second.")] = 100.0,
+    from_rest: Annotated[bool, typer.Option("--from-rest", help="Start and stop; else walk steadily.")] = False,
+    give: Annotated[float, typer.Option(metavar="M", help="How far ground and feet give, for legs with a path of their own.")] = 0.0,
+    adapt: Annotated[bool, typer.Option("--adapt", help="Adapt the connecting chains to the footholds; else hold them straight.")] = False,
+) -> None:
+    """Simulate a walk: animation, table, picture; exit code 1 where the robot cannot walk so, with what stands against it."""
+    from walkgen import walking
+
+    wanted = walking.Wanted(name, terrain, body.value if body else "", margin, cycles, rate, from_rest, adapt, give)
+    with progress_of(spec) as progress:
+        result = walking.walked(spec, wanted, progress)
+        progress("write")
+        if output is not None:
+            write_new(output, walking.written(result, output))
+        if png is not None:
+            write_new(png, walking.pictured(result))
+    _print_walk(result, [file for file in (output, png) if file is not None])
+
+
+def _print_walk(result: "Walked", files: list[Path]) -> None:
+    walk = result.walk
+    pace = f"{walk.times[-1]:.4g} s, {count(len(walk.holds.leg), 'foothold')}, {walk.trajectory.gait.speed:.4g} m/s"
+    typer.echo(f"{walk.robot}: {pace}, least static margin {walk.least_margin:.4g} m")
+    for file in files:
+        typer.echo(f"  {file}")
+    for fault in walk.faults:
+        typer.echo(f"  {fault}")
+    if not walk.feasible:
+        raise typer.Exit(DIFFERENCE)
+
+
+@app.command()
 def new(kind: Annotated[str, typer.Argument(metavar="KIND", help="leg, hexapod, quadruped or modular.")]) -> None:
     """Print a commented spec to start from."""
     from walkgen.spec.templates import template
@@ -278,15 +295,6 @@ def _problems(specs: list[Path], one: Callable[[Path], object]) -> tuple[Problem
         except WalkgenError as error:
             found.extend(error.problems)
     return tuple(found)
-
-
-def _targets(text: str) -> tuple[str, ...]:
-    """The targets asked for, in their fixed order; none means the spec's."""
-    names = tuple(part.strip() for part in text.split(",") if part.strip())
-    unknown = [name for name in names if name not in TARGETS]
-    if unknown:
-        raise typer.BadParameter(f"unknown: {', '.join(unknown)}; targets are {', '.join(TARGETS)}", param_hint="--targets")
-    return tuple(name for name in TARGETS if name in names)
 
 
 if __name__ == "__main__":

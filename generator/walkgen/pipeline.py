@@ -31,9 +31,10 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class BuildOptions:
-    """What to write; empty targets mean the spec's."""
+    """What to write; empty targets and functions mean the spec's."""
 
     targets: tuple[str, ...] = ()
+    functions: tuple[str, ...] = ()
     float32: bool = False
     fma: bool = True
 
@@ -100,7 +101,7 @@ def _digest(path: Path, spec: RobotSpec) -> str:
 
 
 def _bodies(spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress) -> Iterator[Program | Composite]:
-    for derivation in derive(mechanism, _names(spec)):
+    for derivation in derive(mechanism, options.functions or _names(spec)):
         progress(derivation.signature.full_name)
         yield lower(derivation, options.fma)
         if spec.generate.derivatives and mechanism.parameters:

@@ -58,7 +58,7 @@ assert not [name for name in {heavy!r} if name in sys.modules]
 
 
 def test_help_names_every_command():
-    commands = ("build", "check", "show", "new", "test", "import", "export", "doctor", "explain")
+    commands = ("build", "check", "show", "new", "test", "import", "export", "gait", "doctor", "explain")
     assert all(re.search(rf"^\W*{command}\b", run("--help").stdout, re.MULTILINE) for command in commands)
 
 

@@ -1,0 +1,74 @@
+"""The ground that a walk goes over: height and normal at any x and y; a slope, a function, or what the robot's spec describes."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from walkgen.runtime.robot import Terrain
+
+_NEARBY = 1e-5
+
+
+class Ground(Protocol):
+    """Height over x and y in the world, z up; NaN where there is no ground."""
+
+    def height(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Heights [...] (m) at x [...] and y [...] (m)."""
+
+    def normal(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Unit normals [...,3], upwards."""
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A plane through the origin that rises by `angle` (rad) along x; level where it is left out."""
+
+    angle: float = 0.0
+
+    def height(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Heights [...] (m) at x [...] and y [...] (m)."""
+        return math.tan(self.angle) * x + 0.0 * y
+
+    def normal(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Unit normals [...,3], upwards."""
+        return np.broadcast_to([-math.sin(self.angle), 0.0, math.cos(self.angle)], (*np.broadcast(x, y).shape, 3))
+
+
+@dataclass(frozen=True)
+class Relief:
+    """z = f(x, y); f takes and gives arrays."""
+
+    function: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+    def height(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Heights [...] (m) at x [...] and y [...] (m); NaN where the function has no value."""
+        with np.errstate(all="ignore"):
+            z = np.asarray(self.function(x, y), float) + 0.0 * (x + y)
+        return np.where(np.isfinite(z), z, np.nan)
+
+    def normal(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Unit normals [...,3], upwards, from heights 10 um to either side."""
+        slopes = (self.height(x + _NEARBY, y) - self.height(x - _NEARBY, y), self.height(x, y + _NEARBY) - self.height(x, y - _NEARBY))
+        normal = np.stack([-slopes[0] / (2 * _NEARBY), -slopes[1] / (2 * _NEARBY), np.ones_like(slopes[0])], axis=-1)
+        unit: np.ndarray = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+        return unit
+
+
+@dataclass(frozen=True)
+class Described:
+    """The ground of a spec: `Described(robot.terrain)`."""
+
+    terrain: Terrain
+
+    def height(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Heights [...] (m) at x [...] and y [...] (m); NaN off every patch."""
+        found: np.ndarray = self.terrain.height(np.stack([x, y, np.zeros_like(x)], axis=-1))
+        return found
+
+    def normal(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Unit normals [...,3], upwards."""
+        found: np.ndarray = self.terrain.normal(np.stack([x, y, np.zeros_like(x)], axis=-1))
+        return found

@@ -1,0 +1,246 @@
+"""Simulates a walk: the platform's motion, footholds, chains and legs for all instants by few calls of generated functions."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from walkgen.gait import balance
+from walkgen.gait.chains import Bending, adapted, held
+from walkgen.gait.course import Course, Pace, course
+from walkgen.gait.driven import driven, is_driven
+from walkgen.gait.faults import Fault, worst
+from walkgen.gait.footholds import Footholds, place
+from walkgen.gait.ground import Ground, Slope
+from walkgen.gait.legs import missing, postures
+from walkgen.gait.motion import Motion, composed
+from walkgen.gait.power import Contact, Power, power
+from walkgen.gait.rates import rates
+from walkgen.gait.static_margin import Margins, margins
+from walkgen.gait.trajectory import FootMotion, Trajectory
+from walkgen.gait.walk import Walk
+from walkgen.runtime.robot import Robot
+from walkgen.signature import STATUSES
+
+_SINGULAR = STATUSES.index("SINGULAR")
+_REACHED = 1e-9
+_WITHIN = 1e-9
+_TOUCHED = 1e-6
+"""Slacks of footholds (m), of limits and speeds, and of feet that touch the ground (m)."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to walk.
+
+    Attributes:
+        cycles: how many periods.
+        rate: instants in a second.
+        from_rest: start and stop in a period each, all feet on the ground at both ends; else steadily.
+        adapt: connecting chains are adapted to the footholds; else held straight.
+        body: level, waved (shifts before a leg lifts) or swinging (turns about a side of the support polygon).
+        margin: the least static stability margin (m); 0 is the border of falling.
+        max_speed: of joints [nq] (rad/s, m/s); infinite where unknown.
+        units: of joints [nq], rad or m; rad where left out.
+        mu: coefficient of friction, for how the feet share the load.
+        heading: of the course (rad).
+        give: how far ground and feet yield, so that a foot with a path of its own may be so far off its foothold (m).
+    """
+
+    cycles: int = 3
+    rate: float = 100.0
+    from_rest: bool = False
+    adapt: bool = False
+    body: Literal["level", "waved", "swinging"] = "level"
+    margin: float = 0.0
+    max_speed: tuple[float, ...] = ()
+    units: tuple[str, ...] = ()
+    mu: float = 0.7
+    heading: float = 0.0
+    give: float = 0.0
+
+
+_LEVEL, _STEADILY = Slope(), Options()
+
+
+class Plan(NamedTuple):
+    """What a walk follows: footholds and the first platform's motion by time."""
+
+    footholds: Footholds
+    body: Callable[[np.ndarray], Motion]
+
+
+class State(NamedTuple):
+    """Of a plan at some instants."""
+
+    motion: Motion
+    feet: FootMotion
+    support: np.ndarray
+    bending: Bending
+    q: np.ndarray
+    status: np.ndarray
+    com: np.ndarray
+
+
+def simulate(robot: Robot, trajectory: Trajectory, ground: Ground = _LEVEL, options: Options = _STEADILY) -> Walk:
+    """Walk a robot over a ground, from the origin along `heading`.
+
+    The platform keeps the gait's speed along its course, whose height and inclination follow the ground under the stance; feet stand
+    where their stance points are in the middle of a support, and stay there exactly.
+
+    Args:
+        robot: loaded; its z is up at rest.
+        trajectory: gait, stance and lift.
+        ground: level where left out.
+        options: how to walk.
+
+    Raises:
+        ValueError: no cycle, or a rate that is not more than 0.
+    """
+    if options.cycles < 1 or not options.rate > 0.0:
+        raise ValueError(f"{options.cycles} cycles at {options.rate:g} instants a second: one and more than 0 are needed")
+    trajectory = Trajectory(trajectory.gait.ordered(tuple(robot.legs)), _in_order(robot, trajectory), trajectory.lift)
+    if options.body != "level":
+        trajectory = balance.with_pauses(trajectory)
+    plan = planned(trajectory, ground, options)
+    if options.body != "level":
+        plan = _balanced(robot, plan, options, options.body)
+    times = instants(trajectory, options)
+    return _walk(robot, plan, ground, options, times)
+
+
+def _in_order(robot: Robot, trajectory: Trajectory) -> tuple[tuple[float, float, float], ...]:
+    return tuple(trajectory.stance[trajectory.gait.legs.index(leg)] for leg in robot.legs)
+
+
+def instants(trajectory: Trajectory, options: Options) -> np.ndarray:
+    """The instants of a walk [t] (s), both ends included."""
+    duration = options.cycles * trajectory.gait.period
+    return np.linspace(0.0, duration, math.ceil(duration * options.rate) + 1)
+
+
+def planned(trajectory: Trajectory, ground: Ground, options: Options) -> Plan:
+    """Course and footholds."""
+    gait = trajectory.gait
+    pace = Pace(gait.speed, options.cycles * gait.period, min(1.0, options.cycles / 2) * gait.period if options.from_rest else 0.0)
+    path = course(ground, np.array(trajectory.stance), gait.stride, gait.stride * options.cycles, options.heading)
+    return Plan(place(trajectory, path, pace, ground), _along(path, pace))
+
+
+def _along(path: Course, pace: Pace) -> Callable[[np.ndarray], Motion]:
+    return lambda t: path.at(pace.at(t))
+
+
+def state(robot: Robot, plan: Plan, adapt: bool, times: np.ndarray) -> State:
+    """Where everything is at these instants."""
+    motion = plan.body(times)
+    feet, support = plan.footholds.motion(times)
+    bending = adapted(robot, plan.footholds, plan.body, times) if adapt and robot.chains else held(robot, times)
+    led = [foot for foot, leg in enumerate(robot.legs.values()) if is_driven(leg)]
+    if led:
+        drives = driven(robot, plan.footholds, plan.body, times)
+        bending = Bending(bending.q + drives.q, bending.qd + drives.qd, bending.qdd + drives.qdd, bending.failed)
+    found = postures(robot, motion.inward(feet.position - motion.position[:, None]), bending.q)
+    if led:
+        feet = _on_their_way(robot, motion, feet, support, led, found.q)
+    has_mass = hasattr(robot, "com")
+    com = robot.com(motion.pose, found.q) if has_mass else np.full((len(times), 3), np.nan)
+    return State(motion, feet, support, bending, found.q, found.status, com)
+
+
+def _on_their_way(robot: Robot, motion: Motion, feet: FootMotion, support: np.ndarray, led: list[int], q: np.ndarray) -> FootMotion:
+    """The feet, those that have a path of their own and are in transfer where it takes them."""
+    position = feet.position.copy()
+    own = motion.position[:, None] + motion.outward(robot.foot_positions(q))
+    position[:, led] = np.where(support[:, led, None], position[:, led], own[:, led])
+    return feet._replace(position=position)
+
+
+def _balanced(robot: Robot, plan: Plan, options: Options, body: Literal["waved", "swinging"]) -> Plan:
+    """The plan with the shifts or turns of the platform that keep the margin."""
+
+    def com(candidate: Callable[[np.ndarray], Motion], times: np.ndarray) -> np.ndarray:
+        return state(robot, Plan(plan.footholds, candidate), options.adapt, times).com
+
+    moves = balance.moves(plan.footholds, plan.body, com, body, options.margin, options.cycles)
+    return Plan(plan.footholds, lambda t: composed(moves(t), plan.body(t)))
+
+
+def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.ndarray) -> Walk:
+    now = state(robot, plan, options.adapt, times)
+    seen = now.motion.seen(*now.feet)
+    qd, qdd = rates(robot, now.q, now.bending, seen[1], seen[2])
+    feet = now.motion.position[:, None] + now.motion.outward(robot.foot_positions(now.q))
+    stable = _margins(robot, now, options.heading)
+    return Walk(
+        robot=robot.name,
+        legs=tuple(robot.legs),
+        joints=robot.joint_names,
+        trajectory=plan.footholds.trajectory,
+        times=times,
+        base_pose=now.motion.pose,
+        q=now.q,
+        qd=qd,
+        qdd=qdd,
+        stance=now.support,
+        feet=feet,
+        targets=now.feet.position,
+        statuses=now.status,
+        com=now.com,
+        margins=stable,
+        holds=plan.footholds.holds(float(times[-1])),
+        power=_power(robot, now, (qd, qdd), ground, options.mu),
+        faults=tuple(_faults(robot, now, qd, ground, options, times, stable.static)),
+    )
+
+
+def _margins(robot: Robot, now: State, heading: float) -> Margins:
+    """NaN of a robot without mass, or where a foot has no place."""
+    if not hasattr(robot, "stability_margins"):
+        none = np.full((len(now.com), 2), np.nan)
+        return Margins(none[:, 0], none, none[:, 0])
+    way = np.array([math.cos(heading), math.sin(heading), 0.0])
+    return margins(robot, now.feet.position, now.support, now.com, way)
+
+
+def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground: Ground, mu: float) -> Power | None:
+    if not all(hasattr(robot, name) for name in ("floating_inverse_dynamics", "demanded_wrench", "contact_forces")):
+        return None
+    motion, point = now.motion, now.feet.position
+    linear, turning = _inward(motion, motion.velocity), _inward(motion, motion.turning)
+    acceleration = _inward(motion, motion.acceleration) - np.cross(turning, linear)
+    v = np.concatenate([linear, turning, rate[0]], axis=1)
+    a = np.concatenate([acceleration, _inward(motion, motion.turning_acceleration), rate[1]], axis=1)
+    contact = Contact(point, ground.normal(point[..., 0], point[..., 1]), now.support, mu)
+    return power(robot, motion.pose, now.q, (v, a), contact)
+
+
+def _inward(motion: Motion, vector: np.ndarray) -> np.ndarray:
+    return motion.inward(vector[:, None])[:, 0]
+
+
+def _faults(
+    robot: Robot, now: State, qd: np.ndarray, ground: Ground, options: Options, times: np.ndarray, static: np.ndarray
+) -> Iterator[Fault]:
+    legs, joints = tuple(robot.legs), robot.joint_names
+    point = now.feet.position
+    nowhere = np.isnan(point).any(axis=-1)
+    yield from worst("ground", legs, times, np.where(nowhere, np.inf, np.nan), "m", 0.0)
+    away = missing(robot, now.motion.inward(point - now.motion.position[:, None]), now.q)
+    own = np.array([is_driven(leg) for leg in robot.legs.values()])
+    yield from worst("reach", legs, times, np.where(own, np.nan, away), "m", _REACHED)
+    yield from worst("off", legs, times, np.where(own, away, np.nan), "m", max(options.give, _REACHED))
+    yield from worst("singular", legs, times, np.where(now.status == _SINGULAR, np.inf, np.nan), "m", 0.0)
+    deep = np.where(now.support, np.nan, ground.height(point[..., 0], point[..., 1]) - point[..., 2])
+    yield from worst("through", legs, times, deep, "m", max(options.give, _TOUCHED))
+    units = options.units or ("rad",) * len(joints)
+    beyond = np.maximum(robot.limits[:, 0] - now.q, now.q - robot.limits[:, 1])
+    yield from worst("limit", joints, times, beyond, units, _WITHIN)
+    if options.max_speed:
+        yield from worst("speed", joints, times, np.abs(qd) - options.max_speed, [f"{unit}/s" for unit in units], _WITHIN)
+    if len(now.bending.failed):
+        share = len(now.bending.failed) / len(times)
+        yield Fault("chains", "chains", float(now.bending.failed[0]), math.nan, "m", share)
+    yield from worst("margin", (robot.platforms[0],), times, (options.margin - static)[:, None], "m", _WITHIN)

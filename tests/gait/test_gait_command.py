@@ -1,0 +1,143 @@
+"""`walkgen gait` as a user meets it: files, exit codes, every problem at once, and a page that moves."""
+
+import csv
+import re
+import shutil
+import subprocess
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkgen.cli import app
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+_SLOW_PICTURES = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=300,300")
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["gait", *(str(argument) for argument in arguments)])
+
+
+def test_a_feasible_walk_as_a_table(duo, tmp_path):
+    result = run(duo, "--gait", "waved", "--terrain", "flat", "--cycles", "1", "-o", tmp_path / "walk.csv")
+    assert result.exit_code == 0, result.output
+    assert "duo: 5 s" in result.output
+    with (tmp_path / "walk.csv").open(encoding="utf-8") as file:
+        names, *rows = csv.reader(file)
+    values = np.array(rows, dtype=float)
+    assert len(rows) == 501
+    column = dict(zip(names, values.T, strict=True))
+    assert {
+        "t (s)",
+        "base_z (m)",
+        "q_front_left_yaw (rad)",
+        "qd_aft_pitch (rad/s)",
+        "static_margin (m)",
+        "power_friction (W)",
+    } <= column.keys()
+    assert column["static_margin (m)"].min() >= 0.04
+    down = column["rear_left_stance (1)"] == 1
+    assert np.abs(column["rear_left_foot_z (m)"][down]).max() < 1e-8
+
+
+def test_an_infeasible_walk_is_written_and_says_why(duo, tmp_path):
+    result = run(duo, "--gait", "crawl", "--terrain", "slope:12", "--cycles", "1", "-o", tmp_path / "walk.csv")
+    assert result.exit_code == 1
+    assert "the stability margin is short by" in result.output
+    assert (tmp_path / "walk.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "codes"),
+    [
+        (("--gait", "crawler"), {"WG611": 'did you mean "crawl"?'}),
+        (("--gait", "when"), {"WG612": "stance ="}),
+        (("--gait", "trot", "--body", "waved"), {"WG614": "in transfer together"}),
+        (("--gait", "far"), {"WG616": "rear_right: the rear end of its stroke is"}),
+        (("--terrain", "slope:steep"), {"WG613": "slope:15"}),
+        (("--terrain", "slope:89"), {"WG613": "up to 80"}),
+        (("--terrain", "__import__('os')"), {"WG613": "is not allowed"}),
+        (("--terrain", "x + w"), {"WG613": '"w" is not known'}),
+        (("--terrain", "1/(x-x)"), {"WG617": "there is no ground"}),
+        (("--terrain", "sqrt(-1-x*x)"), {"WG617": "rear_left"}),
+        (("--gait", "nothing", "--terrain", "z", "--cycles", "0"), {"WG611": "known gaits", "WG613": '"z"', "WG615": "0 cycles"}),
+        (("-o", "walk.pdf"), {"WG618": ".html or .csv"}),
+    ],
+)
+def test_what_a_user_can_mend(duo, arguments, codes):
+    result = run(duo, *arguments)
+    assert result.exit_code == 2
+    for code, words in codes.items():
+        assert code in result.stderr
+        assert words in result.stderr
+
+
+def test_a_spec_without_a_gait(tmp_path):
+    spec = tmp_path / "hop.toml"
+    legs = 'platforms = [{ name = "b" }]\nlegs = [{ name = "l", design = "d", platform = "b" }]\n'
+    design = '[leg_designs.d]\ndh = "classic"\njoints = [{ name = "a", type = "revolute", a = 0.1, alpha_deg = 0, d = 0 }]\n'
+    spec.write_text(f'walkgen = 1\nrobot = {{ name = "hop", gravity = [0, 0, -9.8] }}\n{legs}{design}', encoding="utf-8")
+    result = run(spec)
+    assert result.exit_code == 2
+    assert "WG610" in result.stderr
+
+
+def test_a_body_that_balances_no_mass(duo, monkeypatch):
+    from walkgen import walking
+
+    monkeypatch.setattr(walking, "_robot", lambda *_: SimpleNamespace(terrain=None))
+    result = run(duo, "--gait", "waved")
+    assert result.exit_code == 2
+    assert "WG620" in result.stderr
+
+
+def test_a_missing_library_says_what_to_install(duo, tmp_path, monkeypatch):
+    from walkgen import walking
+
+    def absent(_):
+        raise ModuleNotFoundError("no", name="plotly")
+
+    monkeypatch.setattr(walking, "import_module", absent)
+    result = run(duo, "--gait", "waved", "--cycles", "1", "-o", tmp_path / "walk.html")
+    assert result.exit_code == 2
+    assert "WG619" in result.stderr
+    assert "walkgen[gait]" in result.stderr
+
+
+def test_a_still_picture(duo, tmp_path):
+    pytest.importorskip("matplotlib", reason="the picture needs walkgen[gait]")
+    result = run(duo, "--gait", "waved", "--terrain", "flat", "--cycles", "1", "--png", tmp_path / "walk.png")
+    assert result.exit_code == 0, result.output
+    content = (tmp_path / "walk.png").read_bytes()
+    assert content.startswith(b"\x89PNG")
+    assert len(content) > 20_000
+
+
+@pytest.fixture(scope="module")
+def page(duo, tmp_path_factory):
+    pytest.importorskip("plotly", reason="the page needs walkgen[gait]")
+    path = tmp_path_factory.mktemp("page") / "walk.html"
+    result = run(duo, "--gait", "swinging", "--terrain", "flat", "--cycles", "1", "--rate", "3", "-o", path)
+    assert result.exit_code == 0, result.output
+    return path
+
+
+def test_the_page_needs_nothing_from_elsewhere(page):
+    text = page.read_text(encoding="utf-8")
+    assert not re.findall(r"<(?:script|link)[^>]*(?:src|href)=\"?https?:", text)
+    assert "Feasible." in text
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_the_page_moves_without_an_error(page):
+    command = [CHROMIUM, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", *_SLOW_PICTURES, "--enable-logging=stderr"]
+    shown = subprocess.run(
+        [*command, "--virtual-time-budget=4000", "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=500, check=True
+    )
+    spoken = [line for line in shown.stderr.splitlines() if "CONSOLE" in line and "willReadFrequently" not in line]
+    assert not spoken
+    instant = re.search(r'<html[^>]*data-instant="([^"]*)"', shown.stdout)
+    assert instant, "no frame was shown"
+    assert float(instant[1]) > 0.0
