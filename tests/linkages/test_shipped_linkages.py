@@ -9,6 +9,7 @@ from linkages.theory import BOXES, FEET
 STEP = 1e-6
 REACH = 1.0
 YAWED = ("odex", "bessonov", "garrec")
+SHIPPED = [pytest.param(name, marks=pytest.mark.nightly) if name == "bessonov" else name for name in FEET]
 
 
 def drives(name, count, seed=0):
@@ -31,7 +32,7 @@ def mounted(name, planar, yaw):
     return np.stack([mount[0] + np.cos(yaw) * planar[:, 0], mount[1] + np.sin(yaw) * planar[:, 0], planar[:, 1]], axis=-1)
 
 
-@pytest.mark.parametrize("name", FEET)
+@pytest.mark.parametrize("name", SHIPPED)
 def test_foot_is_where_the_theory_puts_it(shipped, name):
     q = posture(name, 200)
     drive = q[:, 1:] if name in YAWED else q
@@ -42,7 +43,7 @@ def test_foot_is_where_the_theory_puts_it(shipped, name):
         assert np.abs(leg_of(backend).foot_position(q) - wanted).max() <= 1e-14 * REACH
 
 
-@pytest.mark.parametrize("name", FEET)
+@pytest.mark.parametrize("name", SHIPPED)
 def test_jacobian_is_the_slope(shipped, name):
     leg, q = leg_of(shipped(name).c), posture(name, 20)
     change = np.stack([(leg.foot_position(q + STEP * e) - leg.foot_position(q - STEP * e)) / (2 * STEP) for e in np.eye(q.shape[1])], -1)
@@ -61,7 +62,7 @@ def test_second_derivatives(shipped, name):
     assert np.abs(bias - leg.foot_bias_acceleration(q, qd)).max() < 1e-5 * max(np.abs(bias).max(), 1)
 
 
-@pytest.mark.parametrize(("name", "branches"), [("odex", 16), ("bessonov", 8), ("pantograph", 2)])
+@pytest.mark.parametrize(("name", "branches"), [("odex", 16), pytest.param("bessonov", 8, marks=pytest.mark.nightly), ("pantograph", 2)])
 def test_every_branch_of_the_inverse_that_is_ok_reaches(shipped, name, branches):
     leg, q = leg_of(shipped(name).c), posture(name, 200)
     target = leg.foot_position(q)

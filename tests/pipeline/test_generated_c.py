@@ -10,9 +10,8 @@ from walkgen.emit.emit import emit
 
 SPECS = {path.stem: path for path in sorted((Path(__file__).parents[2] / "specs").glob("*.toml"))}
 # kin of those that every run compiles
-LARGE = ("bessonov", "garrec", "mero_star", "mero_style", "minitaur", "odex", "pantograph", "solo12")
+LARGE = ("bessonov", "garrec", "mero", "mero_star", "mero_style", "minitaur", "odex", "pantograph", "quadruped", "solo12")
 EVERY = [pytest.param(name, marks=pytest.mark.nightly) if name in LARGE else name for name in SPECS]
-SMALL = [pytest.param(name, marks=pytest.mark.nightly) if name in (*LARGE, "mero") else name for name in SPECS]
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
 LANGUAGES = {"c99": ("gcc", "-std=c99"), "c++11": ("g++", "-x", "c++", "-std=c++11")}
 SANITIZE = ("-O0", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -44,7 +43,7 @@ def test_compiles_without_a_warning(sources, name):
     compiled(sources, name, "c99")
 
 
-@pytest.mark.parametrize("name", SMALL)
+@pytest.mark.parametrize("name", EVERY)
 def test_compiles_as_cpp_without_a_warning(sources, name):
     compiled(sources, name, "c++11")
 
@@ -54,7 +53,7 @@ def compiled(sources, name, language):
     run((*LANGUAGES[language], *WARNINGS, "-O0", "-c", *files), sources(name))
 
 
-@pytest.mark.parametrize("name", SMALL)
+@pytest.mark.parametrize("name", EVERY)
 def test_selftest_passes_under_sanitizers(sources, name):
     folder = sources(name)
     run(("gcc", "-std=c99", *WARNINGS, *SANITIZE, f"{name}.c", f"{name}_test.c", "-o", "selftest", "-lm"), folder)
