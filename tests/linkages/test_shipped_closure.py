@@ -16,7 +16,7 @@ SIZES = {"odex": 1.05, "bessonov": 0.8, "garrec": 0.9, "pantograph": 0.8, "hydra
 YAWED = ("odex", "bessonov", "garrec", "hydraulic_leg")
 
 
-@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.nightly) if name == "bessonov" else name for name in DRIVES])
 def test_loops_close(tmp_path, name):
     text = (SPECS / f"{name}.toml").read_text(encoding="utf-8")
     drives = np.random.default_rng(11).uniform(*DRIVES[name], (2000, len(DRIVES[name][0])))
