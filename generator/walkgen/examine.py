@@ -51,7 +51,7 @@ def percent(count: int, points: int) -> str:
 
 def drives_text(drives: Sequence[Joint], values: Sequence[float]) -> str:
     """Where drives are, for people."""
-    return ", ".join(f"{drive.name} {value:.4g} {_unit(drive)}" for drive, value in zip(drives, values, strict=True))
+    return ", ".join(f"{drive.name} {value:.4g} {drive.unit}" for drive, value in zip(drives, values, strict=True))
 
 
 def _refused(design: str, place: Place, found: Assembly, linkage: Linkage) -> Iterator[Problem]:
@@ -85,8 +85,4 @@ def _partial(design: str, place: Place, found: Assembly, leg: Limb, linkage: Lin
 def _where(failure: Failure, drives: Sequence[Joint]) -> str:
     """Between which values of the drives."""
     spans = zip(drives, failure.low, failure.high, strict=True)
-    return ", ".join(f"{drive.name} {low:.4g} to {high:.4g} {_unit(drive)}" for drive, low, high in spans)
-
-
-def _unit(drive: Joint) -> str:
-    return "rad" if drive.kind == "revolute" else "m"
+    return ", ".join(f"{drive.name} {low:.4g} to {high:.4g} {drive.unit}" for drive, low, high in spans)

@@ -187,7 +187,7 @@ def _options(mechanism: Mechanism, wanted: Wanted) -> Options:
         margin=own if wanted.margin is None else wanted.margin,
         max_speed=speeds,
         give=wanted.give,
-        units=tuple("rad" if joint.kind == "revolute" else "m" for joint in joints),
+        units=tuple(joint.unit for joint in joints),
     )
 
 

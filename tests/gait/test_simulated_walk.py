@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from walkgen.gait.ground import Described, Relief, Slope
 from walkgen.gait.simulate import Options, simulate
-from walkgen.gait.static_margin import margins
+from walkgen.gait.stance_margins import margins
 from walkgen.gait.trajectory import Trajectory
 from walkgen.walking import Wanted, walked
 

@@ -95,7 +95,7 @@ def _limb(robot: Mechanism, stem: str, limb: Limb) -> Iterator[Macro]:
 
 
 def _joint(robot: Mechanism, stem: str, joint: Joint) -> Iterator[Macro]:
-    unit, effort = ("rad", "N m") if joint.kind == "revolute" else ("m", "N")
+    unit, effort = joint.unit, "N m" if joint.kind == "revolute" else "N"
     name = f", {comment_text(joint.source_name)}" if joint.source_name else ""
     if joint.limits:
         yield Macro(f"{stem}_MIN", _real(robot, joint.limits[0]), unit + name)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkgen.gait.static_margin import standing
+from walkgen.gait.stance_margins import standing
 from walkgen.runtime.robot import Robot
 from walkgen.signature import STATUSES
 

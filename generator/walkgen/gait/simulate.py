@@ -18,7 +18,7 @@ from walkgen.gait.legs import missing, postures
 from walkgen.gait.motion import Motion, composed
 from walkgen.gait.power import Contact, Power, power
 from walkgen.gait.rates import rates
-from walkgen.gait.static_margin import Margins, margins
+from walkgen.gait.stance_margins import Margins, margins
 from walkgen.gait.trajectory import FootMotion, Trajectory
 from walkgen.gait.walk import Walk
 from walkgen.runtime.robot import Robot

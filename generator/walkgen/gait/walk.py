@@ -7,7 +7,7 @@ import numpy as np
 from walkgen.gait.faults import Fault
 from walkgen.gait.footholds import Holds
 from walkgen.gait.power import Power
-from walkgen.gait.static_margin import Margins
+from walkgen.gait.stance_margins import Margins
 from walkgen.gait.trajectory import Trajectory
 
 

@@ -71,6 +71,11 @@ class Joint:
     coulomb: Scalar = ZERO
     rotor: Scalar = ZERO
 
+    @property
+    def unit(self) -> str:
+        """Of its q: rad or m."""
+        return "rad" if self.kind == "revolute" else "m"
+
 
 @dataclass(frozen=True)
 class Sole:
