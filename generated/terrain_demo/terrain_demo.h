@@ -54,7 +54,7 @@ void terrain_demo_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT
 /* Height of the ground at the point's x and y: the first patch whose domain holds the point counts; NaN off every
  *   patch.
  * p [3] m, param [1] as declared -> z m
- * 62 operations (support routines not counted; at most 148 bytes of locals).
+ * 62 operations (at most 148 bytes of locals).
  * Source: theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)
  */
 void terrain_demo_terrain_height(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -65,7 +65,7 @@ void terrain_demo_terrain_height_batch(size_t rows, const double *WG_RESTRICT p,
 /* Unit normal of the ground at the point's x and y, turned against gravity; NaN off every patch and where there is
  *   none.
  * p [3] m, param [1] as declared -> n [3]
- * 85 operations (support routines not counted; at most 240 bytes of locals).
+ * 85 operations (at most 240 bytes of locals).
  * Source: theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)
  */
 void terrain_demo_terrain_normal(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -76,7 +76,7 @@ void terrain_demo_terrain_normal_batch(size_t rows, const double *WG_RESTRICT p,
 /* Unit tangents t1, t2 (rows) of the ground at the point's x and y, with t1 x t2 = n; x and y of the world on level
  *   ground.
  * p [3] m, param [1] as declared -> t [2, 3]
- * 102 operations (support routines not counted; at most 264 bytes of locals).
+ * 102 operations (at most 264 bytes of locals).
  * Source: Duff et al., Building an orthonormal basis, revisited, JCGT 2017
  */
 void terrain_demo_terrain_tangents(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -87,7 +87,7 @@ void terrain_demo_terrain_tangents_batch(size_t rows, const double *WG_RESTRICT 
 /* Second fundamental form of the ground in the basis of `tangents`, positive where the ground bends towards its normal
  *   (a hollow); its eigenvalues are the principal curvatures.
  * p [3] m, param [1] as declared -> curvature [2, 2] 1/m
- * 153 operations (support routines not counted; at most 464 bytes of locals).
+ * 153 operations (at most 464 bytes of locals).
  * Source: theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)
  */
 void terrain_demo_terrain_curvature(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -98,7 +98,7 @@ void terrain_demo_terrain_curvature_batch(size_t rows, const double *WG_RESTRICT
 /* Coefficient of friction (NaN where the spec gives none) and stiffnesses along the normal and across it (infinite
  *   where rigid).
  * p [3] m, param [1] as declared -> mu, kn N/m, kt N/m
- * 62 operations (support routines not counted; at most 112 bytes of locals).
+ * 62 operations (at most 112 bytes of locals).
  * Source: theory 4.3: C = n n'/kn + (1 - n n')/kt
  */
 void terrain_demo_terrain_ground(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -110,7 +110,7 @@ void terrain_demo_terrain_ground_batch(size_t rows, const double *WG_RESTRICT p,
  *   NaN off every patch and where there is no normal. In series with a leg's compliance: their sum is what
  *   contact_forces takes.
  * p [3] m, param [1] as declared -> C [3, 3] m/N
- * 110 operations (support routines not counted; at most 328 bytes of locals).
+ * 110 operations (at most 328 bytes of locals).
  * Source: theory 4.3: C = n n'/kn + (1 - n n')/kt
  */
 void terrain_demo_terrain_compliance(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -121,7 +121,7 @@ void terrain_demo_terrain_compliance_batch(size_t rows, const double *WG_RESTRIC
 /* Which patch the point's x and y are on (0 ball, 1 hump, 2 level): the first patch whose domain holds the point
  *   counts; -1 off every patch.
  * p [3] m, param [1] as declared -> index
- * 57 operations (support routines not counted; at most 108 bytes of locals).
+ * 57 operations (at most 108 bytes of locals).
  */
 void terrain_demo_terrain_patch(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     int32_t *WG_RESTRICT index);
@@ -132,7 +132,7 @@ void terrain_demo_terrain_patch_batch(size_t rows, const double *WG_RESTRICT p, 
  *   p finds it: p minus it is normal to the surface. UNREACHABLE where it lies beyond the patch's domain (foot is then
  *   the point over p) or p is off every patch (NaN); SINGULAR where the surface has no normal at the foot.
  * p [3] m, param [1] as declared -> foot [3] m, status
- * Returns the status. 320 operations (support routines not counted; at most 688 bytes of locals).
+ * Returns the status. 320 operations (at most 688 bytes of locals).
  * Source: theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)
  */
 int32_t terrain_demo_terrain_project(const double *WG_RESTRICT p, const double *WG_RESTRICT param,

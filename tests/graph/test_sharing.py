@@ -46,3 +46,29 @@ def test_closed_forms_too():
     closed = replace(calling("wg_routine"), closed_form=calling(kernel, kernel))
     found = shared((closed, public))[0]
     assert found == replace(closed, closed_form=calling(public, public))
+
+
+def long(owner, name):
+    """Enough operations to be worth a call."""
+    port, output = Port("x", (1,)), Port("y", (1,))
+    symbol = sympy.Symbol("x[0]")
+    steps = [sympy.Symbol(f"s{number}") for number in range(30)]
+    values = [sympy.sin(before + number) for number, before in enumerate([symbol, *steps[:-1]])]
+    return lower(Function(Signature("bot", owner, name, (port,), (output,)), (symbol,), tuple(zip(steps, values, strict=True)), (steps[-1],)))
+
+
+def test_an_equal_leg_calls_the_first():
+    first, second = long("left", "climb"), long("right", "climb")
+    kept, called = shared((first, second))
+    assert kept == first
+    assert called == Composite(second.signature, (), (Call(first, ("x", "y")),), ())
+
+
+def test_short_functions_keep_their_text():
+    first, second = program("left", "square"), program("right", "square")
+    assert shared((first, second)) == (first, second)
+
+
+def test_equal_kernels_are_one():
+    first, second = calling(long("left", "climb")), calling(long("right", "climb"))
+    assert shared((first, second)) == (first, first)

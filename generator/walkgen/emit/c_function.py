@@ -114,7 +114,7 @@ def _public(body: Program | Composite, precision: Precision, lines: tuple[str, .
 def _doc(body: Program | Composite, stack: int) -> tuple[str, ...]:
     signature = body.signature
     ports = f"{', '.join(map(_described, signature.inputs))} -> {', '.join(map(_described, signature.outputs))}"
-    routines = "support routines not counted; " if isinstance(body, Composite) else ""
+    routines = "support routines not counted; " if isinstance(body, Composite) and body.calls_routines else ""
     cost = f"{operations(body)} operations ({routines}at most {stack} bytes of locals)."
     status = f"Returns {signature.returned.name}: 1 or 0." if signature.returned else ""
     if signature.status:

@@ -95,7 +95,7 @@ def casadi_artifact(code: RobotCode) -> Artifact:
 
 def closed_form(body: Body) -> Body | None:
     """What CasADi prints: a Program, or a Composite of Programs; None where there is only an iterative routine."""
-    if isinstance(body, Composite) and any(isinstance(call.callee, str) for call in body.calls):
+    if isinstance(body, Composite) and body.calls_routines:
         return body.closed_form
     return body
 

@@ -144,8 +144,7 @@ def _function(body: Body) -> dict[str, Any]:
 
 
 def _in_casadi(body: Body) -> bool:
-    routines = isinstance(body, Composite) and any(isinstance(call.callee, str) for call in body.calls)
-    return not routines or (isinstance(body, Composite) and body.closed_form is not None)
+    return isinstance(body, Program) or not body.calls_routines or body.closed_form is not None
 
 
 def operations(body: Body) -> int:

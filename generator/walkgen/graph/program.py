@@ -128,6 +128,11 @@ class Composite:
     callbacks: tuple["Composite", ...] = ()
 
     @property
+    def calls_routines(self) -> bool:
+        """Whether a step is a support routine, whose operations nobody counts and CasADi does not have."""
+        return any(isinstance(call.callee, str) for call in self.calls)
+
+    @property
     def all_calls(self) -> tuple[Call, ...]:
         """Its own and those of its callbacks."""
         return (*self.calls, *(call for callback in self.callbacks for call in callback.all_calls))

@@ -1,33 +1,59 @@
-"""Kernels that compute what a public function computes are that function: one text instead of two."""
+"""Code that occurs twice is written once: functions of equal legs call the first of them, and so do kernels that compute the same."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 
 from walkgen.graph.program import Call, Composite, Program
 
 Body = Program | Composite
 
+_SHORT = 24
+"""Operations up to which a function keeps its own text: a call would cost as much as it saves."""
+
 
 def shared(bodies: Sequence[Body]) -> tuple[Body, ...]:
-    """The same functions, their Composites calling public Programs wherever one has the same code and shapes.
+    """The same functions, with the code of each Program once.
+
+    A public Program that repeats an earlier one calls it; a Composite's kernels are public Programs wherever one has the same code
+    and shapes, else the first kernel that has.
 
     Args:
         bodies: all functions of a robot. Programs with a status are called by nobody: what they return differs from a kernel.
     """
-    public = {_key(body): body for body in bodies if isinstance(body, Program) and body.signature.returned is None}
-    return tuple(_calling(body, public) if isinstance(body, Composite) else body for body in bodies)
+    first: dict[Hashable, Program] = {}
+    for program in (body for body in bodies if isinstance(body, Program) and body.signature.returned is None):
+        first.setdefault(_key(program), program)
+    for kernel in (call.callee for body in bodies if isinstance(body, Composite) for call in _every_call(body)):
+        if isinstance(kernel, Program):
+            first.setdefault(_key(kernel), kernel)
+    return tuple(_calling(body, first) if isinstance(body, Composite) else _like_first(body, first) for body in bodies)
 
 
-def _calling(composite: Composite, public: dict[Hashable, Program]) -> Composite:
+def _every_call(composite: Composite) -> Iterator[Call]:
+    yield from composite.all_calls
+    if isinstance(composite.closed_form, Composite):
+        yield from _every_call(composite.closed_form)
+
+
+def _like_first(program: Program, first: dict[Hashable, Program]) -> Body:
+    """The Program, or a call of the public one that it repeats."""
+    signature = program.signature
+    if signature.returned is not None or program.operation_count <= _SHORT or first[_key(program)] == program:
+        return program
+    names = tuple(port.name for port in (*signature.inputs, *signature.outputs))
+    return Composite(signature, (), (Call(first[_key(program)], names),), ())
+
+
+def _calling(composite: Composite, first: dict[Hashable, Program]) -> Composite:
     closed = composite.closed_form
-    closed = _calling(closed, public) if isinstance(closed, Composite) else closed
-    calls = tuple(_redirected(call, public) for call in composite.calls)
-    callbacks = tuple(_calling(callback, public) for callback in composite.callbacks)
+    closed = _calling(closed, first) if isinstance(closed, Composite) else closed
+    calls = tuple(_redirected(call, first) for call in composite.calls)
+    callbacks = tuple(_calling(callback, first) for callback in composite.callbacks)
     return replace(composite, calls=calls, closed_form=closed, callbacks=callbacks)
 
 
-def _redirected(call: Call, public: dict[Hashable, Program]) -> Call:
-    return call if isinstance(call.callee, str) else replace(call, callee=public.get(_key(call.callee), call.callee))
+def _redirected(call: Call, first: dict[Hashable, Program]) -> Call:
+    return call if isinstance(call.callee, str) else replace(call, callee=first[_key(call.callee)])
 
 
 def _key(program: Program) -> Hashable:
