@@ -56,6 +56,10 @@ class Clusters:
         assert self.cluster[body] == self.cluster[0]
         return self._pose[body]
 
+    def seat(self, body: int) -> PlanarPose:
+        """Of a body in its cluster."""
+        return self._pose[body]
+
     def point(self, body: int, point: Planar) -> Planar:
         """A point of a body in the frame's axes."""
         return self.pose(body).point(point)

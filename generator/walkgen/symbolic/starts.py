@@ -1,7 +1,7 @@
 """The configuration that triads are continued from: every assembly at the start's drive values, and the one that the spec means.
 
-This is done once, when code is generated: Newton's method from a lattice of unknowns finds the assemblies (at most six of a triad), the
-start's hints choose one, 50 digits make it exact.
+This is done once, when code is generated: the roots of a polynomial are the assemblies, at most six of a triad, with Newton's method from a
+lattice of unknowns for dimensions so special that there is no polynomial; the start's hints choose one, 50 digits make it exact.
 """
 
 import math
@@ -25,11 +25,12 @@ from walkgen.symbolic.closure import Closing, closing_at, point_parameters, poin
 from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.tape import Tape, symbols_of
 from walkgen.symbolic.tape_values import tape_values, value
+from walkgen.symbolic.triad_roots import roots
 
 Reals = NDArray[np.float64]
 _DIGITS = 20
 _ANGLES, _WAYS = 16, (-8.0, -4.0, -2.0, -1.0, -0.5, -0.2, 0.1, 0.3, 0.7, 1.5, 3.0, 6.0)
-_STEPS, _STRIDE, _CLOSED, _APART = 40, 0.5, 1e-10, 1e-6
+_STEPS, _STRIDE, _CLOSED, _APART, _FAR = 40, 0.5, 1e-10, 1e-6, 1e3
 _FRACTIONS = (0.5, 0.375, 0.625, 0.25, 0.75, 0.125, 0.875, 0.0, 1.0)
 _TURNS = (0, 3, -3, 6, -6, 1, -1, 2, -2, 4, -4, 5, -5)
 """Sixths of half a turn."""
@@ -109,6 +110,8 @@ class Assemblies:
         slopes = [entry for row in self._closing.slopes for entry in row]
         self._closure = compiled(self._closing.tape, self._symbols, [*self._closing.residuals, *slopes])
         self._told = compiled(self._closing.tape, self._symbols, [sympy.Min(*margins), *told])
+        shapes = [[entry for planar in shape for entry in planar] for shape in self._closing.placing.shapes]
+        self._shapes = [compiled(self._closing.tape, self._symbols, shape) for shape in shapes]
 
     def _hinted(self) -> Iterator["Hint"]:
         size, planar = float(self._number(self._linkage.size)), self._closing.placing.planar
@@ -141,24 +144,41 @@ class Assemblies:
     def at(self, given: Sequence[float]) -> list[Assembly]:
         """Every one that a lattice of unknowns leads to, for drives and the parameters that matter; the one that is meant first."""
         found: list[tuple[float, ...]] = [()]
-        for number, triad in enumerate(self._linkage.forward.triads):
-            kinds = [self._linkage.structure.pairs[pair].kind for pair in triad.struts[0].pairs]
-            found = [(*known, *more) for known in found for more in self._closed(given, known, number, kinds)]
+        for number in range(len(self._linkage.forward.triads)):
+            found = [(*known, *more) for known in found for more in self._closed(given, known, number)]
         known = [assembly for unknowns in found if (assembly := self._assembly(given, unknowns))]
         return sorted(known, key=lambda one: (one.misfit, -one.sine, one.unknowns))
 
-    def _closed(self, given: Sequence[float], known: tuple[float, ...], number: int, kinds: Sequence[str]) -> list[tuple[float, ...]]:
+    def _closed(self, given: Sequence[float], known: tuple[float, ...], number: int) -> list[tuple[float, ...]]:
         """Unknowns of one triad, those of the triads before it known."""
+        kinds = self._kinds(number)[0]
         axes = [np.linspace(-np.pi, np.pi, _ANGLES, endpoint=False) if kind == "R" else np.array(_WAYS) for kind in kinds]
-        u = np.array(list(product(*axes))).T
+        u = np.concatenate([self._roots(given, known, number), np.array(list(product(*axes))).reshape(-1, 2).T], -1)
+        turning = np.array([kind == "R" for kind in kinds])[:, None]
         for _ in range(_STEPS):
             r, slopes = self._evaluated(given, known, u, number)
             step = _solved(slopes, r)
             u = u - step / np.maximum(1.0, np.abs(step).max(0) / _STRIDE)
         r, _ = self._evaluated(given, known, u, number)
-        turning = np.array([kind == "R" for kind in kinds])[:, None]
-        u = np.where(turning, np.angle(np.exp(1j * u)), u)[:, np.abs(r).max(0) < _CLOSED]
+        size = np.where(turning, 1.0, np.hypot(1.0, u)).max(0)
+        u = np.where(turning, np.angle(np.exp(1j * u)), u)[:, (np.abs(r).max(0) < _CLOSED * size**2) & (size < _FAR)]
         return _apart(u, turning[:, 0])
+
+    def _kinds(self, number: int) -> list[str]:
+        """Of a triad's struts."""
+        kind = self._closing.placing.kind
+        return ["".join(kind(pair) for pair in strut.pairs) for strut in self._linkage.forward.triads[number].struts]
+
+    def _roots(self, given: Sequence[float], known: tuple[float, ...], number: int) -> Reals:
+        """Of a triad's polynomial."""
+
+        def evaluate(u: Reals) -> Any:
+            later = np.zeros((self._count - len(known) - 2, u.shape[1]))
+            x = np.array([np.broadcast_to(entry, u.shape[1:]) for entry in self._shapes[number](*given, *known, *u, *later)])
+            return x[::2] + 1j * x[1::2]
+
+        with np.errstate(all="ignore"):
+            return roots(self._kinds(number), evaluate)
 
     def _evaluated(self, given: Sequence[float], known: tuple[float, ...], u: Reals, number: int) -> tuple[Reals, Reals]:
         """Residuals [2, n] and slopes [2, 2, n] of one triad."""
