@@ -131,3 +131,13 @@ class Composite:
     def all_calls(self) -> tuple[Call, ...]:
         """Its own and those of its callbacks."""
         return (*self.calls, *(call for callback in self.callbacks for call in callback.all_calls))
+
+    @property
+    def all_callbacks(self) -> tuple["Composite", ...]:
+        """Its own, each after those that its routines call themselves."""
+        return tuple(each for callback in self.callbacks for each in (*callback.all_callbacks, callback))
+
+    @property
+    def all_tables(self) -> tuple[Table, ...]:
+        """Its own and those of its callbacks."""
+        return (*self.tables, *(table for callback in self.callbacks for table in callback.all_tables))

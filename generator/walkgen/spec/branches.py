@@ -22,8 +22,8 @@ def branch_count(kinds: str) -> int:
 
 
 def follows_curve(structure: Structure, joints: int) -> bool:
-    """Whether one drive leads the foot along a curve in closed form, which at most one joint before the linkage carries."""
-    return structure.drive_count == 1 and joints <= 1 and not order(structure).triads
+    """Whether one drive leads the foot along a curve, which at most one joint before the linkage carries."""
+    return structure.drive_count == 1 and joints <= 1
 
 
 def linkage_hindrance(structure: Structure, foot: int, kinds: str) -> str:
