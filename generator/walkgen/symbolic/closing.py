@@ -15,7 +15,7 @@ from walkgen.symbolic.ports import DRIVE, signature
 from walkgen.symbolic.starts import found_start
 from walkgen.symbolic.tape import Tape, symbols_of
 
-_SOURCE = "Newton's method on the closure of triads, continued from the start (walkgen_assembly.h)"
+_SOURCE = "Newton's method on the closure of triads, continued from the start (walkgen_triads.h)"
 _REPEATS = 72
 
 
@@ -122,7 +122,7 @@ class _Closing:
         self._tables.append(table)
         unknowns, assembled = unknowns_port(leg), assembled_port(leg)
         arguments = (point.size, unknowns.size, point.name, table.name, callback.signature.full_name, unknowns.name, assembled.name)
-        yield Step("wg_assemble", arguments)
+        yield Step("wg_close_triads", arguments)
 
 
 class _Iterated(_Closing):

@@ -61,9 +61,11 @@ def _dimensions(linkage: Linkage) -> list[Scalar]:
 
 @dataclass(frozen=True)
 class Closing:
-    """A linkage's closure on a tape: its residuals and their slopes by the unknowns, row by row."""
+    """A linkage's closure on a tape, for what is given and the unknowns: its residuals and their slopes by these, row by row."""
 
     tape: Tape
+    given: tuple[sympy.Expr, ...]
+    unknowns: tuple[sympy.Symbol, ...]
     placing: Placing
     residuals: tuple[sympy.Expr, ...]
     slopes: tuple[tuple[sympy.Expr, ...], ...]
@@ -74,9 +76,16 @@ def closing_at(mechanism: Mechanism, leg: Limb, given: Exprs, unknowns: Sequence
     count = drive_count(leg)
     parameters = dict(zip(point_parameters(mechanism, leg), given[count:], strict=True))
     placing = forward_placing(leg, given[:count], parameters, tape, unknowns)
+    return closing_of(placing, given, unknowns)
+
+
+def closing_of(placing: Placing, given: Exprs, unknowns: Sequence[sympy.Symbol]) -> Closing:
+    """Of a linkage that is placed."""
+    tape = placing.tape
     residuals = tuple(residual for closure in tape.closures for residual in closure.residuals)
     slopes = partial_tangents(tape, residuals, [(f"u{number}", unknown) for number, unknown in enumerate(unknowns)])
-    return Closing(tape, placing, residuals, tuple(tuple(tape.let("slope", entry) for entry in row) for row in slopes))
+    rows = tuple(tuple(tape.let("slope", entry) for entry in row) for row in slopes)
+    return Closing(tape, tuple(given), tuple(unknowns), placing, residuals, rows)
 
 
 def point_port(mechanism: Mechanism, leg: Limb) -> Port:

@@ -68,7 +68,7 @@ class Placing(Clusters):
         unknowns: Sequence[sympy.Symbol] = (),
     ) -> None:
         super().__init__(linkage, tape, bars, parameters, target)
-        self._signs, self._root = signs, root
+        self.order, self._signs, self._root = order, signs, root
         self.margins: list[Margin] = []
         self.shapes: list[tuple[Planar, ...]] = []
         pending = iter(unknowns)

@@ -1,4 +1,4 @@
-"""What closes the triads of a linkage, continued from a known assembly: the reference of walkgen_assembly.h."""
+"""What closes the triads of a linkage, continued from a known assembly: the reference of walkgen_triads.h."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ _ROUGH, _FINE, _LEAST_PART, _AT_THE_END = 1e-4, 1e-10, 1e-8, 1e-6
 _TURNS, _STEPS = 16, 400
 
 
-def assemble(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) -> tuple[Reals, Integers]:
+def close_triads(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) -> tuple[Reals, Integers]:
     """The unknowns of a linkage's triads for its drives: the assembly that the start moves to while the drives go straight to z.
 
     Args:
