@@ -9,7 +9,7 @@ import pytest
 from linkages.closure import Closure
 from linkages.topologies import TOPOLOGIES, spec
 from walkgen.errors import SpecError
-from walkgen.examine import assembly_of
+from walkgen.examine import coverage_of
 from walkgen.model.assemble import assemble
 from walkgen.pipeline import BuildOptions, generate, mechanism_of
 from walkgen.show import show
@@ -85,7 +85,7 @@ def number(scalar, values):
 def test_shipped_linkages_have_the_freedoms_of_their_count(name):
     mechanism = mechanism_of(SPECS / f"{name}.toml")
     leg = mechanism.legs[0]
-    found = assembly_of(mechanism, leg, leg.linkage)
+    found = coverage_of(mechanism, leg, leg.linkage)
     assert found.mobility.freedoms == leg.linkage.structure.mobility
     assert found.mobility.pairs == ()
 
@@ -130,6 +130,6 @@ def test_pins_that_coincide_leave_no_pose_to_count_at(tmp_path):
     path = written(tmp_path, f"{HEAD}five_bar = {{ ground = 0, cranks = [0.1, 0.1], couplers = [0.2, 0.2], drives = [{drive}, {drive}] }}")
     mechanism = mechanism_of(path)
     leg = mechanism.legs[0]
-    assert assembly_of(mechanism, leg, leg.linkage).mobility is None
+    assert coverage_of(mechanism, leg, leg.linkage).mobility is None
     assert "by the rank" not in show(path, "mechanism", "")
     generate(path, BuildOptions(targets=("c",)))

@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 
 from linkages.topologies import TRIADS, spec
-from walkgen.errors import SpecError
 from walkgen.examine import examined
 from walkgen.model.assemble import assemble
-from walkgen.model.classify import inverse_class
 from walkgen.show import show
 from walkgen.spec.read import read
-from walkgen.symbolic.derive import derive
 from walkgen.symbolic.starts import found_start
 
 FOUND = {
@@ -98,17 +95,6 @@ def test_show_lists_them(tmp_path):
     assert "triad coupler  RR" in text
     assert "start at crank = 0: 4 assemblies" in text
     assert text.count("sine of the transmission angle") == 4
-
-
-def test_a_leg_with_a_triad_has_no_inverse_and_no_fewest_parameters(tmp_path):
-    mechanism = mechanism_of(tmp_path, HEAD + FORM)
-    found = inverse_class(mechanism, mechanism.legs[0])
-    assert (found.name, found.branch_names) == ("", ())
-    assert "the drives hold the triad coupler" in found.reason
-    wanted = ("inverse", "inverse_branch", "inverse_near", "inverse_distance", "inverse_velocity", "base_parameters", "bias")
-    assert {function.signature.name for function in derive(mechanism, wanted)} == {"inverse_velocity", "bias"}
-    with pytest.raises(SpecError, match="leave branches out: the drives hold the triad coupler"):
-        mechanism_of(tmp_path, HEAD + 'branches = ["one", "two"]\n' + FORM)
 
 
 def test_a_notice_and_show_name_the_triad(tmp_path):

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
+from math import prod
 
 from walkgen.spec.assur import Structure, order
 from walkgen.spec.branches import CURVE_BRANCHES, follows_curve, linkage_branches, linkage_choices, linkage_hindrance
@@ -188,7 +189,7 @@ def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[F
     foot, _ = located(design, str(design.foot))
     hindrance = linkage_hindrance(structure, foot, "".join(joint.type[0].upper() for joint in design.joints))
     choices = linkage_choices(structure, foot, [joint.name for joint in design.joints])
-    for finding in named_branches(path, design, 0 if hindrance else 2 ** len(choices)):
+    for finding in named_branches(path, design, 0 if hindrance else prod(map(len, choices))):
         spelt = f"{finding.cure}: {', '.join(linkage_branches(choices))}" if len(choices) <= _MOST_CHOICES else finding.cure
         yield replace(finding, cure=f"leave branches out: {hindrance}" if hindrance else spelt)
 

@@ -8,7 +8,7 @@ import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Table
-from walkgen.symbolic.closure import assembled_port, closure_function, drive_count, point_parameters, unknowns_port
+from walkgen.symbolic.closure import assembled_port, drive_count, driven_closure, point_parameters, unknowns_port
 from walkgen.symbolic.closure_steps import advance, begin, finish
 from walkgen.symbolic.function import Angle, Derivation, Function, LessEqual, Select, Solve, Step
 from walkgen.symbolic.ports import DRIVE, signature
@@ -182,11 +182,14 @@ def _near(value: sympy.Expr, centre: sympy.Expr, tape: Tape) -> sympy.Expr:
     return tape.let("drive", Select(inside, value, centre + Angle(sympy.sin(away), sympy.cos(away))))
 
 
+def called_back(function: Function, name: str) -> Solve:
+    """A function as routines call it."""
+    return Solve(replace(function.signature, name=name), (), (_whole(function),))
+
+
 def _callback(mechanism: Mechanism, leg: Limb) -> Solve:
     """The closure of a point, for the routine."""
-    function = closure_function(mechanism, leg)
-    words = replace(function.signature, name="closure")
-    return Solve(words, (), (_whole(function),))
+    return called_back(driven_closure(mechanism, leg), "closure")
 
 
 def _table(mechanism: Mechanism, leg: Limb) -> Table:

@@ -1,7 +1,7 @@
 """What closes a linkage's triads: their residuals at a point, which is the drives, the parameters that matter, and the unknowns."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import sympy
@@ -56,7 +56,7 @@ def point_parameters(mechanism: Mechanism, leg: Limb) -> dict[str, sympy.Symbol]
 
 
 def _dimensions(linkage: Linkage) -> list[Scalar]:
-    return [*linkage.angles, *(entry for ends in linkage.points for end in ends if end is not None for entry in end)]
+    return [*linkage.angles, *linkage.foot[1], *(entry for ends in linkage.points for end in ends if end is not None for entry in end)]
 
 
 @dataclass(frozen=True)
@@ -93,11 +93,16 @@ def point_port(mechanism: Mechanism, leg: Limb) -> Port:
     return Port("point", (drive_count(leg) + len(point_parameters(mechanism, leg)) + unknowns_port(leg).size,), "rad, m or as declared")
 
 
+def closure_function(found: Closing, words: Signature) -> Function:
+    """point -> residuals, then their slopes by the unknowns, under the words' name."""
+    count = len(found.unknowns)
+    outputs = [*found.residuals, *(entry for row in found.slopes for entry in row)]
+    return found.tape.function(replace(words, outputs=(Port("closure", (count + count**2,)),)), outputs)
+
+
 @cache
-def closure_function(mechanism: Mechanism, leg: Limb) -> Function:
+def driven_closure(mechanism: Mechanism, leg: Limb) -> Function:
     """point -> residuals, then their slopes by the unknowns."""
-    port, count = point_port(mechanism, leg), unknowns_port(leg).size
-    symbols = symbols_of(port)
+    count, symbols = unknowns_port(leg).size, symbols_of(point_port(mechanism, leg))
     found = closing_at(mechanism, leg, symbols[:-count], symbols[-count:], Tape())
-    words = Signature(mechanism.name, leg.name, "closure_at", (port,), (Port("closure", (count + count**2,)),), "", "")
-    return found.tape.function(words, [*found.residuals, *(entry for row in found.slopes for entry in row)])
+    return closure_function(found, Signature(mechanism.name, leg.name, "closure_at", (point_port(mechanism, leg),), ()))

@@ -145,7 +145,7 @@ def _held(clusters: Clusters, strut: Strut, pair: int) -> sympy.Expr:
 
 def _velocity(clusters: Clusters, pair: int, point: Planar) -> Planar:
     """Of a point of the second end seen from the first, by a pair of the first strut."""
-    main = clusters.cluster[clusters.linkage.structure.pairs[pair].bodies[0]]
+    main = clusters.cluster[clusters.bodies(pair)[0]]
     if clusters.kind(pair) == "P":
         return clusters.guided(pair)
     x, y = difference(point, clusters.end(pair, main))

@@ -31,13 +31,13 @@
 /* r [n], then dr/du [n][n], at a point: z, then u [n]. */
 typedef void (*WG_NAME(wg_closure))(const WG_REAL *point, WG_REAL *closure, const void *data);
 
-/* The closure, where it starts, where it goes, and how far it is: u and the determinant there. */
+/* The closure, where it starts, where it goes, and how far it is: part, u and the determinant there. */
 struct WG_NAME(wg_triads_way) {
     WG_NAME(wg_closure) closure;
     const void *data;
     const WG_REAL *from, *to;
     int given, unknowns;
-    WG_REAL u[WG_MOST_UNKNOWNS], determinant;
+    WG_REAL part, u[WG_MOST_UNKNOWNS], determinant;
 };
 
 /* M x = b for M [n][n]; both are lost, b becomes x. The determinant, 0 where there is no x. */
@@ -139,45 +139,45 @@ static inline int WG_NAME(wg_triads_step)(struct WG_NAME(wg_triads_way) * linkag
 
 /* From the start to the drives. */
 static inline int32_t WG_NAME(wg_triads_move)(struct WG_NAME(wg_triads_way) * linkage) {
-    WG_REAL part = WG_C(0.0), length = WG_C(1.0), slope[WG_MOST_UNKNOWNS];
+    WG_REAL length = WG_C(1.0), slope[WG_MOST_UNKNOWNS];
     int turn, i;
-    if (!WG_NAME(wg_triads_newton)(linkage, part, WG_ROUGH, linkage->u, &linkage->determinant)) {
+    if (!WG_NAME(wg_triads_newton)(linkage, linkage->part, WG_ROUGH, linkage->u, &linkage->determinant)) {
         return WALKGEN_NO_CONVERGENCE;
     }
     for (i = 0; i < linkage->unknowns; ++i) {
         slope[i] = WG_C(0.0);
     }
     for (turn = 0; turn < 400; ++turn) {
-        const WG_REAL next = WG_MIN(part + length, WG_C(1.0));
-        if (WG_NAME(wg_triads_step)(linkage, part, next, slope)) {
-            length = WG_C(2.0) * (next - part);
-            part = next;
+        const WG_REAL next = WG_MIN(linkage->part + length, WG_C(1.0));
+        if (WG_NAME(wg_triads_step)(linkage, linkage->part, next, slope)) {
+            length = WG_C(2.0) * (next - linkage->part);
+            linkage->part = next;
         } else {
-            length = WG_C(0.25) * (next - part);
+            length = WG_C(0.25) * (next - linkage->part);
         }
-        if (!(part < WG_C(1.0))) {
+        if (!(linkage->part < WG_C(1.0))) {
             return WALKGEN_OK;
         }
         if (length < WG_LEAST_PART) {
-            return part > WG_C(1.0) - WG_AT_THE_END ? WALKGEN_SINGULAR : WALKGEN_UNREACHABLE;
+            return linkage->part > WG_C(1.0) - WG_AT_THE_END ? WALKGEN_SINGULAR : WALKGEN_UNREACHABLE;
         }
     }
     return WALKGEN_NO_CONVERGENCE;
 }
 
-/* The unknowns of a linkage's triads for its drives: the assembly that the start moves to.
+/* How far a linkage comes from its start on the straight way to z, and the unknowns of its triads there.
  *
- * given        how many drives and parameters there are; with the unknowns at most 128
+ * given        how many drives (or coordinates of a foot that is held) and parameters there are; with the unknowns at most 128
  * unknowns     how many, at most 8
  * z            [given] drives and parameters
  * start        [given + unknowns] a point where the linkage is assembled
- * u            [unknowns] NaN unless the status is OK
+ * reached      [given] z where the status is OK, else where the linkage comes to a dead point
+ * u            [unknowns] there; both are NaN with BAD_INPUT
  * status       OK; UNREACHABLE: on the way the linkage comes to a dead point, or something before the triads does not assemble; SINGULAR:
- *              the drives are at such a point; NO_CONVERGENCE: the start is no assembly, or 400 steps were not enough; BAD_INPUT: z is not
- *              finite
+ *              z is such a point; NO_CONVERGENCE: the start is no assembly, or 400 steps were not enough; BAD_INPUT: z is not finite
  */
-static inline void WG_NAME(wg_close_triads)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start,
-                                        WG_NAME(wg_closure) closure, const void *data, WG_REAL *u, int32_t *status) {
+static inline void WG_NAME(wg_approach)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start, WG_NAME(wg_closure) closure,
+                                        const void *data, WG_REAL *reached, WG_REAL *u, int32_t *status) {
     struct WG_NAME(wg_triads_way) linkage;
     int i, fine = given >= 0 && unknowns > 0 && unknowns <= WG_MOST_UNKNOWNS && given + unknowns <= WG_MOST_OF_POINT;
     *status = WALKGEN_BAD_INPUT;
@@ -191,14 +191,31 @@ static inline void WG_NAME(wg_close_triads)(int32_t given, int32_t unknowns, con
         linkage.to = z;
         linkage.given = given;
         linkage.unknowns = unknowns;
+        linkage.part = WG_C(0.0);
         linkage.determinant = WG_C(0.0);
         for (i = 0; i < unknowns; ++i) {
             linkage.u[i] = start[given + i];
         }
         *status = WG_NAME(wg_triads_move)(&linkage);
     }
+    for (i = 0; i < given; ++i) {
+        reached[i] = !fine ? WG_NAN : linkage.part < WG_C(1.0) ? start[i] + linkage.part * (z[i] - start[i]) : z[i];
+    }
     for (i = 0; i < unknowns; ++i) {
-        u[i] = *status == WALKGEN_OK ? linkage.u[i] : WG_NAN;
+        u[i] = fine ? linkage.u[i] : WG_NAN;
+    }
+}
+
+/* The unknowns of a linkage's triads for its drives: the assembly that the start moves to. As wg_approach, but u is NaN unless the status
+ * is OK.
+ */
+static inline void WG_NAME(wg_close_triads)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start,
+                                            WG_NAME(wg_closure) closure, const void *data, WG_REAL *u, int32_t *status) {
+    WG_REAL reached[WG_MOST_OF_POINT];
+    int i;
+    WG_NAME(wg_approach)(given, unknowns, z, start, closure, data, reached, u, status);
+    for (i = 0; i < unknowns; ++i) {
+        u[i] = *status == WALKGEN_OK ? u[i] : WG_NAN;
     }
 }
 
