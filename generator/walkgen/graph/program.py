@@ -117,6 +117,7 @@ class Composite:
 
     `headers` are the csupport files the routines live in; `closed_form` stands in where routines do not exist (CasADi):
     a Program, or a Composite that calls Programs alone. `tables` are constants that routines read, `callbacks` what they call.
+    `slopes` tell how inputs of the last call that earlier ones compute move with the runtime parameters; they are not run by this function.
     """
 
     signature: Signature
@@ -126,6 +127,7 @@ class Composite:
     closed_form: "Program | Composite | None" = None
     tables: tuple[Table, ...] = ()
     callbacks: tuple["Composite", ...] = ()
+    slopes: tuple[Call, ...] = ()
 
     @property
     def all_calls(self) -> tuple[Call, ...]:

@@ -9,7 +9,7 @@ import sympy
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Table
 from walkgen.symbolic.closure import assembled_port, drive_count, driven_closure, point_parameters, unknowns_port
-from walkgen.symbolic.closure_steps import advance, begin, finish
+from walkgen.symbolic.closure_steps import advance, begin, finish, unknown_slopes
 from walkgen.symbolic.function import Angle, Derivation, Function, LessEqual, Select, Solve, Step
 from walkgen.symbolic.ports import DRIVE, signature
 from walkgen.symbolic.starts import found_start
@@ -74,6 +74,7 @@ class _Closing:
         self._locals: list[Port] = []
         self._tables: list[Table] = []
         self._callbacks: list[Solve] = []
+        self._slopes: list[Step] = []
         self._found: set[tuple[str, str | Decimal | int]] = set()
 
     def result(self, derivation: Derivation, form: Solve | None) -> Solve:
@@ -81,8 +82,9 @@ class _Closing:
         own = derivation if isinstance(derivation, Solve) else Solve(derivation.signature, (), (_whole(derivation),))
         steps = tuple(step for each in own.steps for step in self._steps(each))
         found, tables = tuple(dict.fromkeys((*own.locals, *self._locals))), tuple(dict.fromkeys((*own.tables, *self._tables)))
+        slopes = tuple(self._slopes) if isinstance(derivation, Function) else ()
         called = (callback for each in own.callbacks if isinstance(callback := closed(self._mechanism, each), Solve))
-        return Solve(own.signature, found, steps, form, tables, tuple(dict.fromkeys((*called, *self._callbacks))))
+        return Solve(own.signature, found, steps, form, tables, tuple(dict.fromkeys((*called, *self._callbacks))), slopes)
 
     def _steps(self, step: Step) -> Iterator[Step]:
         """The step, after what closes the legs that it rests on."""
@@ -112,6 +114,9 @@ class _Closing:
         self._locals += [point, *self._rest(leg)]
         yield Step(gathered, (*(given[port.name] for port in gathered.signature.inputs), point.name))
         yield from self._found_by(leg, point)
+        if self._mechanism.parameters:
+            slopes = unknown_slopes(self._mechanism, leg)
+            self._slopes.append(Step(slopes, (point.name, unknowns_port(leg).name, slopes.signature.outputs[0].name)))
 
     def _rest(self, leg: Limb) -> tuple[Port, ...]:
         return (unknowns_port(leg), assembled_port(leg))
