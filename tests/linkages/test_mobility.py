@@ -13,7 +13,7 @@ from walkgen.examine import coverage_of
 from walkgen.model.assemble import assemble
 from walkgen.pipeline import BuildOptions, generate, mechanism_of
 from walkgen.show import show
-from walkgen.spec.mobility import loops_of
+from walkgen.spec.mobility import free_linkage
 from walkgen.spec.read import read
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -64,7 +64,7 @@ def test_in_general_the_rank_is_the_count(tmp_path, name):
     linkage, random = mechanism.legs[0].linkage, np.random.default_rng(3)
     dimensions, drives = TOPOLOGIES[name].draw(random, 1)
     values = dict(zip(TOPOLOGIES[name].parameters, dimensions[0], strict=True))
-    loops = loops_of(linkage.structure, linkage.points, linkage.angles, lambda scalar: number(scalar, values))
+    loops = free_linkage(linkage.structure, linkage.points, linkage.angles, lambda scalar: number(scalar, values))
     x = random.uniform(-1, 1, loops.unknowns)
     slopes = loops.equations(x)[1]
     steps = 1e-6 * np.eye(loops.unknowns)

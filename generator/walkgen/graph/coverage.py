@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, defaults
-from walkgen.spec.mobility import Loops, Mobility, loops_of
+from walkgen.spec.mobility import FreeLinkage, Mobility, free_linkage
 from walkgen.spec.scalar import evaluate
 from walkgen.symbolic.linkage_poses import CloseTriads, LinkagePoses
 from walkgen.symbolic.starts import start_of
@@ -69,7 +69,7 @@ def coverage(mechanism: Mechanism, leg: Limb, linkage: Linkage, close_triads: Cl
     if triads and start is None:
         return Coverage(0, 0, (), limited, None, None, triads)
     values = defaults(mechanism)
-    loops = loops_of(linkage.structure, linkage.points, linkage.angles, lambda scalar: float(evaluate(scalar, CONTEXT, values)))
+    loops = free_linkage(linkage.structure, linkage.points, linkage.angles, lambda scalar: float(evaluate(scalar, CONTEXT, values)))
     assert loops is not None
     grid = list(_grid([_span(drive, linkage, loops.size, values) for drive in drives]))
     margins, poses = LinkagePoses(mechanism, leg, start, close_triads).at(np.array(grid))
@@ -122,7 +122,7 @@ def _box(where: list[Drives]) -> tuple[Drives, Drives]:
     return tuple(map(min, columns)), tuple(map(max, columns))
 
 
-def _mobility(poses: NDArray[np.float64], drives: Drives, loops: Loops) -> Mobility | None:
+def _mobility(poses: NDArray[np.float64], drives: Drives, loops: FreeLinkage) -> Mobility | None:
     """By x, y and angle of every body but the frame and lengths of driven cylinders; None where pins that coincide leave no pose."""
     placed = [entry for x, y, cosine, sine in poses[1:] for entry in (x, y, atan2(sine, cosine))]
     unknowns = np.array([*placed, *drives[len(drives) - len(loops.structure.bars) :]])
