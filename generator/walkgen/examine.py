@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from walkgen.errors import Place, Problem, SpecError
-from walkgen.graph.assembly import Assembly, Failure, assembly, titled
+from walkgen.graph.coverage import Coverage, Failure, coverage, titled
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism
-from walkgen.runtime.solves.assembly import assemble
+from walkgen.runtime.solves.triads import close_triads
 from walkgen.spec.document import open_document
 from walkgen.spec.positions import Positions
 from walkgen.spec.schema import RobotSpec
@@ -29,7 +29,7 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
     notices: list[Problem] = []
     for design, leg in users.items():
         if leg.linkage is not None:
-            place, found = positions.place(("leg_designs", design)), assembly_of(mechanism, leg, leg.linkage)
+            place, found = positions.place(("leg_designs", design)), coverage_of(mechanism, leg, leg.linkage)
             problems += _refused(f"leg_designs.{design}", place, found, leg.linkage)
             notices += _partial(f"leg_designs.{design}", place, found, leg, leg.linkage)
     if problems:
@@ -37,9 +37,9 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
     return tuple(notices)
 
 
-def assembly_of(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Assembly:
+def coverage_of(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Coverage:
     """How much of its drives' limits a leg's linkage assembles in, and its freedoms there."""
-    return assembly(mechanism, leg, linkage, assemble)
+    return coverage(mechanism, leg, linkage, close_triads)
 
 
 def percent(count: int, points: int) -> str:
@@ -54,7 +54,7 @@ def drives_text(drives: Sequence[Joint], values: Sequence[float]) -> str:
     return ", ".join(f"{drive.name} {value:.4g} {drive.unit}" for drive, value in zip(drives, values, strict=True))
 
 
-def _refused(design: str, place: Place, found: Assembly, linkage: Linkage) -> Iterator[Problem]:
+def _refused(design: str, place: Place, found: Coverage, linkage: Linkage) -> Iterator[Problem]:
     count = linkage.structure.mobility
     if found.startless:
         message = f"the triad {', '.join(found.startless)} has no assembly at the start, nor where it was looked for around"
@@ -70,7 +70,7 @@ def _refused(design: str, place: Place, found: Assembly, linkage: Linkage) -> It
         yield Problem("WG191", f"{design}: {message}: {pairs}", "change lengths that keep these pairs at a dead point", place)
 
 
-def _partial(design: str, place: Place, found: Assembly, leg: Limb, linkage: Linkage) -> Iterator[Problem]:
+def _partial(design: str, place: Place, found: Coverage, leg: Limb, linkage: Linkage) -> Iterator[Problem]:
     """One line."""
     if found.limited and 0 < found.assembled < found.points:
         share, drives = percent(found.assembled, found.points), leg.joints[len(leg.serial) :]

@@ -13,7 +13,7 @@ from walkgen.emit.landing import BUILD_FOLDER, staged, stale_files
 from walkgen.emit.manifest import operations, source_digest
 from walkgen.errors import Problem, ToolchainError
 from walkgen.examine import examined
-from walkgen.graph.differentiate import derivative
+from walkgen.graph.differentiate import composite_derivative, derivative
 from walkgen.graph.lower import lower
 from walkgen.graph.passes import fused
 from walkgen.graph.program import Composite, Program
@@ -103,12 +103,21 @@ def _digest(path: Path, spec: RobotSpec) -> str:
 def _bodies(spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress) -> Iterator[Program | Composite]:
     for derivation in derive(mechanism, options.functions or _names(spec)):
         progress(derivation.signature.full_name)
-        yield lower(derivation, options.fma)
+        body = lower(derivation, options.fma)
+        yield body
         if spec.generate.derivatives and mechanism.parameters:
-            plain = lower(derivation, fma=False)
-            if isinstance(plain, Program):
-                by_parameters = derivative(plain, "param")
-                yield fused(by_parameters) if options.fma else by_parameters
+            by_parameters = _by_parameters(body, lower(derivation, fma=False), options.fma)
+            yield from () if by_parameters is None else (by_parameters,)
+
+
+def _by_parameters(body: Program | Composite, plain: Program | Composite, fma: bool) -> Program | Composite | None:
+    """`<name>_d_param`; None of what iterates without telling its slopes."""
+    if isinstance(body, Composite) and isinstance(plain, Composite):
+        return composite_derivative(body, plain, "param", fma)
+    if not isinstance(plain, Program):
+        return None
+    found = derivative(plain, "param")
+    return fused(found) if fma else found
 
 
 def _names(spec: RobotSpec) -> tuple[str, ...]:

@@ -7,8 +7,8 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from walkgen import pipeline
-from walkgen.examine import assembly_of, drives_text, percent
-from walkgen.graph.assembly import titled
+from walkgen.examine import coverage_of, drives_text, percent
+from walkgen.graph.coverage import titled
 from walkgen.model.classify import inverse_class
 from walkgen.model.gait import Gait
 from walkgen.model.linkage import Linkage
@@ -130,8 +130,8 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
     for leg in mechanism.legs:
         yield from _limb(f"leg {leg.name} on {platforms[leg.platform]}", leg)
         if leg.linkage is not None:
-            yield from _assemblies(mechanism, leg, leg.linkage)
-            yield from _assembly(mechanism, leg, leg.linkage)
+            yield from _start(mechanism, leg, leg.linkage)
+            yield from _coverage(mechanism, leg, leg.linkage)
         yield from _inverse(mechanism, leg)
     for gait in mechanism.gaits:
         yield from _gait(gait, [leg.name for leg in mechanism.legs])
@@ -174,7 +174,7 @@ def _struts(triad: Triad, linkage: Linkage) -> str:
     return ", ".join(f"{kind} {structure.names[strut.body]}" for kind, strut in zip(kinds, triad.struts, strict=True))
 
 
-def _assemblies(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
+def _start(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
     """Where triads start from, and all that they could be there: the chosen one first, each with the angles of links that tell it."""
     if not linkage.forward.triads:
         return
@@ -185,16 +185,16 @@ def _assemblies(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[s
     drives = ", ".join(
         f"{drive.name} = {float(value):.6g}" for drive, value in zip(leg.joints[len(leg.serial) :], found.drives, strict=True)
     )
-    yield f"    start at {drives}: {len(found.assemblies)} assemblies, the first is taken; start = {{ angles_deg = ... }} takes another"
+    yield f"    start at {drives}: {len(found.modes)} assemblies, the first is taken; start = {{ angles_deg = ... }} takes another"
     ternary = [names[max(triad.ends)] for triad in linkage.forward.triads]
-    for assembly in found.assemblies:
-        angles = ", ".join(f"{name} = {degrees:.1f}" for name, degrees in zip(ternary, assembly.degrees, strict=True))
-        yield f"        angles_deg = {{ {angles} }}, sine of the transmission angle at least {assembly.sine:.2g}"
+    for mode in found.modes:
+        angles = ", ".join(f"{name} = {degrees:.1f}" for name, degrees in zip(ternary, mode.degrees, strict=True))
+        yield f"        angles_deg = {{ {angles} }}, sine of the transmission angle at least {mode.sine:.2g}"
 
 
-def _assembly(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
+def _coverage(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
     """Freedoms by rank, how much of the drives' limits assembles, and what fails in the rest."""
-    found, drives = assembly_of(mechanism, leg, linkage), leg.joints[len(leg.serial) :]
+    found, drives = coverage_of(mechanism, leg, linkage), leg.joints[len(leg.serial) :]
     if found.best is not None and found.mobility is not None:
         twice = f": {', '.join(found.mobility.pairs)} say one thing twice" if found.mobility.pairs else ""
         where = drives_text(drives, found.best)

@@ -9,7 +9,7 @@ from linkages.placed import code_of
 from linkages.topologies import TRIADS, spec
 from walkgen.model.assemble import assemble
 from walkgen.spec.read import read
-from walkgen.symbolic.starts import Assemblies
+from walkgen.symbolic.starts import Starts
 
 
 class Drawn:
@@ -29,10 +29,10 @@ class Drawn:
         path = self._folder / "drawn.toml"
         path.write_text(spec(self.name, (), values=values), encoding="utf-8")
         mechanism = assemble(read(path), self._folder)
-        found = Assemblies(mechanism, mechanism.legs[0])
+        found = Starts(mechanism, mechanism.legs[0])
         known = [self.topology.parameters.index(parameter) for parameter in found.names]
         self._z = np.concatenate([self.drives, self.dimensions[:, known]], -1)
-        self.assemblies = [found.at(row) for row in self._z]
+        self.assemblies = [found.modes.at(row) for row in self._z]
 
     def code(self, functions, friction=MappingProxyType({})):
         """Generated from the first set that assembles; `friction` as for `spec`."""

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from walkgen.cli import app
 from walkgen.errors import SpecError
-from walkgen.examine import assembly_of
+from walkgen.examine import coverage_of
 from walkgen.pipeline import BuildOptions, generate, mechanism_of
 from walkgen.show import show
 
@@ -42,7 +42,7 @@ def test_share_of_a_four_bar_by_the_law_of_cosines(tmp_path):
     mechanism = mechanism_of(spec(tmp_path, "[0, 90]"))
     wanted = int((np.linspace(0, math.pi / 2, 441) <= EDGE).sum())
     for leg in mechanism.legs:
-        found = assembly_of(mechanism, leg, leg.linkage)
+        found = coverage_of(mechanism, leg, leg.linkage)
         assert (found.points, found.assembled, found.limited) == (441, wanted, True)
         (failure,) = found.failing
         assert (failure.group, failure.count) == ("c", 441 - wanted)
@@ -61,7 +61,7 @@ def test_the_share_of_the_hydraulic_leg_is_that_of_its_triangles():
     """Lift: E, I, G; knee: J, L, H: each closes while its cylinder is within sum and difference of two sides."""
     mechanism = mechanism_of(SPECS / "hydraulic_leg.toml")
     leg = mechanism.legs[0]
-    found = assembly_of(mechanism, leg, leg.linkage)
+    found = coverage_of(mechanism, leg, leg.linkage)
     triangles = {
         "lift": (math.hypot(0.27, 0.11), math.hypot(0.0435, 0.1118)),
         "knee": (math.hypot(0.35 - 0.0607, 0.0795), math.hypot(0.04, 0.0993)),

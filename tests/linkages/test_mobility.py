@@ -9,11 +9,11 @@ import pytest
 from linkages.closure import Closure
 from linkages.topologies import TOPOLOGIES, spec
 from walkgen.errors import SpecError
-from walkgen.examine import assembly_of
+from walkgen.examine import coverage_of
 from walkgen.model.assemble import assemble
 from walkgen.pipeline import BuildOptions, generate, mechanism_of
 from walkgen.show import show
-from walkgen.spec.mobility import loops_of
+from walkgen.spec.mobility import free_linkage
 from walkgen.spec.read import read
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -64,7 +64,7 @@ def test_in_general_the_rank_is_the_count(tmp_path, name):
     linkage, random = mechanism.legs[0].linkage, np.random.default_rng(3)
     dimensions, drives = TOPOLOGIES[name].draw(random, 1)
     values = dict(zip(TOPOLOGIES[name].parameters, dimensions[0], strict=True))
-    loops = loops_of(linkage.structure, linkage.points, linkage.angles, lambda scalar: number(scalar, values))
+    loops = free_linkage(linkage.structure, linkage.points, linkage.angles, lambda scalar: number(scalar, values))
     x = random.uniform(-1, 1, loops.unknowns)
     slopes = loops.equations(x)[1]
     steps = 1e-6 * np.eye(loops.unknowns)
@@ -85,7 +85,7 @@ def number(scalar, values):
 def test_shipped_linkages_have_the_freedoms_of_their_count(name):
     mechanism = mechanism_of(SPECS / f"{name}.toml")
     leg = mechanism.legs[0]
-    found = assembly_of(mechanism, leg, leg.linkage)
+    found = coverage_of(mechanism, leg, leg.linkage)
     assert found.mobility.freedoms == leg.linkage.structure.mobility
     assert found.mobility.pairs == ()
 
@@ -130,6 +130,6 @@ def test_pins_that_coincide_leave_no_pose_to_count_at(tmp_path):
     path = written(tmp_path, f"{HEAD}five_bar = {{ ground = 0, cranks = [0.1, 0.1], couplers = [0.2, 0.2], drives = [{drive}, {drive}] }}")
     mechanism = mechanism_of(path)
     leg = mechanism.legs[0]
-    assert assembly_of(mechanism, leg, leg.linkage).mobility is None
+    assert coverage_of(mechanism, leg, leg.linkage).mobility is None
     assert "by the rank" not in show(path, "mechanism", "")
     generate(path, BuildOptions(targets=("c",)))

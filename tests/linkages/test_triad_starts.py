@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 
 from linkages.topologies import TRIADS, spec
-from walkgen.errors import SpecError
 from walkgen.examine import examined
 from walkgen.model.assemble import assemble
-from walkgen.model.classify import inverse_class
 from walkgen.show import show
 from walkgen.spec.read import read
-from walkgen.symbolic.derive import derive
 from walkgen.symbolic.starts import found_start
 
 FOUND = {
@@ -71,11 +68,11 @@ def test_hints_choose_the_assembly(tmp_path):
     """By an angle or a point; without hints the one farthest from a dead point is taken."""
     plain = start(tmp_path, "start = { drives_deg = [10] }")
     assert float(plain.drives[0]) == pytest.approx(np.deg2rad(10), abs=1e-15)
-    assert len(plain.assemblies) == 4
-    assert [one.sine for one in plain.assemblies] == sorted((one.sine for one in plain.assemblies), reverse=True)
-    for wanted in plain.assemblies[1:3]:
+    assert len(plain.modes) == 4
+    assert [one.sine for one in plain.modes] == sorted((one.sine for one in plain.modes), reverse=True)
+    for wanted in plain.modes[1:3]:
         hinted = start(tmp_path, f"start = {{ drives_deg = [10], angles_deg = {{ coupler = {wanted.degrees[0] + 1} }} }}")
-        assert hinted.assemblies[0].unknowns == pytest.approx(wanted.unknowns, abs=1e-9)
+        assert hinted.modes[0].unknowns == pytest.approx(wanted.unknowns, abs=1e-9)
         assert [float(unknown) for unknown in hinted.unknowns] == pytest.approx(wanted.unknowns, abs=1e-9)
 
 
@@ -85,7 +82,7 @@ def test_points_choose_too(tmp_path):
     chosen = set()
     for angle in (0.0, 2.1, 4.2):
         at = [0.3 + 0.22 * float(np.cos(angle)), 0.22 * float(np.sin(angle))]
-        found = start(tmp_path, f"start = {{ drives = [0.2], points = {{ 'rocker.C' = {at} }} }}").assemblies
+        found = start(tmp_path, f"start = {{ drives = [0.2], points = {{ 'rocker.C' = {at} }} }}").modes
         assert [one.misfit for one in found] == sorted(one.misfit for one in found)
         chosen.add(round(found[0].degrees[0], 6))
     assert len(chosen) > 1
@@ -98,17 +95,6 @@ def test_show_lists_them(tmp_path):
     assert "triad coupler  RR" in text
     assert "start at crank = 0: 4 assemblies" in text
     assert text.count("sine of the transmission angle") == 4
-
-
-def test_a_leg_with_a_triad_has_no_inverse_and_no_fewest_parameters(tmp_path):
-    mechanism = mechanism_of(tmp_path, HEAD + FORM)
-    found = inverse_class(mechanism, mechanism.legs[0])
-    assert (found.name, found.branch_names) == ("", ())
-    assert "the drives hold the triad coupler" in found.reason
-    wanted = ("inverse", "inverse_branch", "inverse_near", "inverse_distance", "inverse_velocity", "base_parameters", "bias")
-    assert {function.signature.name for function in derive(mechanism, wanted)} == {"inverse_velocity", "bias"}
-    with pytest.raises(SpecError, match="leave branches out: the drives hold the triad coupler"):
-        mechanism_of(tmp_path, HEAD + 'branches = ["one", "two"]\n' + FORM)
 
 
 def test_a_notice_and_show_name_the_triad(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 
 from oracles.backends import Built
 from walkgen import selftest
-from walkgen.examine import assembly_of
+from walkgen.examine import coverage_of
 from walkgen.pipeline import BuildOptions, build, mechanism_of
 from walkgen.runtime import load
 
@@ -121,7 +121,7 @@ def test_the_share_is_that_of_the_code(walker):
     """Whole turns are taken off about the start as there; the rank of the pairs' equations confirms the count."""
     mechanism = mechanism_of(walker.spec)
     for leg in mechanism.legs:
-        found = assembly_of(mechanism, leg, leg.linkage)
+        found = coverage_of(mechanism, leg, leg.linkage)
         q = np.linspace(-np.pi, np.pi, found.points)[:, None]
         assert found.assembled == (walker.c.legs[leg.name].assembly_status(q) == OK).sum()
         assert [(each.group, each.count) for each in found.failing] == [("coupler", found.points - found.assembled)]

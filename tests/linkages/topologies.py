@@ -78,7 +78,7 @@ def spec(name, functions, friction=MappingProxyType({}), values=None, start=None
     """The text of a spec for a topology; `friction` by the names of pairs, `values` are the parameters' defaults, `start` the drives at
     which triads are assembled.
     """
-    topology = (TOPOLOGIES | TRIADS)[name]
+    topology = (TOPOLOGIES | HELD | TRIADS)[name]
     defaults = [0.5] * len(topology.parameters) if values is None else [float(value) for value in values]
     wanted = ", ".join(f'"{function}"' for function in functions)
     lines = [
@@ -204,6 +204,16 @@ TOPOLOGIES = {
     ),
 }
 
+HELD = {
+    "coupler_knee": Topology(  # dyads under the drives, a triad once the foot is held
+        "frame: A 0 0, D x1 y1; crank: A 0 0, B d1 0; coupler: B 0 0, C d2 0, K x2 y2; rocker: D 0 0, C d3 0; shank: K 0 0, P d4 y3",
+        "a*: frame.A crank.A; b: crank.B coupler.B; d: frame.D rocker.D; c: coupler.C rocker.C; k*: coupler.K shank.K",
+        "shank.P",
+        {"c": ("left", "crank.B", "frame.D", "rocker.C")},
+    ),
+}
+"""Of two drives."""
+
 _PLATE = "plate: Q x6 y6, R x7 y7, S x8 y8, P x9 y9"
 
 TRIADS = {
@@ -245,6 +255,13 @@ TRIADS = {
         "a*: frame.A crank.A; b: crank.B coupler.B; c: coupler.C near.C; f: near.F rocker.F; d: frame.D rocker.D",
         "coupler.P",
         sliders="down: cross.T coupler x5 y5 t1; over: cross.U rocker x6 y6 t2",
+    ),
+    "two_cranks": Topology(  # a triad under the drives, dyads once the foot is held
+        f"frame: A 0 0, B x1 y1, C x2 y2; near: A 0 0, D d1 0; far: B 0 0, E d2 0; one: D 0 0, Q d3 0; two: E 0 0, R d4 0; "
+        f"tie: C 0 0, S d5 0; {_PLATE}",
+        "a*: frame.A near.A; b*: frame.B far.B; d: near.D one.D; e: far.E two.E; q: one.Q plate.Q; r: two.R plate.R; c: frame.C tie.C;"
+        "s: tie.S plate.S",
+        "plate.P",
     ),
     "hung_triad": Topology(  # none of the triad's links is on the frame until a dyad has put them there
         "frame: A 0 0, D x1 y1; arm: A 0 0, B d1 0, C x2 y2; fore: B 0 0, E d2 0; near: C 0 0, F d3 0; far: E 0 0, G d4 0;"

@@ -46,4 +46,4 @@ class RobotCode:
     def tables(self) -> tuple[Table, ...]:
         """The constants that routines read, each once."""
         composites = (body for body in self.functions if isinstance(body, Composite))
-        return tuple(dict.fromkeys(table for composite in composites for table in composite.tables))
+        return tuple(dict.fromkeys(table for composite in composites for table in composite.all_tables))

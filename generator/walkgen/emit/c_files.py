@@ -48,7 +48,7 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     known = kernels | programs
     functions = [(_public(body, known, printer), batch_function(body.signature, precision)) for body in code.functions]
-    called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.callbacks)
+    called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     callbacks = [callback_function(callback, known, printer) for callback in called_back]
     return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks], functions)
 

@@ -103,7 +103,7 @@ def _kernels(code: RobotCode) -> tuple[Program, ...]:
 
 
 def _callbacks(code: RobotCode) -> Iterator[PythonFunction]:
-    called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.callbacks)
+    called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     yield from (_composite(callback, code.public, "_") for callback in called_back)
 
 

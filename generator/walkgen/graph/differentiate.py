@@ -1,38 +1,91 @@
 """Derivatives of a Program by one of its inputs, forward mode on value-numbered ops: exact, and shared with the value itself."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from itertools import accumulate
 
 from walkgen.graph.number import Numbering
-from walkgen.graph.passes import pruned
-from walkgen.graph.program import TRUTH_CODES, Code, Program
+from walkgen.graph.passes import fused, pruned
+from walkgen.graph.program import TRUTH_CODES, Call, Code, Composite, Program
 from walkgen.signature import Port, Signature
 
 _ZERO, _ONE, _TWO = Decimal(0), Decimal(1), Decimal(2)
 
 
-def derivative(program: Program, port: str) -> Program:
+def derivative(program: Program, port: str, moving: Collection[str] = ()) -> Program:
     """`<name>_d_<port>`: every output port gains the input port's shape at its end.
 
     Args:
         program: without fused ops; choices are differentiated branch by branch, truths not at all.
         port: name of the real input port to differentiate by.
+        moving: names of other input ports that are functions of it; their derivatives are inputs as well, after all others.
     """
-    index, declared = next((i, p) for i, p in enumerate(program.signature.inputs) if p.name == port)
-    numbering = Numbering(program.signature)
-    columns = [_Forward(numbering, program, (index, element)).tangents for element in range(declared.size)]
+    declared = next(p for p in program.signature.inputs if p.name == port)
+    inputs = (*program.signature.inputs, *(_derived(p, declared) for p in program.signature.inputs if p.name in moving))
+    numbering = Numbering(replace(program.signature, inputs=inputs))
+    columns = [_Forward(numbering, program, _Moved(inputs, declared, element)).tangents for element in range(declared.size)]
     outputs = tuple(column[number] for number in program.outputs for column in columns)
-    return pruned(Program(_signature(program.signature, declared), numbering.ops, outputs))
+    return pruned(Program(replace(_signature(program.signature, declared), inputs=inputs), numbering.ops, outputs))
+
+
+def composite_derivative(composite: Composite, plain: Composite, port: str, fma: bool) -> Composite | None:
+    """The same of a function whose last call computes its outputs from what earlier ones find; None where nothing tells how these move.
+
+    Args:
+        composite: the function.
+        plain: the same without fused ops.
+        port: as above.
+        fma: whether to fuse multiply-adds.
+    """
+    *before, last = composite.calls
+    callee = plain.calls[-1].callee
+    if not composite.slopes or not isinstance(callee, Program):
+        return None
+    declared = next(p for p in composite.signature.inputs if p.name == port)
+    moving = [p for p in callee.signature.inputs if any(f"{p.name}_d_{port}" in call.arguments for call in composite.slopes)]
+    derived = derivative(callee, port, [p.name for p in moving])
+    rates = tuple(_derived(p, declared) for p in moving)
+    count = len(callee.signature.inputs)
+    results = (f"{name}_d_{port}" for name in last.arguments[count:])
+    call = Call(fused(derived) if fma else derived, (*last.arguments[:count], *(p.name for p in rates), *results))
+    form, other = composite.closed_form, plain.closed_form
+    derived_form = composite_derivative(form, other, port, fma) if isinstance(form, Composite) and isinstance(other, Composite) else None
+    return replace(
+        composite,
+        signature=_signature(composite.signature, declared),
+        locals=(*composite.locals, *rates),
+        calls=(*before, *composite.slopes, call),
+        closed_form=derived_form,
+        slopes=(),
+    )
+
+
+def _derived(port: Port, by: Port) -> Port:
+    return replace(port, name=f"{port.name}_d_{by.name}", shape=port.shape + by.shape, unit=f"{port.unit} per unit")
 
 
 def _signature(signature: Signature, port: Port) -> Signature:
-    outputs = tuple(
-        replace(out, name=f"{out.name}_d_{port.name}", shape=out.shape + port.shape, unit=f"{out.unit} per unit")
-        for out in signature.outputs
-    )
+    outputs = tuple(_derived(out, port) for out in signature.outputs)
     doc = f"Derivatives of {signature.name} by {port.name}."
     return replace(signature, name=f"{signature.name}_d_{port.name}", outputs=outputs, doc=doc, source="forward differentiation")
+
+
+class _Moved:
+    """Tangents of inputs where one element of a port moves, and with it ports whose derivatives by it are inputs."""
+
+    def __init__(self, inputs: tuple[Port, ...], port: Port, element: int) -> None:
+        names, starts = [p.name for p in inputs], list(accumulate((p.size for p in inputs), initial=0))
+        self._one = names.index(port.name), element
+        rates = ((index, f"{name}_d_{port.name}") for index, name in enumerate(names))
+        self._rates = {index: (starts[names.index(name)] + element, port.size) for index, name in rates if name in names}
+
+    def tangent(self, element: tuple[int, int], constant: Callable[[Decimal], int]) -> int:
+        """Of one element of an input."""
+        if element[0] in self._rates:
+            start, size = self._rates[element[0]]
+            return start + size * element[1]
+        return constant(_ONE if element == self._one else _ZERO)
 
 
 @dataclass(frozen=True)
@@ -47,7 +100,7 @@ class _Value:
 class _Forward:
     """Copies a Program into a numbering and carries the tangent of one input element along."""
 
-    def __init__(self, numbering: Numbering, program: Program, element: tuple[int, int]) -> None:
+    def __init__(self, numbering: Numbering, program: Program, moved: _Moved) -> None:
         self._op, self._constant = numbering.op, numbering.constant
         self._zero = self._constant(_ZERO)
         self.tangents: list[int] = []
@@ -55,7 +108,7 @@ class _Forward:
         for position, op in enumerate(program.ops):
             if op.code is Code.INPUT:
                 numbers.append(position)
-                self.tangents.append(self._constant(_ONE) if op.element == element else self._zero)
+                self.tangents.append(moved.tangent(op.element, self._constant))
             elif op.code is Code.CONSTANT:
                 numbers.append(self._constant(op.value))
                 self.tangents.append(self._zero)

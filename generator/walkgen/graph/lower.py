@@ -54,16 +54,19 @@ def program(function: Function, fma: bool) -> Program:
 
 
 def _composite(solve: Solve, fma: bool) -> Composite:
-    calls = tuple(
-        Call(step.callee if isinstance(step.callee, str) else program(step.callee, fma), step.arguments, step.guard, step.repeat)
-        for step in solve.steps
+    calls, slopes = (
+        tuple(
+            Call(step.callee if isinstance(step.callee, str) else program(step.callee, fma), step.arguments, step.guard, step.repeat)
+            for step in steps
+        )
+        for steps in (solve.steps, solve.slopes)
     )
     callbacks = tuple(_composite(callback, fma) for callback in solve.callbacks)
     routines = [name for call in calls for name in (call.callee, call.guard[0] if call.guard else None) if isinstance(name, str)]
     called_back = (header for callback in callbacks for header in callback.headers)
     headers = tuple(dict.fromkeys([*(ROUTINES[name].header for name in routines), *called_back]))
     closed_form = lower(solve.closed_form, fma) if solve.closed_form else None
-    return Composite(solve.signature, solve.locals, calls, headers, closed_form, solve.tables, callbacks)
+    return Composite(solve.signature, solve.locals, calls, headers, closed_form, solve.tables, callbacks, slopes)
 
 
 class _Lowering:

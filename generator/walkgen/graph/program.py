@@ -117,6 +117,7 @@ class Composite:
 
     `headers` are the csupport files the routines live in; `closed_form` stands in where routines do not exist (CasADi):
     a Program, or a Composite that calls Programs alone. `tables` are constants that routines read, `callbacks` what they call.
+    `slopes` tell how inputs of the last call that earlier ones compute move with the runtime parameters; they are not run by this function.
     """
 
     signature: Signature
@@ -126,6 +127,7 @@ class Composite:
     closed_form: "Program | Composite | None" = None
     tables: tuple[Table, ...] = ()
     callbacks: tuple["Composite", ...] = ()
+    slopes: tuple[Call, ...] = ()
 
     @property
     def calls_routines(self) -> bool:
@@ -136,3 +138,13 @@ class Composite:
     def all_calls(self) -> tuple[Call, ...]:
         """Its own and those of its callbacks."""
         return (*self.calls, *(call for callback in self.callbacks for call in callback.all_calls))
+
+    @property
+    def all_callbacks(self) -> tuple["Composite", ...]:
+        """Its own, each after those that its routines call themselves."""
+        return tuple(each for callback in self.callbacks for each in (*callback.all_callbacks, callback))
+
+    @property
+    def all_tables(self) -> tuple[Table, ...]:
+        """Its own and those of its callbacks."""
+        return (*self.tables, *(table for callback in self.callbacks for table in callback.all_tables))

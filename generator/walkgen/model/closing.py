@@ -7,9 +7,10 @@ from functools import cache, cached_property
 from typing import Any
 
 from walkgen.model.linkage import Linkage
-from walkgen.model.loops import Loops, Planar, Row
+from walkgen.model.loops import DrivenLoops
 from walkgen.model.walk import CONTEXT
 from walkgen.spec.assur import SIDES, Group
+from walkgen.spec.pair_equations import Planar, Row
 
 _STARTS, _MOST_STARTS, _STEPS, _HALVINGS = 300, 3000, 40, 5
 _CLOSED, _EXACT = 1e-12, CONTEXT.mpf(10) ** -46
@@ -23,7 +24,7 @@ _DIGITS = 9
 class Posture:
     """A linkage whose loops are closed: `x` holds x, y and angle of every body but the frame."""
 
-    loops: Loops
+    loops: DrivenLoops
     x: tuple[Any, ...]
 
     def place(self, body: int, point: Planar) -> tuple[Any, Any, Any]:
@@ -96,7 +97,7 @@ def closed(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any]) -
 @cache
 def _found(linkage: Linkage, values: tuple[tuple[str, Any], ...], drives: tuple[float, ...]) -> Posture | None:
     """From random starts, until one is as the spec says; where the loops close at all, which some of few starts shows, from many more."""
-    loops, generator = Loops(linkage, dict(values), drives, float), random.Random(len(drives))  # noqa: S311 (starts, not secrets)
+    loops, generator = DrivenLoops(linkage, dict(values), drives, float), random.Random(len(drives))  # noqa: S311 (starts, not secrets)
     closes = False
     for start in range(_MOST_STARTS):
         x = _descended(loops, _start(loops, generator)) if closes or start < _STARTS else None
@@ -107,13 +108,13 @@ def _found(linkage: Linkage, values: tuple[tuple[str, Any], ...], drives: tuple[
     return None
 
 
-def _start(loops: Loops, generator: random.Random) -> list[float]:
+def _start(loops: DrivenLoops, generator: random.Random) -> list[float]:
     size = 1.5 * loops.reach
     spans = (size, size, CONTEXT.pi)
     return [generator.uniform(-float(spans[place % 3]), float(spans[place % 3])) for place in range(loops.size)]
 
 
-def _descended(loops: Loops, x: list[float]) -> list[float] | None:
+def _descended(loops: DrivenLoops, x: list[float]) -> list[float] | None:
     """Newton's method with steps that lessen the residual."""
     size = _residual(loops, x)
     for _ in range(_STEPS):
@@ -130,7 +131,7 @@ def _descended(loops: Loops, x: list[float]) -> list[float] | None:
 
 def _exact(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any], start: Sequence[Any]) -> Posture | None:
     """Newton's method to the last digit, from close by."""
-    loops, x = Loops(linkage, values, drives), [CONTEXT.mpf(entry) for entry in start]
+    loops, x = DrivenLoops(linkage, values, drives), [CONTEXT.mpf(entry) for entry in start]
     for _ in range(8):
         step = _step(loops, x)
         if step is None:
@@ -141,11 +142,11 @@ def _exact(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any], s
     return None
 
 
-def _residual(loops: Loops, x: Sequence[Any]) -> Any:
+def _residual(loops: DrivenLoops, x: Sequence[Any]) -> Any:
     return max(abs(value) for value, _ in loops.equations(x))
 
 
-def _step(loops: Loops, x: Sequence[Any]) -> list[Any] | None:
+def _step(loops: DrivenLoops, x: Sequence[Any]) -> list[Any] | None:
     """Newton's, None where the slopes are singular."""
     right = loops.size + len(loops.drives)
     solved = _solved([row | {right: -value} for value, row in loops.equations(x)], loops.size)

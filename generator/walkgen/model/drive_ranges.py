@@ -3,7 +3,7 @@
 from typing import Any
 
 from walkgen.model.linkage import Linkage
-from walkgen.model.loops import Loops
+from walkgen.model.loops import DrivenLoops
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT, defaults, number
 
@@ -25,4 +25,4 @@ def drive_ranges(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> list[tupl
 
 def reach(mechanism: Mechanism, linkage: Linkage) -> Any:
     """The largest coordinate of any point of any link (m)."""
-    return CONTEXT.mpf(Loops(linkage, defaults(mechanism), [0] * linkage.drive_count).reach)
+    return CONTEXT.mpf(DrivenLoops(linkage, defaults(mechanism), [0] * linkage.drive_count).reach)

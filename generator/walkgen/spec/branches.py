@@ -7,6 +7,8 @@ from walkgen.spec.assur import SIDES, Structure, order
 
 BRANCHED_JOINTS = 3
 """Joints of a leg whose foot position leaves finitely many solutions, in general."""
+MODES = 6
+"""Assemblies of a triad, at most."""
 CURVE_BRANCHES = tuple(f"root_{number}" for number in range(1, 9))
 """Of a leg whose foot follows a coupler curve."""
 
@@ -22,8 +24,8 @@ def branch_count(kinds: str) -> int:
 
 
 def follows_curve(structure: Structure, joints: int) -> bool:
-    """Whether one drive leads the foot along a curve in closed form, which at most one joint before the linkage carries."""
-    return structure.drive_count == 1 and joints <= 1 and not order(structure).triads
+    """Whether one drive leads the foot along a curve, which at most one joint before the linkage carries."""
+    return structure.drive_count == 1 and joints <= 1
 
 
 def linkage_hindrance(structure: Structure, foot: int, kinds: str) -> str:
@@ -36,27 +38,25 @@ def linkage_hindrance(structure: Structure, foot: int, kinds: str) -> str:
     """
     if kinds not in ("", "R"):
         return f"{len(kinds)} joints ({kinds}) before the linkage: one that turns, or none, has a closed form"
-    triads = order(structure).triads
-    if triads:
-        return f"the drives hold the triad {triads[0].name}: which of its assemblies a row has is not known"
     if structure.drive_count != 2:
         return f"{structure.drive_count} drives do not place the foot in the plane: two do"
     back = order(structure.released(foot))
-    if back.triads:
-        return f"with the foot held no dyad is left to place: {back.triads[0].name} is part of a triad"
+    if len(back.triads) > 1:
+        return f"with the foot held {back.triads[0].name} and {back.triads[1].name} are parts of two triads: rows have one at most"
     if len(back.clusters) > 1:
         stuck = " + ".join(sorted(structure.names[min(cluster)] for cluster in back.clusters))
         return f"with the foot held no dyad is left to place: {stuck} form a group of more than four links"
     return ""
 
 
-def linkage_choices(structure: Structure, foot: int, joints: Sequence[str]) -> tuple[tuple[str, str], ...]:
-    """What a branch of the inverse chooses: the two ways of each joint before the linkage, then the sides of the dyads back."""
-    groups = [group for group in order(structure.released(foot)).groups if SIDES[group.kind]]
-    sides = ((f"{group.name}_{SIDES[group.kind][0]}", f"{group.name}_{SIDES[group.kind][1]}") for group in groups)
-    return (*((f"{joint}_plus", f"{joint}_minus") for joint in joints), *sides)
+def linkage_choices(structure: Structure, foot: int, joints: Sequence[str]) -> tuple[tuple[str, ...], ...]:
+    """What a branch of the inverse chooses: the two ways of each joint before the linkage, the sides of the dyads back, a triad's mode."""
+    back = order(structure.released(foot))
+    sides = (tuple(f"{group.name}_{side}" for side in SIDES[group.kind]) for group in back.dyads if SIDES[group.kind])
+    modes = (tuple(f"{triad.name}_{number}" for number in range(1, MODES + 1)) for triad in back.triads)
+    return (*((f"{joint}_plus", f"{joint}_minus") for joint in joints), *sides, *modes)
 
 
-def linkage_branches(choices: Sequence[tuple[str, str]]) -> tuple[str, ...]:
+def linkage_branches(choices: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     """Names of all branches in their order."""
     return tuple("_".join(choice) for choice in product(*choices)) if choices else ("only",)

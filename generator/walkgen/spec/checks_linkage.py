@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
+from math import prod
 
 from walkgen.spec.assur import Structure, order
 from walkgen.spec.branches import CURVE_BRANCHES, follows_curve, linkage_branches, linkage_choices, linkage_hindrance
@@ -10,7 +11,7 @@ from walkgen.spec.checks_assembly import check_assembly
 from walkgen.spec.checks_joints import named_branches
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.linkage import FRAME, CylinderSpec, PinFriction
-from walkgen.spec.mobility import loops_of
+from walkgen.spec.mobility import free_linkage
 from walkgen.spec.planar import joined_pairs, located, structure_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import ZERO
@@ -188,7 +189,7 @@ def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[F
     foot, _ = located(design, str(design.foot))
     hindrance = linkage_hindrance(structure, foot, "".join(joint.type[0].upper() for joint in design.joints))
     choices = linkage_choices(structure, foot, [joint.name for joint in design.joints])
-    for finding in named_branches(path, design, 0 if hindrance else 2 ** len(choices)):
+    for finding in named_branches(path, design, 0 if hindrance else prod(map(len, choices))):
         spelt = f"{finding.cure}: {', '.join(linkage_branches(choices))}" if len(choices) <= _MOST_CHOICES else finding.cure
         yield replace(finding, cure=f"leave branches out: {hindrance}" if hindrance else spelt)
 
@@ -214,7 +215,7 @@ def _miscounted(path: Path, design: LegDesign, structure: Structure, numbers: Nu
     guides = [slider.guide.si("angle") or ZERO for slider in design.sliders]
     joined = joined_pairs(design)
     angles = (*(ZERO,) * (len(joined) - len(guides)), *guides)
-    loops = loops_of(structure, [each.points for each in joined], angles, numbers.number)
+    loops = free_linkage(structure, [each.points for each in joined], angles, numbers.number)
     found = min((loops.mobility(x) for x in loops.poses()), key=lambda each: each.freedoms, default=None) if loops else None
     if found is None or found.freedoms == structure.mobility:
         return Finding("WG183", path, _count(structure), "drive as many pairs as there are freedoms, or mend the pairs")

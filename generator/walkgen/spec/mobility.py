@@ -1,5 +1,6 @@
 """Degrees of freedom of a planar linkage by the rank of its pairs' equations at an assembled pose: what counting cannot see."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -7,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from walkgen.spec.assur import Structure
+from walkgen.spec.pair_equations import PairEquations, Row
 from walkgen.spec.scalar import Scalar
 
 _NOTHING = 1e-6
@@ -20,7 +22,6 @@ _CLOSED = 1e-10
 
 Vector = np.ndarray
 Entries = tuple[float, float]
-Seen = tuple[Vector, Vector]
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,8 @@ class Mobility:
 
 
 @dataclass(frozen=True)
-class Loops:
-    """The equations of a linkage's pairs in the poses of its bodies.
+class FreeLinkage:
+    """A linkage whose drives are free: the equations of its pairs in the poses of its bodies.
 
     Unknowns are x, y and angle of every body but the frame, then the length of every driven cylinder; drives are free.
 
@@ -60,7 +61,9 @@ class Loops:
     def equations(self, x: Vector) -> tuple[Vector, Vector]:
         """Residuals [e] (m) and slopes [e, unknowns] by the unknowns, angles times `size`."""
         rows = [row for index in range(len(self.points)) for row in self._pair(index, x)]
-        slopes = np.array([slope for _, slope in rows]).reshape(len(rows), self.unknowns)
+        slopes = np.zeros((len(rows), self.unknowns))
+        for place, (_, row) in enumerate(rows):
+            slopes[place, list(row)] = list(row.values())
         return np.array([value for value, _ in rows]), slopes / self._scales
 
     def mobility(self, x: Vector) -> Mobility:
@@ -101,62 +104,29 @@ class Loops:
         bodies = np.tile([1.0, 1.0, self.size], len(self.structure.names) - 1)
         return np.concatenate([bodies, np.ones(len(self.structure.bars))])
 
-    def _pair(self, index: int, x: Vector) -> Iterator[tuple[float, Vector]]:
-        pair = self.structure.pairs[index]
-        first, *others = [self._seen(body, point, x) for body, point in zip(pair.bodies, self.points[index], strict=True)]
-        if pair.kind == "P":
-            yield from self._slider(index, x, first, others[0])
-            return
-        for other in others:
-            yield from ((other[0][axis] - first[0][axis], other[1][axis] - first[1][axis]) for axis in range(2))
-
-    def _slider(self, index: int, x: Vector, runner: Seen, start: Seen) -> Iterator[tuple[float, Vector]]:
-        """Off the guide, and turned against it."""
-        (own, on_runner), (guide, on_guide) = (self._angle(body, x) for body in self.structure.pairs[index].bodies)
-        along = guide + self.angles[index]
-        ahead, across = np.array([np.cos(along), np.sin(along)]), np.array([-np.sin(along), np.cos(along)])
-        span = runner[0] - start[0]
-        yield float(across @ span), across @ (runner[1] - start[1]) - (ahead @ span) * on_guide
-        yield self.size * float(np.sin(own - guide)), self.size * float(np.cos(own - guide)) * (on_runner - on_guide)
-
-    def _angle(self, body: int, x: Vector) -> tuple[float, Vector]:
-        slope = np.zeros(self.unknowns)
-        if body == 0:
-            return 0.0, slope
-        slope[3 * body - 1] = 1
-        return float(x[3 * body - 1]), slope
-
-    def _seen(self, body: int, point: Entries | None, x: Vector) -> Seen:
-        """A point in the frame's axes [2], and its slopes [2, unknowns]."""
-        angle, turning = self._angle(body, x)
-        rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        slope = np.zeros((2, self.unknowns))
-        if point is None:
-            place = 3 * (len(self.structure.names) - 1) + sorted(self.structure.bars).index(body)
-            own, slope[:, place] = np.array([x[place], 0.0]), rotation[:, 0]
-        else:
-            own = np.array(point)
-        turned = rotation @ own
-        slope += np.outer([-turned[1], turned[0]], turning)
-        if body == 0:
-            return turned, slope
-        slope[0, 3 * body - 3] = slope[1, 3 * body - 2] = 1
-        return x[3 * body - 3 : 3 * body - 1] + turned, slope
+    def _pair(self, index: int, x: Vector) -> Iterator[tuple[float, Row]]:
+        """A pair's equations, a slider's turn as a length."""
+        bars = 3 * (len(self.structure.names) - 1)
+        equations = PairEquations(self.structure, self.points, self.angles, float, math.cos, math.sin, bars)
+        turns = int(self.structure.pairs[index].kind == "P")
+        for place, (value, row) in enumerate(equations.rows(x.tolist(), x[bars:].tolist(), index)):
+            scale = self.size if place < turns else 1.0
+            yield scale * value, {column: scale * slope for column, slope in row.items()}
 
 
-def loops_of(
+def free_linkage(
     structure: Structure,
     points: Sequence[Sequence[tuple[Scalar, Scalar] | None]],
     angles: Sequence[Scalar],
     number: Callable[[Scalar], Fraction | float | None],
-) -> Loops | None:
+) -> FreeLinkage | None:
     """The equations at the parameters' values, which `number` knows; None where one has none."""
     found = [[None if point is None else (number(point[0]), number(point[1])) for point in ends] for ends in points]
     guides = [number(angle) for angle in angles]
     if None in guides or any(None in point for ends in found for point in ends if point is not None):
         return None
     places = tuple(tuple(None if point is None else (_double(point[0]), _double(point[1])) for point in ends) for ends in found)
-    return Loops(structure, places, tuple(map(_double, guides)))
+    return FreeLinkage(structure, places, tuple(map(_double, guides)))
 
 
 def _double(number: Fraction | float | None) -> float:

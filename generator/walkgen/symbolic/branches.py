@@ -13,9 +13,8 @@ from walkgen.symbolic.function import Angle, Both, Either, Epsilon, Finite, Indi
 from walkgen.symbolic.geometry import Geometry, geometry
 from walkgen.symbolic.tape import Tape, Vec, constant, dot, minus
 
-OK, UNREACHABLE, BAD_INPUT, SINGULAR, DUPLICATE, INFEASIBLE = (
-    sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "DUPLICATE", "INFEASIBLE")
-)
+_NAMES = ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR", "NO_CONVERGENCE", "DUPLICATE", "INFEASIBLE")
+OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE, DUPLICATE, INFEASIBLE = (sympy.Integer(STATUSES.index(name)) for name in _NAMES)
 _TOLERANCE = sympy.Rational(1, 10**12)
 _PI = constant(sympy.pi)
 _FALSE = sympy.false

@@ -2,19 +2,20 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 
 import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Table
-from walkgen.symbolic.closure import assembled_port, closure_function, drive_count, point_parameters, unknowns_port
-from walkgen.symbolic.closure_steps import advance, begin, finish
+from walkgen.symbolic.closure import assembled_port, drive_count, driven_closure, point_parameters, unknowns_port
+from walkgen.symbolic.closure_steps import advance, begin, finish, unknown_slopes
 from walkgen.symbolic.function import Angle, Derivation, Function, LessEqual, Select, Solve, Step
-from walkgen.symbolic.ports import signature
+from walkgen.symbolic.ports import DRIVE, signature
 from walkgen.symbolic.starts import found_start
 from walkgen.symbolic.tape import Tape, symbols_of
 
-_SOURCE = "Newton's method on the closure of triads, continued from the start (walkgen_assembly.h)"
+_SOURCE = "Newton's method on the closure of triads, continued from the start (walkgen_triads.h)"
 _REPEATS = 72
 
 
@@ -35,7 +36,7 @@ def _rests_on_unknowns(mechanism: Mechanism, derivation: Derivation) -> bool:
     if isinstance(derivation, Solve):
         callees = (step.callee for step in derivation.steps if isinstance(step.callee, Function))
         forms = (derivation.closed_form,) if derivation.closed_form else ()
-        return any(_rests_on_unknowns(mechanism, part) for part in (*callees, *forms))
+        return any(_rests_on_unknowns(mechanism, part) for part in (*callees, *forms, *derivation.callbacks))
     return any(_extra(leg, derivation) for leg in mechanism.legs)
 
 
@@ -73,14 +74,17 @@ class _Closing:
         self._locals: list[Port] = []
         self._tables: list[Table] = []
         self._callbacks: list[Solve] = []
-        self._found: set[str] = set()
+        self._slopes: list[Step] = []
+        self._found: set[tuple[str, str | Decimal | int]] = set()
 
     def result(self, derivation: Derivation, form: Solve | None) -> Solve:
         """The function with its closings, and what stands in for it where there are no routines."""
         own = derivation if isinstance(derivation, Solve) else Solve(derivation.signature, (), (_whole(derivation),))
         steps = tuple(step for each in own.steps for step in self._steps(each))
-        found = (*own.locals, *self._locals)
-        return Solve(own.signature, found, steps, form, (*own.tables, *self._tables), (*own.callbacks, *self._callbacks))
+        found, tables = tuple(dict.fromkeys((*own.locals, *self._locals))), tuple(dict.fromkeys((*own.tables, *self._tables)))
+        slopes = tuple(self._slopes) if isinstance(derivation, Function) else ()
+        called = (callback for each in own.callbacks if isinstance(callback := closed(self._mechanism, each), Solve))
+        return Solve(own.signature, found, steps, form, tables, tuple(dict.fromkeys((*called, *self._callbacks))), slopes)
 
     def _steps(self, step: Step) -> Iterator[Step]:
         """The step, after what closes the legs that it rests on."""
@@ -91,9 +95,11 @@ class _Closing:
         for leg in self._mechanism.legs:
             needed = _extra(leg, function)
             extras += needed
-            if needed and leg.name not in self._found:
-                self._found.add(leg.name)
-                yield from self._closing(_joints(self._mechanism, leg, function), step)
+            if needed:
+                joints = _joints(self._mechanism, leg, function)
+                found = leg.name, step.arguments[function.signature.inputs.index(joints.port)]
+                yield from self._closing(joints, step) if found not in self._found else ()
+                self._found.add(found)
         count = len(function.signature.inputs)
         names = (*step.arguments[:count], *(port.name for port in extras), *step.arguments[count:])
         yield replace(step, callee=_with_inputs(function, extras), arguments=names)
@@ -108,6 +114,9 @@ class _Closing:
         self._locals += [point, *self._rest(leg)]
         yield Step(gathered, (*(given[port.name] for port in gathered.signature.inputs), point.name))
         yield from self._found_by(leg, point)
+        if self._mechanism.parameters:
+            slopes = unknown_slopes(self._mechanism, leg)
+            self._slopes.append(Step(slopes, (point.name, unknowns_port(leg).name, slopes.signature.outputs[0].name)))
 
     def _rest(self, leg: Limb) -> tuple[Port, ...]:
         return (unknowns_port(leg), assembled_port(leg))
@@ -118,7 +127,7 @@ class _Closing:
         self._tables.append(table)
         unknowns, assembled = unknowns_port(leg), assembled_port(leg)
         arguments = (point.size, unknowns.size, point.name, table.name, callback.signature.full_name, unknowns.name, assembled.name)
-        yield Step("wg_assemble", arguments)
+        yield Step("wg_close_triads", arguments)
 
 
 class _Iterated(_Closing):
@@ -148,8 +157,8 @@ def _with_inputs(function: Function, extras: Sequence[Port]) -> Function:
 
 
 def _joints(mechanism: Mechanism, leg: Limb, function: Function) -> _Joints:
-    """Of the robot's q where the function takes all of it, else the last of the path's."""
-    port = next(port for port in function.signature.inputs if port.name == "q")
+    """Of the robot's q where the function takes all of it, else the last of the path's, or the one drive of a curve."""
+    port = next(port for port in function.signature.inputs if port.name in ("q", DRIVE.name))
     whole = not function.signature.owner
     first = mechanism.offset(leg) + len(leg.serial) if whole else port.size - drive_count(leg)
     return _Joints(leg, port, first)
@@ -164,7 +173,7 @@ def _gathered(mechanism: Mechanism, joints: _Joints) -> Function:
         _near(value, sympy.Rational(str(at)), tape) if joint.kind == "revolute" else value
         for value, at, joint in zip(drives, start.drives, leg.joints[len(leg.serial) :], strict=True)
     ]
-    own = f"drives_in_{joints.port.size}"
+    own = f"drives_in_{joints.port.name}_{joints.port.size}"
     port = Port(f"{leg.name}_drives", (len(turned) + len(used),), "rad, m or as declared")
     words = signature(mechanism, leg.name, own, [joints.port], [port], "", _SOURCE)
     return tape.function(words, [*turned, *used.values()])
@@ -178,11 +187,14 @@ def _near(value: sympy.Expr, centre: sympy.Expr, tape: Tape) -> sympy.Expr:
     return tape.let("drive", Select(inside, value, centre + Angle(sympy.sin(away), sympy.cos(away))))
 
 
+def called_back(function: Function, name: str) -> Solve:
+    """A function as routines call it."""
+    return Solve(replace(function.signature, name=name), (), (_whole(function),))
+
+
 def _callback(mechanism: Mechanism, leg: Limb) -> Solve:
     """The closure of a point, for the routine."""
-    function = closure_function(mechanism, leg)
-    words = replace(function.signature, name="closure")
-    return Solve(words, (), (_whole(function),))
+    return called_back(driven_closure(mechanism, leg), "closure")
 
 
 def _table(mechanism: Mechanism, leg: Limb) -> Table:

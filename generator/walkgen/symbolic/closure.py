@@ -1,7 +1,7 @@
 """What closes a linkage's triads: their residuals at a point, which is the drives, the parameters that matter, and the unknowns."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import sympy
@@ -56,14 +56,16 @@ def point_parameters(mechanism: Mechanism, leg: Limb) -> dict[str, sympy.Symbol]
 
 
 def _dimensions(linkage: Linkage) -> list[Scalar]:
-    return [*linkage.angles, *(entry for ends in linkage.points for end in ends if end is not None for entry in end)]
+    return [*linkage.angles, *linkage.foot[1], *(entry for ends in linkage.points for end in ends if end is not None for entry in end)]
 
 
 @dataclass(frozen=True)
 class Closing:
-    """A linkage's closure on a tape: its residuals and their slopes by the unknowns, row by row."""
+    """A linkage's closure on a tape, for what is given and the unknowns: its residuals and their slopes by these, row by row."""
 
     tape: Tape
+    given: tuple[sympy.Expr, ...]
+    unknowns: tuple[sympy.Symbol, ...]
     placing: Placing
     residuals: tuple[sympy.Expr, ...]
     slopes: tuple[tuple[sympy.Expr, ...], ...]
@@ -74,9 +76,16 @@ def closing_at(mechanism: Mechanism, leg: Limb, given: Exprs, unknowns: Sequence
     count = drive_count(leg)
     parameters = dict(zip(point_parameters(mechanism, leg), given[count:], strict=True))
     placing = forward_placing(leg, given[:count], parameters, tape, unknowns)
+    return closing_of(placing, given, unknowns)
+
+
+def closing_of(placing: Placing, given: Exprs, unknowns: Sequence[sympy.Symbol]) -> Closing:
+    """Of a linkage that is placed."""
+    tape = placing.tape
     residuals = tuple(residual for closure in tape.closures for residual in closure.residuals)
     slopes = partial_tangents(tape, residuals, [(f"u{number}", unknown) for number, unknown in enumerate(unknowns)])
-    return Closing(tape, placing, residuals, tuple(tuple(tape.let("slope", entry) for entry in row) for row in slopes))
+    rows = tuple(tuple(tape.let("slope", entry) for entry in row) for row in slopes)
+    return Closing(tape, tuple(given), tuple(unknowns), placing, residuals, rows)
 
 
 def point_port(mechanism: Mechanism, leg: Limb) -> Port:
@@ -84,11 +93,16 @@ def point_port(mechanism: Mechanism, leg: Limb) -> Port:
     return Port("point", (drive_count(leg) + len(point_parameters(mechanism, leg)) + unknowns_port(leg).size,), "rad, m or as declared")
 
 
+def closure_function(found: Closing, words: Signature) -> Function:
+    """point -> residuals, then their slopes by the unknowns, under the words' name."""
+    count = len(found.unknowns)
+    outputs = [*found.residuals, *(entry for row in found.slopes for entry in row)]
+    return found.tape.function(replace(words, outputs=(Port("closure", (count + count**2,)),)), outputs)
+
+
 @cache
-def closure_function(mechanism: Mechanism, leg: Limb) -> Function:
+def driven_closure(mechanism: Mechanism, leg: Limb) -> Function:
     """point -> residuals, then their slopes by the unknowns."""
-    port, count = point_port(mechanism, leg), unknowns_port(leg).size
-    symbols = symbols_of(port)
+    count, symbols = unknowns_port(leg).size, symbols_of(point_port(mechanism, leg))
     found = closing_at(mechanism, leg, symbols[:-count], symbols[-count:], Tape())
-    words = Signature(mechanism.name, leg.name, "closure_at", (port,), (Port("closure", (count + count**2,)),), "", "")
-    return found.tape.function(words, [*found.residuals, *(entry for row in found.slopes for entry in row)])
+    return closure_function(found, Signature(mechanism.name, leg.name, "closure_at", (point_port(mechanism, leg),), ()))

@@ -10,9 +10,10 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.branches import BAD_INPUT, OK, UNREACHABLE
 from walkgen.symbolic.choices import both, indicator, less
-from walkgen.symbolic.closure import Closing, assembled_port, closing_at, point_port, unknowns_port
+from walkgen.symbolic.closure import Closing, assembled_port, closing_at, drive_count, point_parameters, point_port, unknowns_port
 from walkgen.symbolic.function import Finite, Function, Residue, Select
 from walkgen.symbolic.starts import found_start
+from walkgen.symbolic.tangents import partial_tangents
 from walkgen.symbolic.tape import Tape, symbols_of
 
 Exprs = Sequence[sympy.Expr]
@@ -64,6 +65,22 @@ def finish(mechanism: Mechanism, leg: Limb) -> Function:
     return tape.function(words, [*(Select(closes, unknown, nothing) for unknown in unknowns), status])
 
 
+@cache
+def unknown_slopes(mechanism: Mechanism, leg: Limb) -> Function:
+    """How the unknowns move with the runtime parameters: -(dr/du)^-1 dr/dp."""
+    given, unknowns, tape = _given(mechanism, leg), unknowns_port(leg), Tape()
+    symbols, used = symbols_of(given), list(point_parameters(mechanism, leg))
+    found = closing_at(mechanism, leg, symbols, symbols_of(unknowns), tape)
+    named = list(zip(used, symbols[drive_count(leg) :], strict=True))
+    columns = zip(*partial_tangents(tape, found.residuals, named), strict=True)
+    by_name = dict(zip(used, (answers(found, column) for column in columns), strict=True))
+    nothing = [sympy.S.Zero] * unknowns.size
+    rows = zip(*(by_name.get(parameter.name, nothing) for parameter in mechanism.parameters), strict=True)
+    port = Port(f"{unknowns.name}_d_param", (unknowns.size, len(mechanism.parameters)))
+    words = Signature(mechanism.name, leg.name, "closure_slopes", (given, unknowns), (port,))
+    return tape.function(words, [entry for row in rows for entry in row])
+
+
 def _in_sense(found: Closing, senses: Sequence[int]) -> sympy.Basic:
     """Whether every determinant has the sign that it has at the start."""
     same: sympy.Basic = sympy.true
@@ -73,13 +90,18 @@ def _in_sense(found: Closing, senses: Sequence[int]) -> sympy.Basic:
 
 
 def newton_step(found: Closing) -> list[sympy.Expr]:
-    """-(dr/du)^-1 r, triad after triad: a triad's residuals do not rest on the unknowns of later ones."""
+    """-(dr/du)^-1 r."""
+    return answers(found, found.residuals)
+
+
+def answers(found: Closing, changes: Exprs) -> list[sympy.Expr]:
+    """How the unknowns answer changes of the residuals, triad after triad: no residual rests on the unknowns of later ones."""
     steps: list[sympy.Expr] = []
-    for start, determinant in zip(range(0, len(found.residuals), 2), determinants(found), strict=True):
+    for start, determinant in zip(range(0, len(changes), 2), determinants(found), strict=True):
         rests = []
         for row in (start, start + 1):
             moved = [slope * step for slope, step in zip(found.slopes[row], steps, strict=False)]
-            rests.append(found.tape.let("rest", sympy.Add(found.residuals[row], *moved)))
+            rests.append(found.tape.let("rest", sympy.Add(changes[row], *moved)))
         (a, b), (c, d) = (found.slopes[row][start : start + 2] for row in (start, start + 1))
         steps.append(found.tape.let("newton", (b * rests[1] - d * rests[0]) / determinant))
         steps.append(found.tape.let("newton", (c * rests[0] - a * rests[1]) / determinant))

@@ -56,6 +56,10 @@ class Clusters:
         assert self.cluster[body] == self.cluster[0]
         return self._pose[body]
 
+    def seat(self, body: int) -> PlanarPose:
+        """Of a body in its cluster."""
+        return self._pose[body]
+
     def point(self, body: int, point: Planar) -> Planar:
         """A point of a body in the frame's axes."""
         return self.pose(body).point(point)
@@ -80,7 +84,7 @@ class Clusters:
 
     def joint(self, pair: int) -> Planar:
         """Where a pair is, in the frame's axes: a pin, or a slider's sliding point."""
-        body = next(body for body in self._bodies(pair) if body not in self.linkage.structure.bars)
+        body = next(body for body in self.bodies(pair) if body not in self.linkage.structure.bars)
         return self.point(body, self.located(pair, body))
 
     def along(self, slider: int) -> Planar:
@@ -89,14 +93,15 @@ class Clusters:
 
     def within(self, pair: int, cluster: int) -> int:
         """The body of a cluster that a pair joins."""
-        return next(body for body in self._bodies(pair) if self.cluster[body] == cluster)
+        return next(body for body in self.bodies(pair) if self.cluster[body] == cluster)
 
     def guided(self, slider: int) -> Planar:
         """The direction of a slider's guide, in the axes of its cluster."""
         guide = self.linkage.structure.pairs[slider].bodies[1]
         return turned(self._pose[guide].rotor, self._direction(slider))
 
-    def _bodies(self, pair: int) -> tuple[int, ...]:
+    def bodies(self, pair: int) -> tuple[int, ...]:
+        """What a pair joins; the pin that holds the foot is the one after the last."""
         return (0, self.linkage.foot[0]) if pair == len(self.linkage.points) else self.linkage.structure.pairs[pair].bodies
 
     def _direction(self, pair: int) -> Planar:
@@ -122,15 +127,14 @@ class Clusters:
 
     def drive(self, drive: Drive, value: sympy.Expr) -> None:
         """Join two clusters by a pair of a known value."""
-        base, moved = self.cluster[drive.base], self.cluster[drive.moved]
-        pair = self.linkage.structure.pairs[drive.pair]
-        if pair.kind == "P":
-            self.join(base, moved, self.way(drive.pair, base, moved).at(value), pair.name)
+        base, moved, name = self.cluster[drive.base], self.cluster[drive.moved], self.name(drive.pair)
+        if self.kind(drive.pair) == "P":
+            self.join(base, moved, self.way(drive.pair, base, moved).at(value), name)
             return
-        turn = (self.tape.let(f"cos_{pair.name}", sympy.cos(value)), self.tape.let(f"sin_{pair.name}", sympy.sin(value)))
+        turn = (self.tape.let(f"cos_{name}", sympy.cos(value)), self.tape.let(f"sin_{name}", sympy.sin(value)))
         rotor = turned(turned(self._pose[drive.base].rotor, turn), conjugate(self._pose[drive.moved].rotor))
         origin = difference(self.end(drive.pair, base), turned(rotor, self.end(drive.pair, moved)))
-        self.join(base, moved, PlanarPose(origin, rotor), pair.name)
+        self.join(base, moved, PlanarPose(origin, rotor), name)
 
     def way(self, pair: int, base: int, moved: int) -> Way:
         """A cluster in another's axes along the slider between them."""
@@ -149,6 +153,10 @@ class Clusters:
         span = difference(own[1], own[0])
         rotor = stretched(1 / square(span), turned(difference(end, start), conjugate(span)))
         return PlanarPose(difference(start, turned(rotor, own[0])), rotor)
+
+    def name(self, pair: int) -> str:
+        """Of a pair."""
+        return "foot" if pair == len(self.linkage.points) else self.linkage.structure.pairs[pair].name
 
     def kind(self, pair: int) -> str:
         """Of a pair, R or P."""

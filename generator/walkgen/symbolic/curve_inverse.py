@@ -13,25 +13,25 @@ import sympy
 from walkgen.model.classify import InverseClass, inverse_class
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
-from walkgen.signature import Port
+from walkgen.signature import Port, Signature
 from walkgen.spec.scalar import ZERO
 from walkgen.symbolic.branches import SINGULAR
 from walkgen.symbolic.choices import less
 from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.frames import Frame, expression, frame_of, parameter_symbols
 from walkgen.symbolic.function import Angle, Both, Function, Same, Select, Solve, Step
-from walkgen.symbolic.limits import row_distances
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
-from walkgen.symbolic.ports import joint_port, joint_unit, signature
+from walkgen.symbolic.ports import DRIVE, joint_port, joint_unit, signature
 from walkgen.symbolic.rows import TARGET, parameters_of
 from walkgen.symbolic.screws import limits_of
 from walkgen.symbolic.selection import by_index, nearest
+from walkgen.symbolic.starts import found_start
 from walkgen.symbolic.tape import Tape, Vec, dot, minus, plus, scaled, symbols_of
 
 Exprs = Sequence[sympy.Expr]
 _STATUS = Port("status", kind="integer")
 _AIM, _BOUNDS = Port("aim", (3,), "m"), Port("bounds", (2,))
-_DRIVE, _PROFILE = Port("drive", (1,)), Port("profile", (6,))
+_PROFILE = Port("profile", (6,))
 _SOURCE = "the least distances of a coupler curve from a point"
 _SEAM = sympy.Rational(1, 7)
 """Where the turn of a turning drive begins beyond -pi: linkages are often special where cranks and ground are in line."""
@@ -83,7 +83,7 @@ class CurveInverse:
         output = Port("distance", (self._slots,), "m")
         doc = "Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input."
         words = signature(self._mechanism, self._leg.name, "inverse_distance", [TARGET], [output], doc, "as inverse")
-        last = Step(row_distances(self._mechanism, self._leg, output), ("rows", "p", *parameters_of(self._mechanism), "distance"))
+        last = Step(self._distances(output), (*self._named_feet, "p", *parameters_of(self._mechanism), "distance"))
         rows = (*self._locals, *self._results("rows", "row_states"))
         return Solve(words, rows, (*self._steps("rows", "row_states"), last), callbacks=(self._curve,))
 
@@ -104,7 +104,18 @@ class CurveInverse:
 
     @property
     def _locals(self) -> tuple[Port, ...]:
-        return (_AIM, _BOUNDS, Port("drives", (self._slots,)), Port("states", (self._slots,), kind="integer"))
+        found = (_AIM, _BOUNDS, Port("drives", (self._slots,)), Port("states", (self._slots,), kind="integer"))
+        return (*found, *self._singled, *self._feet)
+
+    @cached_property
+    def _singled(self) -> tuple[Port, ...]:
+        """The drive of every row."""
+        return tuple(Port(f"drive_{number}", (1,)) for number in range(1, self._slots + 1))
+
+    @cached_property
+    def _feet(self) -> tuple[Port, ...]:
+        """The foot of every row, in the linkage's plane."""
+        return tuple(Port(f"foot_{number}", (2,), "m") for number in range(1, self._slots + 1))
 
     def _steps(self, rows: str, states: str) -> tuple[Step, ...]:
         given = parameters_of(self._mechanism)
@@ -112,26 +123,46 @@ class CurveInverse:
         return (
             Step(self._aim, ("p", *given, "aim", "bounds")),
             Step("wg_curve_roots", ("bounds", "aim", self._curve.signature.full_name, turning, "drives", "states")),
-            Step(self._rows, ("drives", "states", "p", *given, rows, states)),
+            *self._foot_steps(),
+            Step(self._rows, ("drives", "states", *self._named_feet, "p", *given, rows, states)),
         )
+
+    @property
+    def _named_feet(self) -> tuple[str, ...]:
+        return tuple(port.name for port in self._feet)
+
+    def _foot_steps(self) -> Iterator[Step]:
+        """Every row's foot, one after another."""
+        drives, tape = Port("drives", (self._slots,)), Tape()
+        words = Signature(self._mechanism.name, self._leg.name, "curve_drives", (drives,), self._singled, "", "")
+        yield Step(tape.function(words, symbols_of(drives)), ("drives", *(port.name for port in self._singled)))
+        for drive, foot in zip(self._singled, self._feet, strict=True):
+            yield Step(self._foot, (drive.name, *parameters_of(self._mechanism), foot.name))
+
+    @cached_property
+    def _foot(self) -> Function:
+        """The foot in the linkage's plane."""
+        tape, (drive,) = Tape(), symbols_of(DRIVE)
+        words = signature(self._mechanism, self._leg.name, "curve_foot", [DRIVE], [Port("foot", (2,), "m")], "", "")
+        return tape.function(words, self._planar(drive, tape))
 
     @cached_property
     def _curve(self) -> Solve:
         """Of the drive, as the routine calls it."""
-        words = signature(self._mechanism, self._leg.name, "curve", [_DRIVE], [_PROFILE], "", "")
+        words = signature(self._mechanism, self._leg.name, "curve", [DRIVE], [_PROFILE], "", "")
         step = Step(self._profile, ("drive", *parameters_of(self._mechanism), "profile"))
         return Solve(words, (), (step,))
 
     @cached_property
     def _profile(self) -> Function:
         """The foot where the joint before the linkage does not count, and its slopes by the drive."""
-        tape, (drive,) = Tape(), symbols_of(_DRIVE)
+        tape, (drive,) = Tape(), symbols_of(DRIVE)
         at = self._planar(drive, tape)
         motion = PlanarMotion(tape, [drive], [Coordinate("foot_x", at[0]), Coordinate("foot_y", at[1])])
         foot, axes = tape.vector("foot", self._hung(at)), self._hinge[1].rotation
         (along_x,), (along_y,) = motion.slopes
         speed = tape.vector("speed", plus(scaled(along_x, axes[0]), scaled(along_y, axes[1])))
-        words = signature(self._mechanism, self._leg.name, "curve_profile", [_DRIVE], [_PROFILE], "", "")
+        words = signature(self._mechanism, self._leg.name, "curve_profile", [DRIVE], [_PROFILE], "", "")
         return tape.function(words, [*self._seen(foot, tape), *self._speed(foot, speed, tape)])
 
     @cached_property
@@ -150,12 +181,21 @@ class CurveInverse:
         target = self._target(tape)
         rows: list[sympy.Expr] = []
         statuses = []
-        for drive, state in zip(symbols_of(drives), symbols_of(states), strict=True):
-            values, free = self._carried(drive, target, tape)
+        for drive, state, foot in zip(symbols_of(drives), symbols_of(states), self._feet, strict=True):
+            values, free = self._carried(symbols_of(foot), target, tape)
             rows += [*values, drive]
             statuses.append(Select(Both(free, Same(state, 0)), SINGULAR, state) if free != sympy.false else state)
-        words = signature(self._mechanism, self._leg.name, "curve_rows", [drives, states, TARGET], self._results("q", "status"), "", "")
+        given = [drives, states, *self._feet, TARGET]
+        words = signature(self._mechanism, self._leg.name, "curve_rows", given, self._results("q", "status"), "", "")
         return tape.function(words, [*rows, *statuses])
+
+    def _distances(self, output: Port) -> Function:
+        """Of every row's foot from the target, where the joint before the linkage does not count: it brings them as near as it can."""
+        tape = Tape()
+        aim = self._seen(self._target(tape), tape)
+        gaps = [minus(self._seen(self._hung(symbols_of(foot)), tape), aim) for foot in self._feet]
+        words = signature(self._mechanism, self._leg.name, "curve_distances", [*self._feet, TARGET], [output], "", "")
+        return tape.function(words, [sympy.sqrt(dot(gap, gap)) for gap in gaps])
 
     # ---- geometry
 
@@ -173,7 +213,7 @@ class CurveInverse:
             return mount, plane
         return mount * frame_of(self._joint.before, self._parameters), frame_of(self._joint.after, self._parameters) * plane
 
-    def _hung(self, at: tuple[sympy.Expr, sympy.Expr]) -> Vec:
+    def _hung(self, at: Exprs) -> Vec:
         plane = self._hinge[1]
         return plus(plane.origin, plus(scaled(at[0], plane.rotation[0]), scaled(at[1], plane.rotation[1])))
 
@@ -185,7 +225,7 @@ class CurveInverse:
         u, v, w = (dot(column, away) for column in base.rotation)
         return tape.vector("target", (u, v, w))
 
-    def _seen(self, point: Vec, tape: Tape) -> Exprs:
+    def _seen(self, point: Vec, tape: Tape) -> Vec:
         """What the joint cannot change of a point."""
         x, y, z = point
         if self._joint is None:
@@ -204,20 +244,22 @@ class CurveInverse:
         return (Select(less(_ZERO, radius), outwards, tape.let("out", sympy.sqrt(speed[0] ** 2 + speed[1] ** 2))), speed[2], _ZERO)
 
     def _bounds(self) -> Exprs:
-        """A turn, or the limits and half of their width beyond them."""
+        """A turn, about the start of triads, or the limits and half of their width beyond them."""
         drive = self._leg.joints[-1]
         if drive.kind == "revolute":
-            return (_SEAM - sympy.pi, _SEAM + sympy.pi)
+            held = self._linkage.forward.triads
+            seam = sympy.Rational(str(found_start(self._mechanism, self._leg).drives[0])) if held else _SEAM
+            return (seam - sympy.pi, seam + sympy.pi)
         low, high = limits_of(drive, self._parameters)
         least, most = (3 * low - high) / 2, (3 * high - low) / 2
         return (Select(less(least, 0), 0, least) if self._linkage.structure.bars else least, most)
 
-    def _carried(self, drive: sympy.Expr, target: Vec, tape: Tape) -> tuple[Exprs, sympy.Basic]:
+    def _carried(self, at: Exprs, target: Vec, tape: Tape) -> tuple[Exprs, sympy.Basic]:
         """The joint's value, none without a joint, and whether any value will do."""
         joint = self._joint
         if joint is None:
             return (), sympy.false
-        zero, foot = expression(joint.zero, self._parameters), tape.vector("foot", self._hung(self._planar(drive, tape)))
+        zero, foot = expression(joint.zero, self._parameters), tape.vector("foot", self._hung(at))
         if joint.kind == "prismatic":
             return (tape.let("slide", joint.sign * (target[2] - foot[2] - zero)),), sympy.false
         sine = tape.let("turn_sine", foot[0] * target[1] - foot[1] * target[0])

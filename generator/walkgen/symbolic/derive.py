@@ -15,6 +15,7 @@ from walkgen.symbolic.curve_inverse import curve_inverse
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.gait import gait_functions
+from walkgen.symbolic.held_inverse import held_inverse
 from walkgen.symbolic.inverse import inverse, inverse_branch
 from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
@@ -140,13 +141,22 @@ def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted:
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
     """All branches where they are known."""
     if leg.linkage is not None:
-        build = curve_inverse if inverse_class(mechanism, leg).name == CURVE else linkage_inverse
-        yield from (function for function in build(mechanism, leg) if wanted(function.signature.name))
+        yield from (function for function in _linkage_inverse(mechanism, leg) if wanted(function.signature.name))
     elif inverse_class(mechanism, leg).name:
         yield from (build(mechanism, leg) for name, build in BRANCHED.items() if wanted(name))
     elif wanted("inverse_admissible"):
         yield inverse_admissible(mechanism, leg)
     yield from _path_inverse(mechanism, Route(leg.name, (leg,)), wanted)
+
+
+def _linkage_inverse(mechanism: Mechanism, leg: Limb) -> Iterable[Derivation]:
+    """By what leads from the foot to the drives."""
+    found, linkage = inverse_class(mechanism, leg).name, leg.linkage
+    if linkage is None or not found:
+        return ()
+    if found == CURVE:
+        return curve_inverse(mechanism, leg)
+    return held_inverse(mechanism, leg) if linkage.forward.triads or linkage.inverse.triads else linkage_inverse(mechanism, leg)
 
 
 def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:

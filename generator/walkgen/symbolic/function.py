@@ -141,7 +141,8 @@ class Solve:
 
     `closed_form` computes the same map without routines, for targets that have none: a Function, or a Solve of Functions alone.
     `tables` are constants that routines read, named among a step's arguments; `callbacks` are functions that routines call with a point,
-    which they pass on with the runtime parameters: an argument names one by its full name.
+    which they pass on with the runtime parameters: an argument names one by its full name. `slopes` tell how inputs of the last step that
+    earlier ones compute move with the runtime parameters: for an input `x` they write `x_d_param`.
     """
 
     signature: Signature
@@ -150,6 +151,7 @@ class Solve:
     closed_form: "Function | Solve | None" = None
     tables: tuple[Table, ...] = ()
     callbacks: tuple["Solve", ...] = ()
+    slopes: tuple[Step, ...] = ()
 
 
 Derivation = Function | Solve

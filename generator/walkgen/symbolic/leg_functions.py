@@ -170,7 +170,7 @@ class LegFunctions:
 
     def function(self, name: str) -> Function | None:
         """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass, fewest parameters of
-        one that never assembles or has triads.
+        one that never assembles.
         """
         entry, joints, doc = DYNAMICS[name], self._leg.joints, DYNAMICS[name].doc
         if self._leg.linkage is not None and name in IDENTIFIED:

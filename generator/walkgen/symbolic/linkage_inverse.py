@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import sympy
@@ -12,14 +13,14 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.spec.assur import SIDES, Group
 from walkgen.spec.scalar import ZERO
-from walkgen.symbolic.branches import BAD_INPUT, DUPLICATE, INFEASIBLE, OK, SINGULAR, UNREACHABLE
+from walkgen.symbolic.branches import BAD_INPUT, DUPLICATE, INFEASIBLE, NO_CONVERGENCE, OK, SINGULAR, UNREACHABLE
 from walkgen.symbolic.choices import both, chosen, less
 from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of, parameter_symbols
-from walkgen.symbolic.function import Angle, Both, Finite, Function, Less, LessEqual, Residue, Select, Solve, Step
+from walkgen.symbolic.function import Angle, Both, Finite, Function, Less, LessEqual, Residue, Same, Select, Solve, Step
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import Planar, difference, outer, square
-from walkgen.symbolic.ports import joint_port, joint_unit, signature
-from walkgen.symbolic.rows import TARGET, parameters_of
+from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.rows import TARGET, parameters_of, row_ports
 from walkgen.symbolic.selection import nearest
 from walkgen.symbolic.tape import Tape, Vec, dot, minus, symbols_of
 
@@ -43,18 +44,20 @@ class Plane:
     free: sympy.Expr
 
 
+@dataclass(frozen=True)
+class Arrival:
+    """Of a row whose triad is closed by steps: where the foot gets to, the triad's unknowns there, and the status of the way."""
+
+    target: Planar
+    unknowns: Exprs
+    state: sympy.Expr
+
+
 def linkage_inverse(mechanism: Mechanism, leg: Limb) -> tuple[Solve | Function, ...]:
-    """`inverse`, `inverse_branch` and `inverse_near`, where the drives follow from the foot."""
+    """`inverse`, `inverse_branch` and `inverse_near` of a linkage that is placed by dyads alone, whether drives or the foot hold it."""
     found = inverse_class(mechanism, leg)
-    assert leg.linkage is not None
-    if not found.name:
-        return ()
-    results = (Port("q", (len(found.branch_names), len(leg.joints)), joint_unit(leg.joints)), _states("status", found))
-    return (_inverse(mechanism, leg, "inverse", results), _inverse_branch(mechanism, leg, found), _inverse_near(mechanism, leg, found))
-
-
-def _states(name: str, found: InverseClass) -> Port:
-    return Port(name, (len(found.branch_names),), kind="integer")
+    results = row_ports(leg, found, "q", "status")
+    return (dyad_rows(mechanism, leg, "inverse", results), _inverse_branch(mechanism, leg, found), _inverse_near(mechanism, leg, found))
 
 
 def _inverse_branch(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Function:
@@ -75,11 +78,11 @@ def _inverse_branch(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Fun
 def _inverse_near(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve:
     """One row of all."""
     slots = len(found.branch_names)
-    rows = (Port("rows", (slots, len(leg.joints)), joint_unit(leg.joints)), _states("states", found))
+    rows = row_ports(leg, found, "rows", "states")
     port = joint_port("q_seed", leg.joints)
     doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
     words = signature(mechanism, leg.name, "inverse_near", [TARGET, port], [joint_port("q", leg.joints), _STATUS], doc, _SOURCE)
-    kernel = _inverse(mechanism, leg, "inverse_rows", rows)
+    kernel = dyad_rows(mechanism, leg, "inverse_rows", rows)
     steps = (
         Step(kernel, ("p", *parameters_of(mechanism), "rows", "states")),
         Step(nearest(mechanism, leg, slots), ("rows", "states", port.name, "q", "status")),
@@ -87,7 +90,8 @@ def _inverse_near(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve
     return Solve(words, rows, steps, Solve(words, rows, steps))
 
 
-def _inverse(mechanism: Mechanism, leg: Limb, name: str, outputs: tuple[Port, Port]) -> Function:
+def dyad_rows(mechanism: Mechanism, leg: Limb, name: str, outputs: tuple[Port, Port]) -> Function:
+    """All rows, each in closed form."""
     assert leg.linkage is not None
     tape = Tape()
     rows = LinkageRows(leg, leg.linkage, symbols_of(TARGET), parameter_symbols(mechanism), tape).all()
@@ -109,9 +113,18 @@ class LinkageRows:
 
     def all(self) -> list[tuple[list[sympy.Expr], sympy.Expr]]:
         """q and status of every branch, in order."""
-        planes = [(self._plane(turn), less(turn, 0)) for turn in ((_ONE, -_ONE) if self._leg.serial else (_ONE,))]
-        choices = [dict(zip(self._sided, signs, strict=True)) for signs in product((_ONE, -_ONE), repeat=len(self._sided))]
-        return [self._row(plane, signs, second) for plane, second in planes for signs in choices]
+        choices = list(product((1, -1), repeat=len(self._sided)))
+        return [self.row(turn, signs) for turn in range(len(self.planes)) for signs in choices]
+
+    @cached_property
+    def planes(self) -> tuple[Plane, ...]:
+        """Both ways of the joint before the linkage; one where there is none."""
+        return tuple(self._plane(turn) for turn in ((_ONE, -_ONE) if self._leg.serial else (_ONE,)))
+
+    def row(self, turn: int, signs: Sequence[int], arrival: Arrival | None = None) -> tuple[list[sympy.Expr], sympy.Expr]:
+        """q and status for one of the planes and the signs of the dyads that have sides."""
+        chosen_signs = dict(zip(self._sided, map(sympy.Integer, signs), strict=True))
+        return self._row(self.planes[turn], chosen_signs, sympy.true if turn else sympy.false, arrival)
 
     def one(self, branch: sympy.Expr, slots: int) -> tuple[list[sympy.Expr], sympy.Expr]:
         """q and status of the branch of this number, whose binary digits are its signs."""
@@ -167,20 +180,25 @@ class LinkageRows:
         misses = tape.let("plane_misses", Select(free, 0, Select(less(inside, 0), -inside, 0)))
         return Plane((tape.let("turn", value),), (tape.let("target_x", x), tape.let("target_y", y)), misses, free)
 
-    def _row(self, plane: Plane, signs: dict[str, sympy.Expr], second: sympy.Basic) -> tuple[list[sympy.Expr], sympy.Expr]:
+    def _row(
+        self, plane: Plane, signs: dict[str, sympy.Expr], second: sympy.Basic, arrival: Arrival | None = None
+    ) -> tuple[list[sympy.Expr], sympy.Expr]:
         tape, order = self._tape, self._linkage.inverse
         root = lambda square: sympy.sqrt(Select(less(square, 0), 0, square))  # noqa: E731 - a formula
-        placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, plane.target, root)
+        target, unknowns = (arrival.target, arrival.unknowns) if arrival else (plane.target, ())
+        placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, target, root, unknowns)
         bars = sorted(self._linkage.structure.bars)
         drives = [placing.measured(pair) for pair in self._linkage.driven] + [self._length(placing, bar) for bar in bars]
         values = [tape.let("drive", value + self._taint) for value in (*plane.q, *drives)]
-        return values, self._status(plane, placing, signs, second)
+        return values, self._status(plane, placing, signs, second, arrival)
 
     def _length(self, placing: Placing, bar: int) -> sympy.Expr:
         first, second = (placing.joint(index) for index, pair in enumerate(self._linkage.structure.pairs) if bar in pair.bodies)
         return sympy.sqrt(square(difference(second, first)))
 
-    def _status(self, plane: Plane, placing: Placing, signs: dict[str, sympy.Expr], second: sympy.Basic) -> sympy.Expr:
+    def _status(
+        self, plane: Plane, placing: Placing, signs: dict[str, sympy.Expr], second: sympy.Basic, arrival: Arrival | None
+    ) -> sympy.Expr:
         """The worst of what can be said."""
         status: sympy.Expr = OK
         for group in self._linkage.forward.dyads:
@@ -196,6 +214,9 @@ class LinkageRows:
         for margin in placing.margins:
             status = Select(less(margin.value, -_TOLERANCE), UNREACHABLE, status)
         status = Select(less(_TOLERANCE**2, plane.misses), UNREACHABLE, status)
+        if arrival:
+            short = Select(Same(arrival.state, NO_CONVERGENCE), NO_CONVERGENCE, UNREACHABLE)
+            status = Select(Same(arrival.state, OK), status, short)
         return Select(Finite(self._taint), status, BAD_INPUT)
 
     def _side(self, group: Group, placing: Placing) -> sympy.Expr:

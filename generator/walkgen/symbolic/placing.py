@@ -25,7 +25,7 @@ from walkgen.symbolic.planar import (
     turned,
 )
 from walkgen.symbolic.tape import Tape
-from walkgen.symbolic.triads import place_triad, transmission
+from walkgen.symbolic.triads import place_triad, seats, shape, transmission
 
 _ONE = sympy.S.One
 
@@ -68,8 +68,9 @@ class Placing(Clusters):
         unknowns: Sequence[sympy.Symbol] = (),
     ) -> None:
         super().__init__(linkage, tape, bars, parameters, target)
-        self._signs, self._root = signs, root
+        self.order, self._signs, self._root = order, signs, root
         self.margins: list[Margin] = []
+        self.shapes: list[tuple[Planar, ...]] = []
         pending = iter(unknowns)
         for placement in order.placements:
             if isinstance(placement, Drive):
@@ -159,7 +160,9 @@ class Placing(Clusters):
 
     def _triad(self, triad: Triad, unknowns: tuple[sympy.Symbol, sympy.Symbol]) -> None:
         """Its two unknowns are what closes it."""
+        seated = seats(self, triad)
         self.tape.close(unknowns, place_triad(self, triad, unknowns))
+        self.shapes.append(shape(self, triad, seated))
         push, velocity = transmission(self, triad)
         rate = self.tape.let(f"{triad.name}_rate", inner(push, velocity))
         self.margins.append(Margin(triad, rate**2 / (square(push) * square(velocity))))

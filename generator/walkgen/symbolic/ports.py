@@ -5,6 +5,9 @@ from collections.abc import Sequence
 from walkgen.model.mechanism import Joint, Mechanism
 from walkgen.signature import Port, Signature
 
+DRIVE = Port("drive", (1,), "rad or m")
+"""Of a linkage whose foot follows a curve."""
+
 
 def joint_unit(joints: Sequence[Joint]) -> str:
     """rad, m, or both where the joints differ."""

@@ -14,6 +14,10 @@ from walkgen.symbolic.planar import Planar, difference, inner, named, outer, squ
 from walkgen.symbolic.tape import constant
 
 Pair = tuple[sympy.Expr, sympy.Expr]
+Seats = tuple[tuple[int, int, int, int], ...]
+"""Of every strut the bodies that its first pair joins, the first end's and the strut's, and those of its second, the strut's first."""
+OF_STRUT = 7
+"""Entries of a shape."""
 
 
 def place_triad(clusters: Clusters, triad: Triad, unknowns: Pair) -> Pair:
@@ -23,6 +27,30 @@ def place_triad(clusters: Clusters, triad: Triad, unknowns: Pair) -> Pair:
         clusters.drive(*_driven(clusters, pair, (end, first.body), unknown))
     second, third = (_place(clusters, triad, strut) for strut in others)
     return second, third
+
+
+def seats(clusters: Clusters, triad: Triad) -> Seats:
+    """Of a triad that is not placed."""
+    first, second = (clusters.cluster[end] for end in triad.ends)
+    found = []
+    for strut in triad.struts:
+        own, (start, end) = clusters.cluster[strut.body], strut.pairs
+        found.append((clusters.within(start, first), clusters.within(start, own), clusters.within(end, own), clusters.within(end, second)))
+    return tuple(found)
+
+
+def shape(clusters: Clusters, triad: Triad, seated: Seats) -> tuple[Planar, ...]:
+    """Of a placed triad, in its cluster's axes: the pose of either end; then of every strut where its pairs are on the first end, on itself
+    twice and on the second end, its rotor, the second end's, and the direction of its slider, if it has one.
+    """
+    entries = [entry for end in triad.ends for entry in (clusters.seat(end).origin, clusters.seat(end).rotor)]
+    for strut, seat in zip(triad.struts, seated, strict=True):
+        places = zip((strut.pairs[0], *strut.pairs, strut.pairs[1]), seat, strict=True)
+        entries += [clusters.seat(body).point(clusters.located(pair, body)) for pair, body in places]
+        entries += [clusters.seat(body).rotor for body in seat[2:]]
+        slider = next((pair for pair in strut.pairs if clusters.kind(pair) == "P"), None)
+        entries.append((sympy.S.One, sympy.S.Zero) if slider is None else clusters.guided(slider))
+    return tuple(entries)
 
 
 def transmission(clusters: Clusters, triad: Triad) -> tuple[Planar, Planar]:
@@ -117,7 +145,7 @@ def _held(clusters: Clusters, strut: Strut, pair: int) -> sympy.Expr:
 
 def _velocity(clusters: Clusters, pair: int, point: Planar) -> Planar:
     """Of a point of the second end seen from the first, by a pair of the first strut."""
-    main = clusters.cluster[clusters.linkage.structure.pairs[pair].bodies[0]]
+    main = clusters.cluster[clusters.bodies(pair)[0]]
     if clusters.kind(pair) == "P":
         return clusters.guided(pair)
     x, y = difference(point, clusters.end(pair, main))

@@ -15,22 +15,22 @@ from walkgen.symbolic.starts import FoundStart
 from walkgen.symbolic.tape import Tape, symbols_of
 
 Reals = NDArray[np.float64]
-Assemble = Callable[[int, Any, Any, Any], tuple[Any, Any]]
-"""`walkgen.runtime.solves.assembly.assemble`, which generator stages do not import."""
+CloseTriads = Callable[[int, Any, Any, Any], tuple[Any, Any]]
+"""`walkgen.runtime.solves.triads.close_triads`, which generator stages do not import."""
 
 
-class Assembled:
+class LinkagePoses:
     """A leg's linkage at many values of its drives, parameters at their defaults.
 
     Args:
         mechanism: the robot.
         leg: one of its legs.
         start: what triads are continued from; None without any.
-        assemble: their solve.
+        close_triads: their solve.
     """
 
-    def __init__(self, mechanism: Mechanism, leg: Limb, start: FoundStart | None, assemble: Assemble) -> None:
-        self._leg, self._start, self._assemble = leg, start, assemble
+    def __init__(self, mechanism: Mechanism, leg: Limb, start: FoundStart | None, close_triads: CloseTriads) -> None:
+        self._leg, self._start, self._close_triads = leg, start, close_triads
         values, count, symbols = defaults(mechanism), unknowns_port(leg).size, symbols_of(point_port(mechanism, leg))
         self._parameters = [float(values[name]) for name in point_parameters(mechanism, leg)]
         given = len(symbols) - count
@@ -53,7 +53,7 @@ class Assembled:
         assert self._start is not None
         point = [float(number) for number in (*self._start.drives, *self._start.parameters, *self._start.unknowns)]
         way = self._nearest(z)
-        u, _ = self._assemble(unknowns_port(self._leg).size, way, point, (lambda points: _rows(self._closure, points),))
+        u, _ = self._close_triads(unknowns_port(self._leg).size, way, point, (lambda points: _rows(self._closure, points),))
         return np.concatenate([way, u], -1)
 
     def _nearest(self, z: Reals) -> Reals:

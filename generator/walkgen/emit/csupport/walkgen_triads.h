@@ -1,4 +1,4 @@
-/* walkgen_assembly.h: what closes the triads of a linkage, continued from a known assembly; for the macros see walkgen_math.h.
+/* walkgen_triads.h: what closes the triads of a linkage, continued from a known assembly; for the macros see walkgen_math.h.
  *
  * The unknowns u are roots of a closure r(z, u) = 0, where z are drives and parameters. From the start (z0, u0) the drives go straight to
  * their values, z0 + s (z - z0) with s from 0 to 1, and u with them: the first try is the whole way in one step. A step is taken where
@@ -9,19 +9,19 @@
 #include "walkgen_math.h"
 #include "walkgen_status.h"
 
-#if (WG_REAL_BITS == 64 && !defined(WALKGEN_ASSEMBLY_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_ASSEMBLY_F32))
+#if (WG_REAL_BITS == 64 && !defined(WALKGEN_TRIADS_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_TRIADS_F32))
 #ifndef WG_MOST_UNKNOWNS
 #define WG_MOST_UNKNOWNS 8
 #define WG_MOST_OF_POINT 128
 #endif
 #if WG_REAL_BITS == 64
-#define WALKGEN_ASSEMBLY_F64
+#define WALKGEN_TRIADS_F64
 #define WG_ROUGH WG_C(1e-4)
 #define WG_FINE WG_C(1e-10)
 #define WG_LEAST_PART WG_C(1e-8)
 #define WG_AT_THE_END WG_C(1e-6)
 #else
-#define WALKGEN_ASSEMBLY_F32
+#define WALKGEN_TRIADS_F32
 #define WG_ROUGH WG_C(1e-3)
 #define WG_FINE WG_C(3e-6)
 #define WG_LEAST_PART WG_C(1e-4)
@@ -31,17 +31,17 @@
 /* r [n], then dr/du [n][n], at a point: z, then u [n]. */
 typedef void (*WG_NAME(wg_closure))(const WG_REAL *point, WG_REAL *closure, const void *data);
 
-/* The closure, where it starts, where it goes, and how far it is: u and the determinant there. */
-struct WG_NAME(wg_assembling) {
+/* The closure, where it starts, where it goes, and how far it is: part, u and the determinant there. */
+struct WG_NAME(wg_triads_way) {
     WG_NAME(wg_closure) closure;
     const void *data;
     const WG_REAL *from, *to;
     int given, unknowns;
-    WG_REAL u[WG_MOST_UNKNOWNS], determinant;
+    WG_REAL part, u[WG_MOST_UNKNOWNS], determinant;
 };
 
 /* M x = b for M [n][n]; both are lost, b becomes x. The determinant, 0 where there is no x. */
-static inline WG_REAL WG_NAME(wg_assembly_eliminate)(int n, WG_REAL *M, WG_REAL *b) {
+static inline WG_REAL WG_NAME(wg_triads_eliminate)(int n, WG_REAL *M, WG_REAL *b) {
     WG_REAL determinant = WG_C(1.0);
     int i, j, k;
     for (k = 0; k < n; ++k) {
@@ -82,7 +82,7 @@ static inline WG_REAL WG_NAME(wg_assembly_eliminate)(int n, WG_REAL *M, WG_REAL 
 }
 
 /* Newton's method from u at a part of the way; 1 where it converges at once, with the determinant met last. */
-static inline int WG_NAME(wg_assembly_newton)(const struct WG_NAME(wg_assembling) * linkage, WG_REAL part, WG_REAL close, WG_REAL *u,
+static inline int WG_NAME(wg_triads_newton)(const struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, WG_REAL close, WG_REAL *u,
                                               WG_REAL *determinant) {
     WG_REAL point[WG_MOST_OF_POINT], closure[WG_MOST_UNKNOWNS * (WG_MOST_UNKNOWNS + 1)], last = WG_C(0.5);
     const int n = linkage->unknowns;
@@ -96,7 +96,7 @@ static inline int WG_NAME(wg_assembly_newton)(const struct WG_NAME(wg_assembling
             point[linkage->given + i] = u[i];
         }
         linkage->closure(point, closure, linkage->data);
-        *determinant = WG_NAME(wg_assembly_eliminate)(n, closure + n, closure);
+        *determinant = WG_NAME(wg_triads_eliminate)(n, closure + n, closure);
         for (i = 0; i < n; ++i) {
             step = WG_ABS(closure[i]) <= step ? step : WG_ABS(closure[i]);
             u[i] -= closure[i];
@@ -113,13 +113,13 @@ static inline int WG_NAME(wg_assembly_newton)(const struct WG_NAME(wg_assembling
 }
 
 /* One step from part to part, whose guess changes u by `slope` per part; 1 where it is taken. */
-static inline int WG_NAME(wg_assembly_step)(struct WG_NAME(wg_assembling) * linkage, WG_REAL part, WG_REAL next, WG_REAL *slope) {
+static inline int WG_NAME(wg_triads_step)(struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, WG_REAL next, WG_REAL *slope) {
     WG_REAL u[WG_MOST_UNKNOWNS], determinant, change = WG_C(0.0);
     int i;
     for (i = 0; i < linkage->unknowns; ++i) {
         u[i] = linkage->u[i] + (next - part) * slope[i];
     }
-    if (!WG_NAME(wg_assembly_newton)(linkage, next, next < WG_C(1.0) ? WG_ROUGH : WG_FINE, u, &determinant)) {
+    if (!WG_NAME(wg_triads_newton)(linkage, next, next < WG_C(1.0) ? WG_ROUGH : WG_FINE, u, &determinant)) {
         return 0;
     }
     for (i = 0; i < linkage->unknowns; ++i) {
@@ -138,47 +138,47 @@ static inline int WG_NAME(wg_assembly_step)(struct WG_NAME(wg_assembling) * link
 }
 
 /* From the start to the drives. */
-static inline int32_t WG_NAME(wg_assembly_move)(struct WG_NAME(wg_assembling) * linkage) {
-    WG_REAL part = WG_C(0.0), length = WG_C(1.0), slope[WG_MOST_UNKNOWNS];
+static inline int32_t WG_NAME(wg_triads_move)(struct WG_NAME(wg_triads_way) * linkage) {
+    WG_REAL length = WG_C(1.0), slope[WG_MOST_UNKNOWNS];
     int turn, i;
-    if (!WG_NAME(wg_assembly_newton)(linkage, part, WG_ROUGH, linkage->u, &linkage->determinant)) {
+    if (!WG_NAME(wg_triads_newton)(linkage, linkage->part, WG_ROUGH, linkage->u, &linkage->determinant)) {
         return WALKGEN_NO_CONVERGENCE;
     }
     for (i = 0; i < linkage->unknowns; ++i) {
         slope[i] = WG_C(0.0);
     }
     for (turn = 0; turn < 400; ++turn) {
-        const WG_REAL next = WG_MIN(part + length, WG_C(1.0));
-        if (WG_NAME(wg_assembly_step)(linkage, part, next, slope)) {
-            length = WG_C(2.0) * (next - part);
-            part = next;
+        const WG_REAL next = WG_MIN(linkage->part + length, WG_C(1.0));
+        if (WG_NAME(wg_triads_step)(linkage, linkage->part, next, slope)) {
+            length = WG_C(2.0) * (next - linkage->part);
+            linkage->part = next;
         } else {
-            length = WG_C(0.25) * (next - part);
+            length = WG_C(0.25) * (next - linkage->part);
         }
-        if (!(part < WG_C(1.0))) {
+        if (!(linkage->part < WG_C(1.0))) {
             return WALKGEN_OK;
         }
         if (length < WG_LEAST_PART) {
-            return part > WG_C(1.0) - WG_AT_THE_END ? WALKGEN_SINGULAR : WALKGEN_UNREACHABLE;
+            return linkage->part > WG_C(1.0) - WG_AT_THE_END ? WALKGEN_SINGULAR : WALKGEN_UNREACHABLE;
         }
     }
     return WALKGEN_NO_CONVERGENCE;
 }
 
-/* The unknowns of a linkage's triads for its drives: the assembly that the start moves to.
+/* How far a linkage comes from its start on the straight way to z, and the unknowns of its triads there.
  *
- * given        how many drives and parameters there are; with the unknowns at most 128
+ * given        how many drives (or coordinates of a foot that is held) and parameters there are; with the unknowns at most 128
  * unknowns     how many, at most 8
  * z            [given] drives and parameters
  * start        [given + unknowns] a point where the linkage is assembled
- * u            [unknowns] NaN unless the status is OK
+ * reached      [given] z where the status is OK, else where the linkage comes to a dead point
+ * u            [unknowns] there; both are NaN with BAD_INPUT
  * status       OK; UNREACHABLE: on the way the linkage comes to a dead point, or something before the triads does not assemble; SINGULAR:
- *              the drives are at such a point; NO_CONVERGENCE: the start is no assembly, or 400 steps were not enough; BAD_INPUT: z is not
- *              finite
+ *              z is such a point; NO_CONVERGENCE: the start is no assembly, or 400 steps were not enough; BAD_INPUT: z is not finite
  */
-static inline void WG_NAME(wg_assemble)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start,
-                                        WG_NAME(wg_closure) closure, const void *data, WG_REAL *u, int32_t *status) {
-    struct WG_NAME(wg_assembling) linkage;
+static inline void WG_NAME(wg_approach)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start, WG_NAME(wg_closure) closure,
+                                        const void *data, WG_REAL *reached, WG_REAL *u, int32_t *status) {
+    struct WG_NAME(wg_triads_way) linkage;
     int i, fine = given >= 0 && unknowns > 0 && unknowns <= WG_MOST_UNKNOWNS && given + unknowns <= WG_MOST_OF_POINT;
     *status = WALKGEN_BAD_INPUT;
     for (i = 0; fine && i < given; ++i) {
@@ -191,14 +191,31 @@ static inline void WG_NAME(wg_assemble)(int32_t given, int32_t unknowns, const W
         linkage.to = z;
         linkage.given = given;
         linkage.unknowns = unknowns;
+        linkage.part = WG_C(0.0);
         linkage.determinant = WG_C(0.0);
         for (i = 0; i < unknowns; ++i) {
             linkage.u[i] = start[given + i];
         }
-        *status = WG_NAME(wg_assembly_move)(&linkage);
+        *status = WG_NAME(wg_triads_move)(&linkage);
+    }
+    for (i = 0; i < given; ++i) {
+        reached[i] = !fine ? WG_NAN : linkage.part < WG_C(1.0) ? start[i] + linkage.part * (z[i] - start[i]) : z[i];
     }
     for (i = 0; i < unknowns; ++i) {
-        u[i] = *status == WALKGEN_OK ? linkage.u[i] : WG_NAN;
+        u[i] = fine ? linkage.u[i] : WG_NAN;
+    }
+}
+
+/* The unknowns of a linkage's triads for its drives: the assembly that the start moves to. As wg_approach, but u is NaN unless the status
+ * is OK.
+ */
+static inline void WG_NAME(wg_close_triads)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start,
+                                            WG_NAME(wg_closure) closure, const void *data, WG_REAL *u, int32_t *status) {
+    WG_REAL reached[WG_MOST_OF_POINT];
+    int i;
+    WG_NAME(wg_approach)(given, unknowns, z, start, closure, data, reached, u, status);
+    for (i = 0; i < unknowns; ++i) {
+        u[i] = *status == WALKGEN_OK ? u[i] : WG_NAN;
     }
 }
 

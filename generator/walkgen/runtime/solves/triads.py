@@ -1,4 +1,4 @@
-"""What closes the triads of a linkage, continued from a known assembly: the reference of walkgen_assembly.h."""
+"""What closes the triads of a linkage, continued from a known assembly: the reference of walkgen_triads.h."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ _ROUGH, _FINE, _LEAST_PART, _AT_THE_END = 1e-4, 1e-10, 1e-8, 1e-6
 _TURNS, _STEPS = 16, 400
 
 
-def assemble(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) -> tuple[Reals, Integers]:
+def close_triads(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) -> tuple[Reals, Integers]:
     """The unknowns of a linkage's triads for its drives: the assembly that the start moves to while the drives go straight to z.
 
     Args:
@@ -32,9 +32,25 @@ def assemble(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) 
         callback: the closure.
 
     Returns:
-        u [..., n], NaN unless the status [...] is OK: UNREACHABLE where the linkage comes to a dead point on the way, or something before
-        the triads does not assemble; SINGULAR where z is such a point; NO_CONVERGENCE where the start is no assembly, or 400 steps were
-        not enough; BAD_INPUT where z is not finite.
+        u [..., n] and status [...] as `approach`, but NaN unless the status is OK.
+    """
+    _, u, status = approach(unknowns, z, start, callback)
+    return np.where((status == _OK)[..., None], u, np.nan), status
+
+
+def approach(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) -> tuple[Reals, Reals, Integers]:
+    """How far a linkage comes from its start on the straight way to z, and the unknowns of its triads there.
+
+    Args:
+        unknowns: how many, n.
+        z: drives, or coordinates of a foot that is held, and parameters [..., k].
+        start: a point where the linkage is assembled [..., k + n].
+        callback: the closure.
+
+    Returns:
+        What was reached [..., k], z where the status [...] is OK, and u [..., n] there. UNREACHABLE where the linkage comes to a dead point
+        on the way, or something before the triads does not assemble; SINGULAR where z is such a point; NO_CONVERGENCE where the start is no
+        assembly, or 400 steps were not enough; BAD_INPUT where z is not finite, with NaN.
     """
     given, point = np.asarray(z, float), np.asarray(start, float)
     shape = np.broadcast_shapes(given.shape[:-1], point.shape[:-1])
@@ -42,8 +58,9 @@ def assemble(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) 
     with np.errstate(all="ignore"):
         move = _Move(callback[0], points[:, :-unknowns], rows, points[:, -unknowns:].copy())
         status = move.status()
-    u = np.where((status == _OK)[:, None], move.u, np.nan)
-    return u.reshape(*shape, unknowns), status.reshape(shape)
+    bad = (status == _BAD_INPUT)[:, None]
+    reached, u = np.where(bad, np.nan, move.way(move.part)), np.where(bad, np.nan, move.u)
+    return reached.reshape(*shape, -1), u.reshape(*shape, unknowns), status.reshape(shape)
 
 
 @dataclass
@@ -60,14 +77,14 @@ class _Move:
 
     def __init__(self, closure: Callable[[Reals], Reals], start: Reals, z: Reals, u: Reals) -> None:
         self._closure, self._from, self._to, self.u = closure, start, z, u
-        self._determinant = np.zeros(len(z))
+        self.part, self._determinant = np.zeros(len(z)), np.zeros(len(z))
         self._slope = np.zeros_like(u)
 
     def status(self) -> Integers:
         """Of every row, once it is there or cannot go on."""
         count = len(self._to)
         status = np.where(np.isfinite(self._to).all(-1), _NO_CONVERGENCE, _BAD_INPUT).astype(np.int32)
-        part, length = np.zeros(count), np.ones(count)
+        part, length = self.part, np.ones(count)
         first = self._newton(np.arange(count), part, np.full(count, _ROUGH), self.u)
         self.u, self._determinant = first.u, first.determinant
         going = first.taken & (status != _BAD_INPUT)
@@ -85,6 +102,12 @@ class _Move:
             going[rows] = ~(there | stuck)
         return status
 
+    def way(self, part: Reals, rows: NDArray[np.intp] | slice = slice(None)) -> Reals:
+        """Between start and end."""
+        start, end = self._from[rows], self._to[rows]
+        between: Reals = np.where(part[:, None] < 1.0, start + part[:, None] * (end - start), end)
+        return between
+
     def _step(self, rows: NDArray[np.intp], part: Reals, further: Reals) -> Truths:
         """One step of some rows; those that take it are moved."""
         guess = self.u[rows] + (further - part)[:, None] * self._slope[rows]
@@ -99,7 +122,7 @@ class _Move:
 
     def _newton(self, rows: NDArray[np.intp], part: Reals, close: Reals, guess: Reals) -> _Tried:
         """Newton's method at a part of the way: each correction at most half of the one before, the first at most a quarter."""
-        way = np.where(part[:, None] < 1.0, self._from[rows] + part[:, None] * (self._to[rows] - self._from[rows]), self._to[rows])
+        way = self.way(part, rows)
         u, last, taken = guess.copy(), np.full(len(rows), 0.5), np.zeros(len(rows), bool)
         determinant, going = np.zeros(len(rows)), np.ones(len(rows), bool)
         for _ in range(_TURNS):

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, defaults
-from walkgen.spec.mobility import Loops, Mobility, loops_of
+from walkgen.spec.mobility import FreeLinkage, Mobility, free_linkage
 from walkgen.spec.scalar import evaluate
-from walkgen.symbolic.assembly import Assemble, Assembled
+from walkgen.symbolic.linkage_poses import CloseTriads, LinkagePoses
 from walkgen.symbolic.starts import start_of
 
 _MOST_POINTS = 441
@@ -33,7 +33,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Assembly:
+class Coverage:
     """Of a linkage on a grid.
 
     Attributes:
@@ -55,31 +55,31 @@ class Assembly:
     startless: tuple[str, ...] = ()
 
 
-def assembly(mechanism: Mechanism, leg: Limb, linkage: Linkage, assemble: Assemble) -> Assembly:
+def coverage(mechanism: Mechanism, leg: Limb, linkage: Linkage, close_triads: CloseTriads) -> Coverage:
     """Of a leg's linkage, runtime parameters at their defaults.
 
     Args:
         mechanism: the robot.
         leg: one of its legs.
         linkage: the leg's.
-        assemble: the solve of triads, `walkgen.runtime.solves.assembly.assemble`.
+        close_triads: the solve of triads, `walkgen.runtime.solves.triads.close_triads`.
     """
     drives, triads = leg.joints[len(leg.serial) :], tuple(triad.name for triad in linkage.forward.triads)
     limited, start = all(drive.limits for drive in drives), start_of(mechanism, leg) if triads else None
     if triads and start is None:
-        return Assembly(0, 0, (), limited, None, None, triads)
+        return Coverage(0, 0, (), limited, None, None, triads)
     values = defaults(mechanism)
-    loops = loops_of(linkage.structure, linkage.points, linkage.angles, lambda scalar: float(evaluate(scalar, CONTEXT, values)))
+    loops = free_linkage(linkage.structure, linkage.points, linkage.angles, lambda scalar: float(evaluate(scalar, CONTEXT, values)))
     assert loops is not None
     grid = list(_grid([_span(drive, linkage, loops.size, values) for drive in drives]))
-    margins, poses = Assembled(mechanism, leg, start, assemble).at(np.array(grid))
+    margins, poses = LinkagePoses(mechanism, leg, start, close_triads).at(np.array(grid))
     names = [group.name for group in linkage.forward.groups]
     failing = [_failing(row, names) for row in margins]
     closed = [place for place, name in enumerate(failing) if not name]
     best = max(closed, key=lambda place: min(margins[place], default=0.0), default=None)
     mobility = None if best is None else _mobility(poses[best], grid[best], loops)
     failures = _failures(dict(zip(grid, failing, strict=True)))
-    return Assembly(len(grid), len(closed), failures, limited, None if best is None else grid[best], mobility)
+    return Coverage(len(grid), len(closed), failures, limited, None if best is None else grid[best], mobility)
 
 
 def titled(linkage: Linkage, name: str) -> str:
@@ -122,7 +122,7 @@ def _box(where: list[Drives]) -> tuple[Drives, Drives]:
     return tuple(map(min, columns)), tuple(map(max, columns))
 
 
-def _mobility(poses: NDArray[np.float64], drives: Drives, loops: Loops) -> Mobility | None:
+def _mobility(poses: NDArray[np.float64], drives: Drives, loops: FreeLinkage) -> Mobility | None:
     """By x, y and angle of every body but the frame and lengths of driven cylinders; None where pins that coincide leave no pose."""
     placed = [entry for x, y, cosine, sine in poses[1:] for entry in (x, y, atan2(sine, cosine))]
     unknowns = np.array([*placed, *drives[len(drives) - len(loops.structure.bars) :]])

@@ -1,0 +1,162 @@
+"""From the foot back to the drives of legs with a triad, under the drives or once the foot is held."""
+
+import numpy as np
+import pytest
+
+from linkages.by_scipy import Plane
+from linkages.placed import code_of
+from linkages.topologies import HELD, TRIADS, spec
+from walkgen.model.assemble import assemble
+from walkgen.spec.read import read
+from walkgen.symbolic.starts import Starts
+
+HEAD = """
+walkgen = 1
+robot = { name = "bot", gravity = [0, 0, -9.81] }
+platforms = [{ name = "body" }]
+legs = [{ name = "leg", design = "leg", platform = "body", mount = { xyz = [0.1, 0.2, 0.3], rpy_deg = [10, 20, 30] } }]
+[generate]
+functions = ["foot_position", "assembly_status", "inverse", "inverse_branch", "inverse_near"]
+targets = ["c", "numpy"]
+[leg_designs.leg]
+dh = "classic"
+joints = [{ name = "yaw", type = "revolute", a = 0.0, d = 0.0, alpha_deg = 0 }]
+plane = { xyz = [0.02, 0.01, 0.0], rpy_deg = [90, 0, 0] }
+"""
+STEPHENSON = """
+start = { drives_deg = [10] }
+[leg_designs.leg.stephenson]
+inversion = "II"
+ground = 0.3
+crank = 0.06
+coupler = 0.25
+rocker = 0.22
+on_crank = [0.02, 0.04]
+on_coupler = [0.05, 0.08]
+second_coupler = 0.2
+second_rocker = 0.22
+foot = [0.35, -0.1]
+"""
+KNEE = """
+foot = "shank.P"
+four_bar = { ground = 0.13, crank = 0.3, coupler = 0.12, rocker = 0.31, drive = { limits_deg = [-110, -60] } }
+[leg_designs.leg.links.coupler]
+points = { K = [0.06, -0.03] }
+[leg_designs.leg.links.shank]
+points = { K = [0, 0], P = [0.4, 0.02] }
+[[leg_designs.leg.pins]]
+joins = ["coupler.K", "shank.K"]
+name = "knee"
+driven = true
+limits_deg = [-40, 20]
+"""
+FUNCTIONS = ("foot_position", "assembly_status", "inverse", "inverse_near")
+OK, UNREACHABLE, BAD_INPUT, INFEASIBLE = 0, 1, 2, 5
+
+
+def angle(turn):
+    return np.angle(np.exp(1j * turn))
+
+
+@pytest.mark.parametrize(("backend", "count"), [("c", 100), ("numpy", 2)])
+def test_one_drive(built, backend, count):
+    """A coupler curve of a linkage that Newton's method closes."""
+    text = (HEAD + STEPHENSON).replace('"inverse_near"]', '"inverse_near", "inverse_distance"]')
+    leg = getattr(built(text), backend).legs["leg"]
+    q = np.random.default_rng(1).uniform(-np.pi, np.pi, (count, 2))
+    q = q[leg.assembly_status(q) == OK]
+    assert len(q) >= count / 2
+    target = leg.foot_position(q)
+    rows, status = leg.inverse(target)
+    good = status == OK
+    assert good[:, 0].all()
+    assert (leg.assembly_status(rows)[good] == OK).all()
+    assert np.abs(leg.foot_position(rows) - target[:, None])[good].max() < 1e-11
+    assert np.where(good, np.abs(angle(rows - q[:, None])).max(-1), np.inf).min(-1).max() < 1e-8
+    near, one = leg.inverse_near(target, q + 0.01)
+    assert (one == OK).all()
+    assert np.abs(angle(near - q)).max() < 1e-8
+    assert leg.inverse_distance(target)[good].max() < 1e-11
+
+
+@pytest.fixture(scope="module")
+def knee(built):
+    return built(HEAD + KNEE)
+
+
+def test_a_knee_on_a_coupler(knee):
+    """Within the limits every pose is found again; rows are finite, those that are OK reach, others of them do not."""
+    leg, random = knee.c.legs["leg"], np.random.default_rng(2)
+    assert leg.branch_names[:2] == ("yaw_plus_coupler_1", "yaw_plus_coupler_2")
+    low, high = np.radians([-90, -110, -40]), np.radians([90, -60, 20])
+    q = random.uniform(low, high, (1000, 3))
+    assert (leg.assembly_status(q) == OK).all()
+    target = leg.foot_position(q)
+    rows, status = leg.inverse(target)
+    assert np.isfinite(rows).all()
+    good = status == OK
+    feet = np.linalg.norm(leg.foot_position(rows) - target[:, None], axis=-1)
+    assert feet[good].max() < 1e-12
+    copies = (rows == rows[:, :1]).all(-1)  # rows that no assembly is left for
+    assert not (feet[((status == UNREACHABLE) & ~copies) | (status == INFEASIBLE)] < 1e-9).any()
+    away = np.where(good, np.abs(angle(rows - q[:, None])).max(-1), np.inf).min(-1)
+    assert np.mean(away < 1e-9) > 0.99
+    near, one = leg.inverse_near(target, q)
+    found = away < 1e-9
+    assert (one[found] == OK).all()
+    assert np.abs(angle(near - q))[found].max() < 1e-9
+    for branch in (0, 7):
+        row, state = leg.inverse_branch(target, branch)
+        assert np.array_equal(row, rows[:, branch])
+        assert np.array_equal(state, status[:, branch])
+
+
+def test_backends_agree_and_bad_input_is_told(knee):
+    leg, random = knee.c.legs["leg"], np.random.default_rng(3)
+    target = leg.foot_position(random.uniform([-2, -2, -2], [2, 0, 0], (60, 3)))
+    target = target[np.isfinite(target).all(-1)]
+    (rows, status), (other, states) = leg.inverse(target), knee.numpy.legs["leg"].inverse(target)
+    assert np.array_equal(status, states)
+    assert np.abs(angle(rows - other))[status == OK].max() < 1e-10
+    rows, status = leg.inverse([np.nan, 0, 0])
+    assert np.isnan(rows).all()
+    assert (status == BAD_INPUT).all()
+    rows, status = leg.inverse([9.0, 0, 0])
+    assert np.isfinite(rows).all()
+    assert (status == UNREACHABLE).all()
+
+
+def drawn(name, folder):
+    """Code of a random set that assembles, with drives around it at which it does."""
+    topology, random = (HELD | TRIADS)[name], np.random.default_rng(3)
+    while True:
+        (values,), (drives,) = topology.draw(random, 1)
+        path = folder / "drawn.toml"
+        path.write_text(spec(name, FUNCTIONS, values=values, start=drives if name in TRIADS else None), encoding="utf-8")
+        mechanism = assemble(read(path), folder)
+        starts = Starts(mechanism, mechanism.legs[0])
+        if starts.modes.at([*drives, *map(float, starts.parameters)]):
+            break
+    code, q = code_of(path.read_text(encoding="utf-8"), FUNCTIONS, folder), drives + random.uniform(-0.6, 0.6, (30, len(drives)))
+    q = q[code["leg_assembly_status"](q, np.tile(values, (30, 1))) == OK]
+    return path.read_text(encoding="utf-8"), code, values, q, random
+
+
+@pytest.mark.parametrize("name", ["coupler_knee", "two_cranks", pytest.param("hung_triad", marks=pytest.mark.nightly)])
+def test_two_drives(tmp_path, name):
+    """The drives that the foot came from are found, on most straight ways; scipy closes the linkage of every row with its foot there."""
+    text, code, values, q, random = drawn(name, tmp_path)
+    many = np.tile(values, (len(q), 1))
+    target = code["leg_foot_position"](q, many)
+    rows, status = code["leg_inverse"](target, many)
+    assert np.isfinite(rows).all()
+    good, reaching = status == OK, (status == OK) | (status == INFEASIBLE)
+    feet = code["leg_foot_position"](rows, np.tile(many[:, None], (1, rows.shape[1], 1)))
+    misses = np.abs(feet - target[:, None]).max(-1)
+    assert misses[good].max() < 1e-12
+    assert not (misses[status == INFEASIBLE] < 1e-6).any()
+    away = np.where(good, np.abs(angle(rows - q[:, None])).max(-1), np.inf).min(-1)
+    assert np.mean(away < 1e-9) > 0.6
+    plane, foot = Plane(text), (HELD | TRIADS)[name].foot
+    for place, row in random.permutation(np.argwhere(reaching))[:8]:
+        assert plane.reaches(values, rows[place, row], foot, target[place, :2], random, 400)
