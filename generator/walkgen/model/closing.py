@@ -1,6 +1,7 @@
 """Where the bodies of a linkage are, by Newton's method on its loops in 50 digits, and on which side every dyad is."""
 
 import random
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -12,7 +13,7 @@ from walkgen.model.walk import CONTEXT
 from walkgen.spec.assur import SIDES, Group
 from walkgen.spec.pair_equations import Planar, Row
 
-_STARTS, _MOST_STARTS, _STEPS, _HALVINGS = 300, 3000, 40, 5
+_STARTS, _MOST_STARTS, _STEPS, _HALVINGS, _PARTS = 300, 3000, 40, 5, 8
 _CLOSED, _EXACT = 1e-12, CONTEXT.mpf(10) ** -46
 _TOLD = ("RRR", "RRP", "RPP")
 """Groups of which there is one on each side."""
@@ -96,13 +97,43 @@ def closed(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any]) -
 
 @cache
 def _found(linkage: Linkage, values: tuple[tuple[str, Any], ...], drives: tuple[float, ...]) -> Posture | None:
+    """Followed from a posture found before, else searched for."""
+    known = _known(linkage, values)
+    posture = next(filter(None, (_followed(before, linkage, dict(values), drives) for before in known)), None)
+    posture = posture or _searched(linkage, dict(values), drives)
+    if posture:
+        known.append(posture)
+    return posture
+
+
+@cache
+def _known(linkage: Linkage, values: tuple[tuple[str, Any], ...]) -> deque[Posture]:
+    """The last postures found of a linkage: a search costs a hundred times what following one of them does."""
+    del linkage, values
+    return deque(maxlen=2)
+
+
+def _followed(before: Posture, linkage: Linkage, values: Mapping[str, Any], drives: Sequence[float]) -> Posture | None:
+    """The posture that the drives lead to from another, should it be on the spec's sides."""
+    x: list[float] | None = [float(entry) for entry in before.x]
+    start = [float(drive) for drive in before.loops.drives]
+    for part in range(1, _PARTS + 1):
+        between = [a + (b - a) * part / _PARTS for a, b in zip(start, drives, strict=True)]
+        x = _descended(DrivenLoops(linkage, values, between, float), x)
+        if x is None:
+            return None
+    posture = _exact(linkage, values, drives, x)
+    return posture if posture and posture.as_stated else None
+
+
+def _searched(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[float]) -> Posture | None:
     """From random starts, until one is as the spec says; where the loops close at all, which some of few starts shows, from many more."""
-    loops, generator = DrivenLoops(linkage, dict(values), drives, float), random.Random(len(drives))  # noqa: S311 (starts, not secrets)
+    loops, generator = DrivenLoops(linkage, values, drives, float), random.Random(len(drives))  # noqa: S311 (starts, not secrets)
     closes = False
     for start in range(_MOST_STARTS):
         x = _descended(loops, _start(loops, generator)) if closes or start < _STARTS else None
         closes |= x is not None
-        posture = x and _exact(linkage, dict(values), drives, x)
+        posture = x and _exact(linkage, values, drives, x)
         if posture and posture.as_stated:
             return posture
     return None
