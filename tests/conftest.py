@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +14,23 @@ if TYPE_CHECKING:
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices here are small, and the tests' own processes fill the cores
 
+GOLDEN = (5**0.5 - 1) / 2
 SPECS = Path(__file__).parents[1] / "specs"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave to the night what `sampled` leaves out; multiples of the golden ratio favour no parameter of a product of several."""
+    cases = defaultdict[str, list[pytest.Item]](list)
+    for item in items:
+        if item.get_closest_marker("sampled"):
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for group in cases.values():
+        marker = group[0].get_closest_marker("sampled")
+        assert marker
+        order = sorted(range(len(group)), key=lambda place: place * GOLDEN % 1)
+        for place in order[marker.args[0] :]:
+            group[place].add_marker("nightly")
 
 
 @pytest.fixture(scope="session", autouse=True)

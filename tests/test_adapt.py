@@ -167,6 +167,7 @@ def plane(points):
     return normal * np.sign(normal[2])
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(3))
 def test_no_neighbour_of_a_stand_is_better(walker, seed):
     truth, targets = ground(seed)

@@ -31,6 +31,7 @@ def route(request):
     return request.param
 
 
+@pytest.mark.sampled(24)
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", LEG_CASES)
 def test_leg_samples(built, name, route, backend):

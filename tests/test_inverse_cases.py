@@ -33,6 +33,7 @@ def leg(request, route, backend, built):
     return data["ik"], loaded.legs[conversion.feet[0]], screws(read(conversion.text).legs[0])
 
 
+@pytest.mark.sampled(6)
 def test_every_solution_is_found(leg):
     ik, generated, path = leg
     rows, states = generated.inverse([sample["p"] for sample in ik["reachable"]])
@@ -45,6 +46,7 @@ def test_every_solution_is_found(leg):
         assert difference(path.foot(found), np.broadcast_to(sample["p"], found.shape)) <= 1e-13
 
 
+@pytest.mark.sampled(8)
 def test_branches_keep_their_slots(leg):
     """One branch alone gives what all four give, status and closest point included."""
     ik, generated, _ = leg

@@ -54,7 +54,8 @@ def long(owner, name):
     symbol = sympy.Symbol("x[0]")
     steps = [sympy.Symbol(f"s{number}") for number in range(30)]
     values = [sympy.sin(before + number) for number, before in enumerate([symbol, *steps[:-1]])]
-    return lower(Function(Signature("bot", owner, name, (port,), (output,)), (symbol,), tuple(zip(steps, values, strict=True)), (steps[-1],)))
+    signature = Signature("bot", owner, name, (port,), (output,))
+    return lower(Function(signature, (symbol,), tuple(zip(steps, values, strict=True)), (steps[-1],)))
 
 
 def test_an_equal_leg_calls_the_first():

@@ -86,6 +86,7 @@ def distinct(roots):
     return found
 
 
+@pytest.mark.sampled(7)
 def test_count_is_that_of_a_multistart(leg):
     generator = np.random.default_rng(17)
     for p in leg.anatomy.foot(poses(4, seed=23)):

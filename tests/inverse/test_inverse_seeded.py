@@ -103,6 +103,7 @@ def test_a_seed_without_numbers_is_bad_input(limb):
     assert np.all(np.isnan(q))
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", ["walking", "rrr_xx", "rrp_xp", "rr_x"])
 def test_a_path_is_followed_without_jumps(robot, name):
     """Each target seeded with the joint values before it: the way by which the foot was led comes back."""
@@ -203,6 +204,7 @@ def least_within(path, p, low, high):
     return min(np.sqrt(2 * one.cost) for one in done)
 
 
+@pytest.mark.sampled(5)
 def test_admissible_comes_closest_where_nothing_fits(limb):
     path, generated = limb
     low, high = generated.limits.T

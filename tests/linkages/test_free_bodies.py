@@ -40,6 +40,7 @@ def sets(code, name):
     return list(zip(dimensions[closes], drives[closes], poses, strict=True))
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", MARKED)
 def test_at_rest(made, name):
     (reactions, chosen), text = made(name), spec(name, FUNCTIONS)

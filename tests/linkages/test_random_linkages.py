@@ -72,6 +72,7 @@ def compare(code, name, count, rounds):
     return closes.sum()
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", TOPOLOGIES)
 def test_forty_sets(code, name):
     assert compare(code(name), name, 40, 2) == ASSEMBLED[name][0]

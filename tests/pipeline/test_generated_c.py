@@ -38,11 +38,13 @@ def sources(tmp_path_factory):
     return folder
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", EVERY)
 def test_compiles_without_a_warning(sources, name):
     compiled(sources, name, "c99")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", EVERY)
 def test_compiles_as_cpp_without_a_warning(sources, name):
     compiled(sources, name, "c++11")
@@ -53,6 +55,7 @@ def compiled(sources, name, language):
     run((*LANGUAGES[language], *WARNINGS, "-O0", "-c", *files), sources(name))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", EVERY)
 def test_selftest_passes_under_sanitizers(sources, name):
     folder = sources(name)

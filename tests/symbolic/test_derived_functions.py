@@ -54,6 +54,7 @@ def needed(function):
     return reversed(kept)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ["mero_leg_param", "mero_star", "phantomx_leg", "ambler_rrp", "solo12"])
 def test_every_line_is_small(name):
     """And uses only inputs and earlier lines."""

@@ -65,6 +65,7 @@ def cases(n, count=40):
         yield J, J * CONTEXT.matrix([generator.gauss(0, 1) for _ in range(n)]) if index % 2 else v
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("digits", ACCURACY)
 @pytest.mark.parametrize("n", JOINTS)
 def test_any_jacobian(programs, n, digits):

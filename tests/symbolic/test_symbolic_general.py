@@ -61,6 +61,7 @@ def at_night(*names):
     return [pytest.param(name, marks=pytest.mark.nightly) for name in names]
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize(("kinds", "twists"), [case for case in TWISTED if case[1] not in ("zx", "px", "pz", "zz", "xp")])
 def test_rows_are_those_of_the_iterative_inverse(tmp_path, kinds, twists):
     """The same solutions in the same order with the same statuses; no target that the leg reaches is called unreachable."""
@@ -211,6 +212,7 @@ def test_every_target_has_an_answer(tmp_path, kinds):
     assert np.all((rows[~bad][..., turning] > -np.pi) & (rows[~bad][..., turning] <= np.pi))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("kinds", ["RRR", "RPP", "PR", *at_night("RRP", "RPR", "PRR", "RR")])
 @pytest.mark.parametrize("free", ["points", "all"])
 def test_runtime_parameters(tmp_path, kinds, free):

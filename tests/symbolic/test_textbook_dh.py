@@ -105,6 +105,7 @@ def expectations(design):
     }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("design", DESIGNS, ids=str)
 def test_every_function(functions, design):
     expected = expectations(design)
