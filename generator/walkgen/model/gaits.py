@@ -1,9 +1,9 @@
-"""From the spec's gait tables to Gaits: parameters put in, phases from the kind's formula, legs in the order of the feet."""
+"""From the spec's gait tables to Gaits and Schedules: parameters put in, phases from the kind's formula, legs in the order of the feet."""
 
 from collections.abc import Mapping
 
 from walkgen.gait import phases
-from walkgen.model.gait import Gait, Point
+from walkgen.model.gait import Event, Gait, Point, Schedule
 from walkgen.model.values import Values
 from walkgen.spec.checks_gait import gaits_of, is_static
 from walkgen.spec.gait import GaitSpec
@@ -12,14 +12,29 @@ from walkgen.spec.scalar import ZERO, Vector
 from walkgen.spec.schema import RobotSpec
 
 
-def gaits(spec: RobotSpec, values: Values) -> tuple[Gait, ...]:
+def gaits(spec: RobotSpec, values: Values) -> tuple[Gait | Schedule, ...]:
     """All gaits of a validated spec, in the order of the file."""
     legs = tuple(leg.name for leg in spec.legs)
     tables = {name: gait for name, _, gait in gaits_of(spec)}
-    return tuple(_gait(name, gait, _stance(gait, tables), legs, values) for name, gait in tables.items())
+    return tuple(
+        _gait(name, gait, _stance(gait, tables), legs, values) if gait.events is None else _schedule(name, gait, legs, values)
+        for name, gait in tables.items()
+    )
+
+
+def _schedule(name: str, gait: GaitSpec, legs: tuple[str, ...], values: Values) -> Schedule:
+    lift = gait.si("lift")
+    return Schedule(
+        name=name,
+        events=tuple(Event(values.fraction(event.at), legs.index(event.leg), event.does) for event in gait.events or ()),
+        lifted=tuple(leg in (gait.lifted or ()) for leg in legs),
+        lift=None if lift is None else values.fraction(lift),
+        static=is_static(gait),
+    )
 
 
 def _gait(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> Gait:
+    assert gait.period is not None
     times = timing(gait, values.fraction)
     stride, lift, margin = (gait.si(key) for key in ("stride", "lift", "margin"))
     return Gait(

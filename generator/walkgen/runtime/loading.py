@@ -16,7 +16,7 @@ from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.counted import Counted
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
-from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Terrain
+from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Schedule, Terrain
 from walkgen.runtime.ufuncs import make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
@@ -187,7 +187,23 @@ def _route(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Route
     return Route(entry["name"], entry["owner"], indices, functions)
 
 
-def _gait(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait:
+def _gait(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait | Schedule:
+    return _schedule(entry, functions) if "events" in entry else _cycle(entry, functions)
+
+
+def _schedule(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Schedule:
+    return Schedule(
+        name=entry["name"],
+        legs=tuple(entry["legs"]),
+        events=tuple((float(at), leg, does) for at, leg, does in entry["events"]),
+        lifted=tuple(entry["lifted"]),
+        lift=None if entry["lift"] is None else float(entry["lift"]),
+        static=bool(entry["static"]),
+        functions=functions,
+    )
+
+
+def _cycle(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait:
     numbers = {key: None if entry[key] is None else float(entry[key]) for key in ("lift", "margin")}
     return Gait(
         name=entry["name"],

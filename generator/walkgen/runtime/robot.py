@@ -161,6 +161,27 @@ class Gait(_Owner):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Schedule(_Owner):
+    """A gait of the spec that is a list of events: (time in s, leg, "lift" or "place"), and its functions of time, also attributes.
+
+    `lifted` are in transfer before the first one; `lift` in m, None where the spec leaves it out. `walkgen.gait.schedule.Schedule.of` makes
+    a schedule of walkgen.gait of it.
+    """
+
+    name: str
+    legs: tuple[str, ...]
+    events: tuple[tuple[float, str, str], ...]
+    lifted: tuple[str, ...]
+    lift: float | None
+    static: bool
+    functions: Mapping[str, Function]
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<gait{name}: {len(self.events)} events, {len(self.functions)} functions>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A loaded robot; functions take array-likes with leading batch dimensions and broadcast as ufuncs do.
 
@@ -181,7 +202,7 @@ class Robot:
     chains: Mapping[str, Chain]
     routes: Mapping[str, Route]
     terrain: Terrain | None
-    gaits: Mapping[str, Gait]
+    gaits: Mapping[str, Gait | Schedule]
     functions: Mapping[str, Function]
     backend: str
     backend_reason: str
