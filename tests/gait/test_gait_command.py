@@ -42,6 +42,25 @@ def test_a_feasible_walk_as_a_table(duo, tmp_path):
     assert np.abs(column["rear_left_foot_z (m)"][down]).max() < 1e-8
 
 
+def test_the_course_goes_where_it_is_told(duo, tmp_path):
+    result = run(
+        duo, "--gait", "waved", "--terrain", "flat", "--cycles", "1", "--rate", "10", "--heading", "90", "-o", tmp_path / "walk.csv"
+    )
+    assert result.exit_code == 0, result.output
+    with (tmp_path / "walk.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    way = [float(rows[-1][f"base_{axis} (m)"]) - float(rows[0][f"base_{axis} (m)"]) for axis in "xyz"]
+    np.testing.assert_allclose(way, [0.0, 0.12, 0.0], atol=1e-8)
+
+
+def test_friction_is_the_grounds_or_as_told(duo):
+    arguments = (duo, "--gait", "waved", "--terrain", "slope:12", "--cycles", "1", "--rate", "20")
+    assert run(*arguments).exit_code == 0
+    result = run(*arguments, "--mu", "0.2")
+    assert result.exit_code == 1
+    assert "friction cannot carry the load" in result.output
+
+
 def test_an_infeasible_walk_is_written_and_says_why(duo, tmp_path):
     result = run(duo, "--gait", "crawl", "--terrain", "slope:12", "--cycles", "1", "-o", tmp_path / "walk.csv")
     assert result.exit_code == 1
@@ -55,7 +74,9 @@ def test_an_infeasible_walk_is_written_and_says_why(duo, tmp_path):
         (("--gait", "crawler"), {"WG611": 'did you mean "crawl"?'}),
         (("--gait", "when"), {"WG612": "stance ="}),
         (("--gait", "trot", "--body", "waved"), {"WG614": "in transfer together"}),
-        (("--gait", "far"), {"WG616": "rear_right: the rear end of its stroke is"}),
+        (("--gait", "far"), {"WG616": "rear_right: the rear end of its stroke, "}),
+        (("--gait", "steps"), {"WG621": "its other gaits: crawl, "}),
+        (("--heading", "nan", "--mu", "-1", "--give", "-0.1"), {"WG622": "--mu -1"}),
         (("--terrain", "slope:steep"), {"WG613": "slope:15"}),
         (("--terrain", "slope:89"), {"WG613": "up to 80"}),
         (("--terrain", "__import__('os')"), {"WG613": "is not allowed"}),

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from walkgen.walking import Wanted, walked
+from walkgen.walking import walked
+from walkgen.walking_request import Wanted
 
 SPECS = Path(__file__).parents[2] / "specs"
 pytestmark = pytest.mark.nightly

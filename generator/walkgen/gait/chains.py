@@ -49,14 +49,42 @@ def adapted(robot: Robot, footholds: Footholds, body: Callable[[np.ndarray], Mot
     knots = t[0] + spacing * np.arange(max(count, 2))
     motion, below = body(knots), footholds.below(knots)
     targets = motion.inward(below - motion.position[:, None])
+    known = np.isfinite(targets).all(axis=(1, 2))
+    if not known.any():
+        return held(robot, t)
+    q, status = best_poses(robot, targets[known])
+    chains = joints(robot)
+    values = _bridged(knots, knots[known], q[:, chains])
+    value, rate, second = Spline(float(knots[0]), spacing, values).at(t)
+    found = np.zeros((3, len(t), len(robot.joint_names)))
+    found[:, :, chains] = value, rate, second
+    return Bending(found[0], found[1], found[2], knots[known][status != _OK])
+
+
+def best_poses(robot: Robot, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Joint values [m,nq] of footholds [m,k,3] (m), with statuses: from the first pose; where that is no good start, from those beside.
+
+    Args:
+        robot: with `adapt`.
+        targets: of its feet in the first platform's frame, one after another.
+    """
     none = np.zeros((len(robot.platforms), 3))
     start, _, _ = robot.adapt(targets[0], none)
     q, status, _ = robot.adapt(targets, none, start)
-    chains = joints(robot)
-    value, rate, second = Spline(float(knots[0]), spacing, q[:, chains]).at(t)
-    found = np.zeros((3, len(t), len(robot.joint_names)))
-    found[:, :, chains] = value, rate, second
-    return Bending(found[0], found[1], found[2], knots[status != _OK])
+    for shift in (1, -1, 2, -2):
+        beside = np.clip(np.arange(len(q)) + shift, 0, len(q) - 1)
+        again = np.flatnonzero((status != _OK) & (status[beside] == _OK))
+        if again.size:
+            found, then, _ = robot.adapt(targets[again], none, q[beside[again]])
+            better = then == _OK
+            q[again[better]], status[again[better]] = found[better], _OK
+    return q, status
+
+
+def _bridged(knots: np.ndarray, known: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values at all knots [m,n]: straight from one known knot to the next over those where a foot has no ground or no pose was found."""
+    fine = np.isfinite(values).all(axis=1)
+    return np.stack([np.interp(knots, known[fine], column[fine]) if fine.any() else np.zeros(len(knots)) for column in values.T], axis=-1)
 
 
 def joints(robot: Robot) -> list[int]:

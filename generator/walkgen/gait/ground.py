@@ -21,6 +21,9 @@ class Ground(Protocol):
     def normal(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Unit normals [...,3], upwards."""
 
+    def friction(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Coefficients of friction [...]; NaN where unknown."""
+
 
 @dataclass(frozen=True)
 class Slope:
@@ -35,6 +38,10 @@ class Slope:
     def normal(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Unit normals [...,3], upwards."""
         return np.broadcast_to([-math.sin(self.angle), 0.0, math.cos(self.angle)], (*np.broadcast(x, y).shape, 3))
+
+    def friction(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Unknown."""
+        return np.full(np.broadcast(x, y).shape, math.nan)
 
 
 @dataclass(frozen=True)
@@ -56,6 +63,10 @@ class Relief:
         unit: np.ndarray = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
         return unit
 
+    def friction(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Unknown."""
+        return np.full(np.broadcast(x, y).shape, math.nan)
+
 
 @dataclass(frozen=True)
 class Described:
@@ -71,4 +82,9 @@ class Described:
     def normal(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Unit normals [...,3], upwards."""
         found: np.ndarray = self.terrain.normal(np.stack([x, y, np.zeros_like(x)], axis=-1))
+        return found
+
+    def friction(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Coefficients of friction [...]; NaN where a patch gives none."""
+        found: np.ndarray = self.terrain.ground(np.stack([x, y, np.zeros_like(x)], axis=-1))[0]
         return found

@@ -24,6 +24,7 @@ from walkgen.gait.walk import Walk
 from walkgen.runtime.robot import Robot
 from walkgen.signature import STATUSES
 
+_USUAL_MU = 0.7
 _SINGULAR = STATUSES.index("SINGULAR")
 _REACHED = 1e-9
 _WITHIN = 1e-9
@@ -44,7 +45,7 @@ class Options:
         margin: the least static stability margin (m); 0 is the border of falling.
         max_speed: of joints [nq] (rad/s, m/s); infinite where unknown.
         units: of joints [nq], rad or m; rad where left out.
-        mu: coefficient of friction, for how the feet share the load.
+        mu: coefficient of friction; where left out the ground's, 0.7 where that is not known.
         heading: of the course (rad).
         give: how far ground and feet yield, so that a foot with a path of its own may be so far off its foothold (m).
     """
@@ -57,7 +58,7 @@ class Options:
     margin: float = 0.0
     max_speed: tuple[float, ...] = ()
     units: tuple[str, ...] = ()
-    mu: float = 0.7
+    mu: float | None = None
     heading: float = 0.0
     give: float = 0.0
 
@@ -101,7 +102,7 @@ def simulate(robot: Robot, trajectory: Trajectory, ground: Ground = _LEVEL, opti
     """
     if options.cycles < 1 or not options.rate > 0.0:
         raise ValueError(f"{options.cycles} cycles at {options.rate:g} instants a second: one and more than 0 are needed")
-    trajectory = Trajectory(trajectory.gait.ordered(tuple(robot.legs)), _in_order(robot, trajectory), trajectory.lift)
+    trajectory = trajectory.ordered(tuple(robot.legs))
     if options.body != "level":
         trajectory = balance.with_pauses(trajectory)
     plan = planned(trajectory, ground, options)
@@ -109,10 +110,6 @@ def simulate(robot: Robot, trajectory: Trajectory, ground: Ground = _LEVEL, opti
         plan = _balanced(robot, plan, options, options.body)
     times = instants(trajectory, options)
     return _walk(robot, plan, ground, options, times)
-
-
-def _in_order(robot: Robot, trajectory: Trajectory) -> tuple[tuple[float, float, float], ...]:
-    return tuple(trajectory.stance[trajectory.gait.legs.index(leg)] for leg in robot.legs)
 
 
 def instants(trajectory: Trajectory, options: Options) -> np.ndarray:
@@ -174,6 +171,7 @@ def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.
     qd, qdd = rates(robot, now.q, now.bending, seen[1], seen[2])
     feet = now.motion.position[:, None] + now.motion.outward(robot.foot_positions(now.q))
     stable = _margins(robot, now, options.heading)
+    cost = _power(robot, now, (qd, qdd), ground, options.mu)
     return Walk(
         robot=robot.name,
         legs=tuple(robot.legs),
@@ -191,8 +189,8 @@ def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.
         com=now.com,
         margins=stable,
         holds=plan.footholds.holds(float(times[-1])),
-        power=_power(robot, now, (qd, qdd), ground, options.mu),
-        faults=tuple(_faults(robot, now, qd, ground, options, times, stable.static)),
+        power=cost,
+        faults=tuple(_faults(robot, now, qd, ground, options, times, stable.static, cost)),
     )
 
 
@@ -205,7 +203,7 @@ def _margins(robot: Robot, now: State, heading: float) -> Margins:
     return margins(robot, now.feet.position, now.support, now.com, way)
 
 
-def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground: Ground, mu: float) -> Power | None:
+def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground: Ground, mu: float | None) -> Power | None:
     if not all(hasattr(robot, name) for name in ("floating_inverse_dynamics", "demanded_wrench", "contact_forces")):
         return None
     motion, point = now.motion, now.feet.position
@@ -213,8 +211,16 @@ def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground
     acceleration = _inward(motion, motion.acceleration) - np.cross(turning, linear)
     v = np.concatenate([linear, turning, rate[0]], axis=1)
     a = np.concatenate([acceleration, _inward(motion, motion.turning_acceleration), rate[1]], axis=1)
-    contact = Contact(point, ground.normal(point[..., 0], point[..., 1]), now.support, mu)
+    contact = Contact(point, ground.normal(point[..., 0], point[..., 1]), now.support, _friction(ground, point, mu))
     return power(robot, motion.pose, now.q, (v, a), contact)
+
+
+def _friction(ground: Ground, point: np.ndarray, mu: float | None) -> np.ndarray:
+    """Coefficients under feet [t,k,3]: as asked for, else the ground's, else the usual one."""
+    if mu is not None:
+        return np.full(point.shape[:-1], mu)
+    known = ground.friction(point[..., 0], point[..., 1])
+    return np.where(np.isfinite(known), known, _USUAL_MU)
 
 
 def _inward(motion: Motion, vector: np.ndarray) -> np.ndarray:
@@ -222,7 +228,14 @@ def _inward(motion: Motion, vector: np.ndarray) -> np.ndarray:
 
 
 def _faults(
-    robot: Robot, now: State, qd: np.ndarray, ground: Ground, options: Options, times: np.ndarray, static: np.ndarray
+    robot: Robot,
+    now: State,
+    qd: np.ndarray,
+    ground: Ground,
+    options: Options,
+    times: np.ndarray,
+    static: np.ndarray,
+    cost: Power | None,
 ) -> Iterator[Fault]:
     legs, joints = tuple(robot.legs), robot.joint_names
     point = now.feet.position
@@ -243,4 +256,8 @@ def _faults(
     if len(now.bending.failed):
         share = len(now.bending.failed) / len(times)
         yield Fault("chains", "chains", float(now.bending.failed[0]), math.nan, "m", share)
+    if not hasattr(robot, "com"):
+        yield Fault("mass", robot.platforms[0], 0.0, math.nan, "kg", 1.0)
+    if cost is not None:
+        yield from worst("carry", (robot.platforms[0],), times, np.where(cost.overcome, np.inf, np.nan)[:, None], "N", 0.0)
     yield from worst("margin", (robot.platforms[0],), times, (options.margin - static)[:, None], "m", _WITHIN)
