@@ -62,7 +62,9 @@ def _keys(path: Path, gait: GaitSpec) -> Iterator[Finding]:
         if _missing(gait, key):
             yield Finding("WG111", (*path, key), f'missing key "{key}" of a gait "{gait.kind}"', f"write {key} = ...", because)
     if gait.events == ():
-        yield Finding("WG112", (*path, "events"), "the list has no entries, which are too few", "list what happens in order of time", because)
+        yield Finding(
+            "WG112", (*path, "events"), "the list has no entries, which are too few", "list what happens in order of time", because
+        )
     allowed = (*(() if gait.kind in _UNSIDED else _SIDED), *_OPTIONAL.get(gait.kind, ()))
     for key in (*_OWN_KEYS, *(_PERIODIC if gait.kind == "events" else ())):
         if key not in allowed and not _missing(gait, key):
