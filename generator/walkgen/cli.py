@@ -163,7 +163,7 @@ def gait(
     png: Annotated[Path | None, typer.Option("--png", metavar="FILE.png", help="A still picture.")] = None,
     name: Annotated[str, typer.Option("--gait", metavar="NAME", help="Which of the spec's gaits; its first where left out.")] = "",
     terrain: Annotated[
-        str, typer.Option(metavar="GROUND", help="flat, slope:DEGREES, or a height in x and y; the spec's, else flat.")
+        str, typer.Option(metavar="GROUND", help="flat, slope:DEGREES, map:FILE:SPACING, or a height in x and y; the spec's, else flat.")
     ] = "",
     body: Annotated[Body | None, typer.Option(help="What the platform does before a leg lifts, instead of what the gait says.")] = None,
     margin: Annotated[float | None, typer.Option(metavar="M", help="The least static stability margin; the gait's, else 0.")] = None,

@@ -11,6 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from walkgen.cli import app
+from walkgen.walking import walked
+from walkgen.walking_request import Wanted
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 _SLOW_PICTURES = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=300,300")
@@ -81,6 +83,10 @@ def test_an_infeasible_walk_is_written_and_says_why(duo, tmp_path):
         (("--terrain", "slope:89"), {"WG613": "up to 80"}),
         (("--terrain", "__import__('os')"), {"WG613": "is not allowed"}),
         (("--terrain", "x + w"), {"WG613": '"w" is not known'}),
+        (("--terrain", "map:nowhere.txt:0.1"), {"WG613": "No such file"}),
+        (("--terrain", "map:heights.txt"), {"WG613": "map:FILE:SPACING"}),
+        (("--terrain", "map:heights.txt:-0.1"), {"WG613": "is no height map"}),
+        (("--terrain", "map:heights.txt:0.1:0"), {"WG613": "the place of the first number"}),
         (("--terrain", "1/(x-x)"), {"WG617": "there is no ground"}),
         (("--terrain", "sqrt(-1-x*x)"), {"WG617": "rear_left"}),
         (("--gait", "nothing", "--terrain", "z", "--cycles", "0"), {"WG611": "known gaits", "WG613": '"z"', "WG615": "0 cycles"}),
@@ -93,6 +99,29 @@ def test_what_a_user_can_mend(duo, arguments, codes):
     for code, words in codes.items():
         assert code in result.stderr
         assert words in result.stderr
+
+
+def test_a_height_map_with_holes(duo, tmp_path):
+    (tmp_path / "holes.csv").write_text("0, 0, 0\n0, , 0\n0, 0, 0\n", encoding="utf-8")
+    result = run(duo, "--terrain", f"map:{tmp_path / 'holes.csv'}:0.5")
+    assert result.exit_code == 2
+    assert "WG613" in result.stderr
+    assert "line 2 has an empty place" in result.stderr
+
+
+def test_a_walk_over_a_height_map(duo, tmp_path):
+    """Of a plane that rises by 0.1 along x: bicubic maps meet it exactly. One that ends under the robot has no ground there."""
+    x = -2.0 + 0.25 * np.arange(17)
+    (tmp_path / "ramp.txt").write_text("\n".join([" ".join(f"{0.1 * at:.6f}" for at in x)] * 9), encoding="utf-8")
+    walk = walked(duo, Wanted(gait="waved", terrain=f"map:{tmp_path / 'ramp.txt'}:0.25", cycles=1, rate=20.0)).walk
+    assert walk.feasible
+    place = walk.holds.point
+    np.testing.assert_allclose(place[:, 2], 0.1 * place[:, 0], atol=1e-12)
+    np.testing.assert_allclose(walk.base_pose[:, 2, 0], np.sin(np.arctan(0.1)), atol=1e-12)
+    result = run(duo, "--gait", "waved", "--terrain", f"map:{tmp_path / 'ramp.txt'}:0.25:0:-1")
+    assert result.exit_code == 2
+    assert "WG617" in result.stderr
+    assert "rear_left: there is no ground at x = -0.6" in result.stderr
 
 
 def test_a_spec_without_a_gait(tmp_path):

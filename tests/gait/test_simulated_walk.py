@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from walkgen.gait.chains import best_poses
-from walkgen.gait.ground import Described, Relief, Slope
+from walkgen.gait.ground import Described, Grid, Relief, Slope
 from walkgen.gait.simulate import Options, simulate
 from walkgen.gait.stance_margins import margins
 from walkgen.gait.trajectory import Trajectory
@@ -238,6 +238,17 @@ def test_friction_decides_whether_a_slope_can_be_walked(robot, trajectory):
     hills = simulate(robot, trajectory, Described(robot.terrain), Options(**waved))
     assert hills.feasible
     assert np.isfinite(hills.power.total).all()
+
+
+def test_a_grids_normals_are_those_of_its_heights():
+    rng = np.random.default_rng(6)
+    grid = Grid(rng.uniform(-0.1, 0.1, (6, 8)), 0.2, (-0.5, 0.3))
+    x, y = rng.uniform(-0.45, 0.85, 50), rng.uniform(0.35, 1.25, 50)
+    fine = Relief(grid.height)
+    np.testing.assert_allclose(grid.normal(x, y), fine.normal(x, y), atol=1e-6)
+    rows, columns = np.meshgrid(np.arange(6), np.arange(8), indexing="ij")
+    np.testing.assert_allclose(grid.height(-0.5 + 0.2 * columns, 0.3 + 0.2 * rows), grid.heights, atol=1e-15)
+    assert np.isnan(grid.height(np.array([-0.51, 0.91, 0.0, 0.0]), np.array([0.5, 0.5, 0.29, 1.31]))).all()
 
 
 @pytest.mark.parametrize(("cycles", "rate"), [(0, 100.0), (1, 0.0), (1, float("nan"))])
