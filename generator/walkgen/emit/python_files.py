@@ -64,7 +64,7 @@ _GAIT = (
     *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
 )
 _SCHEDULE = (
-    *("name: str", "legs: tuple[str, ...]", "events: tuple[tuple[float, str, str], ...]", "lifted: tuple[str, ...]"),
+    *("name: str", "kind: str", "legs: tuple[str, ...]", "events: tuple[tuple[float, str, str], ...]", "lifted: tuple[str, ...]"),
     *("lift: float | None", "static: bool", _FUNCTIONS),
 )
 _ROBOT = (

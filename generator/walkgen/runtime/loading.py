@@ -194,6 +194,7 @@ def _gait(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait |
 def _schedule(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Schedule:
     return Schedule(
         name=entry["name"],
+        kind=entry["kind"],
         legs=tuple(entry["legs"]),
         events=tuple((float(at), leg, does) for at, leg, does in entry["events"]),
         lifted=tuple(entry["lifted"]),

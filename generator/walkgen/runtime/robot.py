@@ -169,6 +169,7 @@ class Schedule(_Owner):
     """
 
     name: str
+    kind: str
     legs: tuple[str, ...]
     events: tuple[tuple[float, str, str], ...]
     lifted: tuple[str, ...]
