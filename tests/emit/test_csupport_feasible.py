@@ -159,7 +159,7 @@ def test_disturbances_beside_programs(stability, seed, count):
             assert force * (1 - 1e-8) <= outer
 
 
-@pytest.mark.parametrize("seed", [0, 6, 24, pytest.param(18, marks=pytest.mark.nightly), pytest.param(38, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("seed", [24, *(pytest.param(seed, marks=pytest.mark.nightly) for seed in (0, 6, 18, 38))])
 def test_pushes_by_which_feet_slip_in_any_direction(stability, seed):
     """Nearly as weak all round: the least over all directions by cone programs (Clarabel), minimised between 240 of them."""
     rng = np.random.default_rng(seed)
@@ -185,10 +185,9 @@ def test_pushes_by_which_feet_slip_in_any_direction(stability, seed):
     assert status == OK
     assert force == pytest.approx(least, rel=1e-8)
     assert most(np.arctan2(direction[1], direction[0])) == pytest.approx(force, rel=1e-8)
-    if seed in (0, 6):
-        found, _, same = disturbance_margin(points, com, mu, point, normals, GRAVITY, 60.0, np.zeros(4))
-        assert same == OK
-        assert float(found) == pytest.approx(force, rel=1e-8)
+    found, _, same = disturbance_margin(points, com, mu, point, normals, GRAVITY, 60.0, np.zeros(4))
+    assert same == OK
+    assert float(found) == pytest.approx(force, rel=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ SPECS = Path(__file__).parents[2] / "specs"
 FUNCTIONS = ("pair_positions", "foot_position", "joint_frames")
 
 
-@pytest.fixture(scope="module", params=["garrec", "odex", "bessonov"])
+@pytest.fixture(scope="module", params=["odex", *(pytest.param(name, marks=pytest.mark.nightly) for name in ("garrec", "bessonov"))])
 def case(request, tmp_path_factory):
     path, folder = SPECS / f"{request.param}.toml", tmp_path_factory.mktemp(request.param)
     robot = load(build(path, folder, BuildOptions(targets=("c", "numpy"), functions=FUNCTIONS)).folder)
