@@ -20,6 +20,7 @@ from walkgen.gait.ground import Described, Ground, Slope
 from walkgen.gait.pattern import Gait
 from walkgen.gait.reach import shortfalls
 from walkgen.gait.simulate import Options, simulate
+from walkgen.gait.steps import Steps
 from walkgen.gait.table import table
 from walkgen.gait.trajectory import Trajectory
 from walkgen.gait.walk import Walk
@@ -68,9 +69,10 @@ def walked(path: Path, wanted: Wanted = _AS_THE_SPEC_SAYS, progress: Progress = 
     """
     progress("read")
     mechanism = assemble(read(path), path.parent)
-    timing, trajectory, relief, options = request(mechanism, wanted, path)
+    timing, given, relief, options = request(mechanism, wanted, path)
     robot = _robot(path, mechanism, progress)
-    trajectory = trajectory or _on_own_paths(robot, timing)
+    trajectory = _on_own_paths(robot, timing) if timing else given
+    assert trajectory is not None
     ground = relief or (Described(robot.terrain) if mechanism.terrain and robot.terrain else Slope())
     if options.body != "level" and not hasattr(robot, "com"):
         message = f"{path}: a {options.body} body moves the centre of mass, and the robot has no mass"
@@ -127,9 +129,10 @@ def cache() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "walkgen"
 
 
-def _refuse_unreachable(robot: Robot, trajectory: Trajectory, ground: Ground, options: Options) -> None:
+def _refuse_unreachable(robot: Robot, trajectory: Trajectory | Steps, ground: Ground, options: Options) -> None:
     """No stroke that leaves a leg's workspace on level ground; no start without ground."""
-    short = () if options.adapt and robot.chains else shortfalls(robot, trajectory, samples=0, limits=False)
+    bends = options.adapt and robot.chains
+    short = shortfalls(robot, trajectory, samples=0, limits=False) if isinstance(trajectory, Trajectory) and not bends else ()
     problems = [Problem("WG616", str(one), "move its stance nearer, or take a shorter stride") for one in short]
     c, s = math.cos(options.heading), math.sin(options.heading)
     for leg, (x, y, _) in zip(robot.legs, np.array(trajectory.stance) @ [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]], strict=True):
@@ -159,15 +162,17 @@ def written(result: Walked, output: Path) -> str:
 
 
 def pictured(result: Walked) -> bytes:
-    """PNG of the robot in the middle of its walk.
+    """PNG of the robot soon after a leg was lifted in the middle of its walk.
 
     Raises:
         ToolchainError: matplotlib is not installed.
     """
     draws = _module("picture", "matplotlib")
-    gait = result.walk.trajectory.gait
-    row = int(np.searchsorted(result.walk.times, result.walk.times[-1] / 2 + gait.period / 10))
-    data: bytes = draws.picture(result.walk, drawing(result.robot, result.walk, result.ground, np.array([row]), result.linked), 0)
+    walk = result.walk
+    lifted = (~walk.stance).any(axis=1) & (walk.times >= 0.5 * (walk.times[0] + walk.times[-1]))
+    found = np.flatnonzero(lifted) if lifted.any() else np.array([len(walk.times) // 2])
+    row = int(found[len(found) // 20])
+    data: bytes = draws.picture(walk, drawing(result.robot, walk, result.ground, np.array([row]), result.linked), 0)
     return data
 
 

@@ -9,8 +9,10 @@ from typing import Any, NamedTuple
 from walkgen.errors import Problem, SpecError, WalkgenError
 from walkgen.gait import balance
 from walkgen.gait.ground import Ground
-from walkgen.gait.pattern import Gait
+from walkgen.gait.pattern import Event, Gait
+from walkgen.gait.schedule import Schedule as ScheduledEvents
 from walkgen.gait.simulate import Options
+from walkgen.gait.steps import Point, Steps
 from walkgen.gait.trajectory import Trajectory
 from walkgen.model.gait import Gait as SpecGait
 from walkgen.model.gait import Schedule
@@ -21,6 +23,7 @@ from walkgen.walking_ground import terrain_of
 
 _SPACE = 3
 """Joints of a leg that puts its foot anywhere."""
+_CYCLES = "take a periodic gait"
 
 
 @dataclass(frozen=True)
@@ -41,10 +44,10 @@ class Wanted:
 
 
 class Request(NamedTuple):
-    """Timing, feet unless they have paths of their own, ground unless it is the spec's, and how to walk."""
+    """Timing of feet that have paths of their own, all other feet, ground unless it is the spec's, and how to walk."""
 
-    timing: Gait
-    trajectory: Trajectory | None
+    timing: Gait | None
+    feet: Trajectory | Steps | None
     ground: Ground | None
     options: Options
 
@@ -57,14 +60,13 @@ def request(mechanism: Mechanism, wanted: Wanted, path: Path) -> Request:
     """
     problems: list[Problem] = []
     gait = _collected(problems, lambda: _chosen(mechanism, wanted.gait, path))
-    feet = _collected(problems, lambda: _trajectory(mechanism, gait, wanted, path)) if gait else None
+    feet = _collected(problems, lambda: _feet(mechanism, gait, wanted, path)) if gait else None
     ground = _collected(problems, lambda: terrain_of(wanted.terrain))
     problems += _out_of_range(wanted)
     if problems:
         raise SpecError(*problems)
-    assert feet is not None
-    timing, trajectory = feet
-    return Request(timing, trajectory, ground, _options(mechanism, gait, wanted))
+    timing, others = (feet, None) if isinstance(feet, Gait) else (None, feet)
+    return Request(timing, others, ground, _options(mechanism, gait, wanted))
 
 
 def _out_of_range(wanted: Wanted) -> list[Problem]:
@@ -88,29 +90,46 @@ def _collected(problems: list[Problem], one: Callable[[], Any]) -> Any:
         return None
 
 
-def _trajectory(mechanism: Mechanism, gait: SpecGait, wanted: Wanted, path: Path) -> tuple[Gait, Trajectory | None]:
+def _feet(mechanism: Mechanism, gait: SpecGait | Schedule, wanted: Wanted, path: Path) -> Gait | Trajectory | Steps:
+    """Only the timing of feet that have paths of their own and no stance."""
     label = f"gait {shown(gait.name)}" if gait.name else "the gait"
     own = all(len(leg.joints) < _SPACE for leg in mechanism.legs)
-    if (gait.stance is None or gait.lift is None) and not own:
+    if gait.stance is None or gait.lift is None:
+        if own and isinstance(gait, SpecGait):
+            return _timing(gait, mechanism)
         cure = "give it stance = { leg = [x, y, z], ... }, where each foot is in the middle of its support, and lift"
         raise SpecError(Problem("WG612", f"{path}: {label} only says when legs step, not where", cure))
-    timing = Gait(
-        tuple(leg.name for leg in mechanism.legs),
-        tuple(map(float, gait.duty_factor)),
-        tuple(map(float, gait.phase)),
-        float(gait.period),
-        float(gait.stride),
-    )
-    if gait.stance is None or gait.lift is None:
-        return timing, None
     x, y, z = zip(*gait.stance, strict=True)
-    found = Trajectory(timing, tuple(zip(map(float, x), map(float, y), map(float, z), strict=True)), float(gait.lift))
+    stance = tuple(zip(map(float, x), map(float, y), map(float, z), strict=True))
+    found: Trajectory | Steps
+    if isinstance(gait, SpecGait):
+        found = Trajectory(_timing(gait, mechanism), stance, float(gait.lift))
+    else:
+        found = _steps(gait, mechanism, stance, label)
     if _body(gait, wanted) != "level":
         _one_at_a_time(found, label)
-    return timing, found
+    return found
 
 
-def _chosen(mechanism: Mechanism, name: str, path: Path) -> SpecGait:
+def _timing(gait: SpecGait, mechanism: Mechanism) -> Gait:
+    legs = tuple(leg.name for leg in mechanism.legs)
+    return Gait(legs, tuple(map(float, gait.duty_factor)), tuple(map(float, gait.phase)), float(gait.period), float(gait.stride))
+
+
+def _steps(gait: Schedule, mechanism: Mechanism, stance: tuple[Point, ...], label: str) -> Steps:
+    legs = tuple(leg.name for leg in mechanism.legs)
+    lifted = tuple(leg for leg, up in zip(legs, gait.lifted, strict=True) if up)
+    events = tuple(Event(float(event.at), legs[event.leg], event.does) for event in gait.events)
+    if any(len(leg.joints) < _SPACE for leg in mechanism.legs):
+        raise SpecError(Problem("WG621", f"{label}: legs with a path of their own walk in cycles, not by a list of events", _CYCLES))
+    assert gait.lift is not None
+    try:
+        return Steps(ScheduledEvents(legs, events, lifted), stance, float(gait.lift), float(gait.stride))
+    except ValueError as error:
+        raise SpecError(Problem("WG621", f"{label}: {error}", "place it before the last event; lift it after 0 s")) from None
+
+
+def _chosen(mechanism: Mechanism, name: str, path: Path) -> SpecGait | Schedule:
     gaits = {gait.name: gait for gait in mechanism.gaits}
     if not gaits:
         raise SpecError(
@@ -118,28 +137,23 @@ def _chosen(mechanism: Mechanism, name: str, path: Path) -> SpecGait:
         )
     if name and name not in gaits:
         raise SpecError(Problem("WG611", f'there is no gait "{shown(name)}"', did_you_mean(name, filter(None, gaits), "known gaits")))
-    cycles = {key: gait for key, gait in gaits.items() if not isinstance(gait, Schedule)}
-    chosen = cycles.get(name) if name else next(iter(cycles.values()), None)
-    if chosen is None:
-        message = f"{path}: the gait is a list of events; a walk goes on in cycles"
-        raise SpecError(Problem("WG621", message, did_you_mean("", filter(None, cycles), "its other gaits")))
-    return chosen
+    return gaits[name] if name else mechanism.gaits[0]
 
 
-def _one_at_a_time(trajectory: Trajectory, label: str) -> None:
+def _one_at_a_time(feet: Trajectory | Steps, label: str) -> None:
     try:
-        balance.with_pauses(trajectory)
+        balance.with_room(feet)
     except ValueError as error:
         raise SpecError(
             Problem("WG614", f"{label}: {error}", 'take kind = "crawl" or "wave" with a larger duty factor, or a level body')
         ) from None
 
 
-def _body(gait: SpecGait, wanted: Wanted) -> str:
+def _body(gait: SpecGait | Schedule, wanted: Wanted) -> str:
     return wanted.body or gait.body
 
 
-def _options(mechanism: Mechanism, gait: SpecGait, wanted: Wanted) -> Options:
+def _options(mechanism: Mechanism, gait: SpecGait | Schedule, wanted: Wanted) -> Options:
     joints = [joint for limb in mechanism.limbs for joint in limb.joints]
     speeds = tuple(math.inf if joint.max_speed is None else float(number(joint.max_speed, mechanism)) for joint in joints)
     own = 0.0 if gait.margin is None else float(gait.margin)

@@ -108,6 +108,15 @@ def test_a_list_of_events_is_that_of_walkgen_gait(robot):
     assert np.isnan(built.next_event(time)[0])
     assert state.tolist() == [0, 1, 0, 0, 0, 0]
     assert repr(built) == "<gait 'steps': 6 events, 4 functions>"
+    assert (built.kind, built.lift, built.stride, built.stance, built.static, built.body, built.margin) == (
+        "events",
+        0.05,
+        0.0,
+        None,
+        True,
+        "level",
+        None,
+    )
     with pytest.raises(AttributeError, match="has no 'foot_targets'"):
         built.foot_targets(0.0)
 

@@ -55,6 +55,12 @@ def test_the_course_goes_where_it_is_told(duo, tmp_path):
     np.testing.assert_allclose(way, [0.0, 0.12, 0.0], atol=1e-8)
 
 
+def test_a_list_of_events_is_walked_once(duo, tmp_path):
+    result = run(duo, "--gait", "steps", "--terrain", "flat", "--body", "waved", "--margin", "0.04", "-o", tmp_path / "walk.csv")
+    assert result.exit_code == 0, result.output
+    assert "duo: 6 s, 9 footholds" in result.output
+
+
 def test_friction_is_the_grounds_or_as_told(duo):
     arguments = (duo, "--gait", "waved", "--terrain", "slope:12", "--cycles", "1", "--rate", "20")
     assert run(*arguments).exit_code == 0
@@ -77,7 +83,7 @@ def test_an_infeasible_walk_is_written_and_says_why(duo, tmp_path):
         (("--gait", "when"), {"WG612": "stance ="}),
         (("--gait", "trot", "--body", "waved"), {"WG614": "in transfer together"}),
         (("--gait", "far"), {"WG616": "rear_right: the rear end of its stroke, "}),
-        (("--gait", "steps"), {"WG621": "its other gaits: crawl, "}),
+        (("--gait", "hanging"), {"WG621": "front_left: in transfer at the end"}),
         (("--heading", "nan", "--mu", "-1", "--give", "-0.1"), {"WG622": "--mu -1"}),
         (("--terrain", "slope:steep"), {"WG613": "slope:15"}),
         (("--terrain", "slope:89"), {"WG613": "up to 80"}),

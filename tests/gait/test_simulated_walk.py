@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from walkgen.gait.chains import best_poses
 from walkgen.gait.ground import Described, Grid, Relief, Slope
 from walkgen.gait.simulate import Options, simulate
+from walkgen.gait.spline import Spline
 from walkgen.gait.stance_margins import margins
 from walkgen.gait.trajectory import Trajectory
 from walkgen.signature import STATUSES
@@ -97,6 +98,26 @@ def test_platform_keeps_its_pace_along_a_slope(robot, trajectory):
     assert np.arctan2(way[2], way[0]) == pytest.approx(SLOPE.angle, abs=1e-12)
     expected = Rotation.from_euler("y", -SLOPE.angle).as_matrix()
     np.testing.assert_allclose(walk.base_pose[:, :3, :3], np.broadcast_to(expected, (len(walk.times), 3, 3)), atol=1e-12)
+
+
+def test_chains_begin_and_end_at_rest(robot, trajectory):
+    walk = simulate(robot, trajectory, HILLS, Options(from_rest=True, adapt=True))
+    assert np.abs(walk.qd[[0, -1]]).max() < 1e-9
+    assert np.abs(walk.qd).max() > 0.1
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_splines_are_scipys(flat):
+    from scipy.interpolate import CubicSpline
+
+    values, x = np.random.default_rng(1).uniform(-1, 1, (9, 3)), np.linspace(0.5, 4.5, 77)
+    peer = CubicSpline(0.5 + 0.5 * np.arange(9), values, bc_type="clamped" if flat else "natural")
+    for order, mine in enumerate(Spline(0.5, 0.5, values, flat).at(x)):
+        np.testing.assert_allclose(mine, peer(x, order), atol=1e-12)
+    for few in (values[:2], values[:3]):
+        peer = CubicSpline(0.5 + 0.5 * np.arange(len(few)), few, bc_type="clamped" if flat else "natural")
+        inside = np.linspace(0.5, 0.5 * len(few), 9)
+        np.testing.assert_allclose(Spline(0.5, 0.5, few, flat).at(inside)[0], peer(inside), atol=1e-12)
 
 
 def test_from_rest_begins_and_ends_at_rest(robot, trajectory):

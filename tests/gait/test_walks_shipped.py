@@ -14,6 +14,7 @@ WALKS = [
     ("mero", Wanted(gait="tripod", terrain="0.03*sin(2*x)*cos(y)", adapt=True, from_rest=True)),
     ("quadruped", Wanted(gait="waved")),
     ("quadruped", Wanted(gait="swinging")),
+    ("quadruped", Wanted(gait="set_right")),
     ("garrec", Wanted(give=0.002)),
 ]
 

@@ -106,8 +106,10 @@ CASES = (
     ('kind = "events"\nevents = []', "WG112", "events", "too few"),
     (f"{EVENTS}period = 1", "WG124", "period", "does not belong"),
     (f"{EVENTS}{SIDES}", "WG124", "left", "it has events, lifted"),
-    (f"{EVENTS}stride_mm = 3", "WG124", "stride", "does not belong"),
-    (f'{EVENTS}body = "waved"\nmargin = 0.1', "WG124", "body", "leave body out"),
+    (f"{EVENTS}duty_factor = 0.8", "WG124", "duty_factor", "does not belong"),
+    (f'{EVENTS}body = "waved"', "WG111", "", '"margin"'),
+    (f"{EVENTS}margin = 0.1", "WG124", "margin", 'body = "waved"'),
+    (f'{EVENTS}lift = 0.1\nstance = "nowhere"', "WG140", "stance", 'no gait "nowhere" with a stance'),
     (f'{WAVE}lifted = ["lf"]', "WG124", "lifted", "does not belong"),
     (EVENTS.replace('"rm"', '"rn"'), "WG140", "events[2].leg", "known legs: lf, rf, lm"),
     (f'{EVENTS}lifted = ["rx"]', "WG140", "lifted[0]", "known legs"),
@@ -213,6 +215,7 @@ def test_events_are_exact_and_know_who_is_lifted(tmp_path) -> None:
     assert only.events == ((0, 0, "lift"), (Fraction(1, 2), 0, "place"), (1, 3, "lift"))
     assert (only.lifted, only.lift, only.static) == ((False, False, False, False, False, True), Fraction(1, 20), True)
     assert only.own(0) == (0, Fraction(1, 2))
+    assert (only.stride, only.stance, only.body, only.margin) == (0, None, "level", None)
     both = gaits(tmp_path, f'[gait.first]\n{EVENTS}static = false\nlifted = ["rr", "lr", "lm", "rf"]\n[gait.then]\n{TRIPOD}')
     assert [made.kind for made in both.values()] == ["events", "tripod"]
     twice = EVENTS.replace("at = 1,", 'at = "pace",')  # one is placed as another one lifts

@@ -130,8 +130,12 @@ def _stepping(gait: Gait | Schedule, robot: Mechanism) -> dict[str, Any]:
         "owner": gait_owner(gait.name),
         "kind": gait.kind,
         "legs": [leg.name for leg in robot.legs],
+        "stride": float(gait.stride),
         "lift": None if gait.lift is None else float(gait.lift),
+        "stance": None if gait.stance is None else [list(map(float, point)) for point in gait.stance],
         "static": gait.static,
+        "body": gait.body,
+        "margin": None if gait.margin is None else float(gait.margin),
     }
 
 
@@ -141,10 +145,6 @@ def _cycle(gait: Gait, robot: Mechanism) -> dict[str, Any]:
         "duty_factor": list(map(float, gait.duty_factor)),
         "phase": list(map(float, gait.phase)),
         "period": float(gait.period),
-        "stride": float(gait.stride),
-        "stance": None if gait.stance is None else [list(map(float, point)) for point in gait.stance],
-        "body": gait.body,
-        "margin": None if gait.margin is None else float(gait.margin),
     }
 
 

@@ -65,7 +65,8 @@ _GAIT = (
 )
 _SCHEDULE = (
     *("name: str", "kind: str", "legs: tuple[str, ...]", "events: tuple[tuple[float, str, str], ...]", "lifted: tuple[str, ...]"),
-    *("lift: float | None", "static: bool", _FUNCTIONS),
+    *("stride: float", "lift: float | None", "stance: tuple[tuple[float, float, float], ...] | None"),
+    *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
 )
 _ROBOT = (
     "name: str",

@@ -66,6 +66,11 @@ class Schedule:
         """
         return FootMotion(*schedule_transfers(*self._timing, lift, t, np.asarray(start, float), np.asarray(end, float)))
 
+    def passed(self, t: Any) -> np.ndarray:
+        """How many of its own events each leg has behind it at times t [...]: [..., k]."""
+        own = [[event.at for event in self.events if event.leg == leg] for leg in self.legs]
+        return np.stack([np.searchsorted(times, np.asarray(t, float), side="right") for times in own], axis=-1)
+
     @property
     def fewest_supporting(self) -> int:
         """The least number of legs that support at any instant."""

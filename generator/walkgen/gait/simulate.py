@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from walkgen.gait import balance
-from walkgen.gait.chains import Bending, adapted, held
+from walkgen.gait.chains import Bending, Rest, adapted, held
 from walkgen.gait.course import Course, Pace, course
 from walkgen.gait.driven import driven, is_driven
 from walkgen.gait.faults import Fault, worst
@@ -19,6 +19,7 @@ from walkgen.gait.motion import Motion, composed
 from walkgen.gait.power import Contact, Power, power
 from walkgen.gait.rates import rates
 from walkgen.gait.stance_margins import Margins, margins
+from walkgen.gait.steps import Standing, Steps, place_steps
 from walkgen.gait.trajectory import FootMotion, Trajectory
 from walkgen.gait.walk import Walk
 from walkgen.runtime.robot import Robot
@@ -67,10 +68,11 @@ _LEVEL, _STEADILY = Slope(), Options()
 
 
 class Plan(NamedTuple):
-    """What a walk follows: footholds and the first platform's motion by time."""
+    """What a walk follows: footholds and the first platform's motion by time, and when it rests."""
 
-    footholds: Footholds
+    footholds: Standing
     body: Callable[[np.ndarray], Motion]
+    rest: Rest = None
 
 
 class State(NamedTuple):
@@ -85,26 +87,29 @@ class State(NamedTuple):
     com: np.ndarray
 
 
-def simulate(robot: Robot, trajectory: Trajectory, ground: Ground = _LEVEL, options: Options = _STEADILY) -> Walk:
+def simulate(robot: Robot, trajectory: Trajectory | Steps, ground: Ground = _LEVEL, options: Options = _STEADILY) -> Walk:
     """Walk a robot over a ground, from the origin along `heading`.
 
     The platform keeps the gait's speed along its course, whose height and inclination follow the ground under the stance; feet stand
-    where their stance points are in the middle of a support, and stay there exactly.
+    where their stance points are in the middle of a support, and stay there exactly. A list of events is walked once, from rest to rest.
 
     Args:
         robot: loaded; its z is up at rest.
-        trajectory: gait, stance and lift.
+        trajectory: gait, stance and lift; or a list of events with them.
         ground: level where left out.
         options: how to walk.
 
     Raises:
-        ValueError: no cycle, or a rate that is not more than 0.
+        ValueError: no cycle, or a rate that is not more than 0; a list of events for legs with paths of their own, or one that leaves a
+            body no time.
     """
     if options.cycles < 1 or not options.rate > 0.0:
         raise ValueError(f"{options.cycles} cycles at {options.rate:g} instants a second: one and more than 0 are needed")
     trajectory = trajectory.ordered(tuple(robot.legs))
+    if isinstance(trajectory, Steps) and any(map(is_driven, robot.legs.values())):
+        raise ValueError("legs with a path of their own walk in cycles, not by a list of events")
     if options.body != "level":
-        trajectory = balance.with_pauses(trajectory)
+        trajectory = balance.with_room(trajectory)
     plan = planned(trajectory, ground, options)
     if options.body != "level":
         plan = _balanced(robot, plan, options, options.body)
@@ -112,31 +117,43 @@ def simulate(robot: Robot, trajectory: Trajectory, ground: Ground = _LEVEL, opti
     return _walk(robot, plan, ground, options, times)
 
 
-def instants(trajectory: Trajectory, options: Options) -> np.ndarray:
+def instants(trajectory: Trajectory | Steps, options: Options) -> np.ndarray:
     """The instants of a walk [t] (s), both ends included."""
-    duration = options.cycles * trajectory.gait.period
-    return np.linspace(0.0, duration, math.ceil(duration * options.rate) + 1)
+    if isinstance(trajectory, Steps):
+        start, end = trajectory.start, trajectory.end
+    else:
+        start, end = 0.0, options.cycles * trajectory.gait.period
+    return np.linspace(start, end, math.ceil((end - start) * options.rate) + 1)
 
 
-def planned(trajectory: Trajectory, ground: Ground, options: Options) -> Plan:
+def planned(trajectory: Trajectory | Steps, ground: Ground, options: Options) -> Plan:
     """Course and footholds."""
+    if isinstance(trajectory, Steps):
+        return _listed(trajectory, ground, options)
     gait = trajectory.gait
     pace = Pace(gait.speed, options.cycles * gait.period, min(1.0, options.cycles / 2) * gait.period if options.from_rest else 0.0)
     path = course(ground, np.array(trajectory.stance), gait.stride, gait.stride * options.cycles, options.heading)
-    return Plan(place(trajectory, path, pace, ground), _along(path, pace))
+    return Plan(place(trajectory, path, pace, ground), _along(path, pace), (0.0, pace.duration) if options.from_rest else None)
 
 
-def _along(path: Course, pace: Pace) -> Callable[[np.ndarray], Motion]:
-    return lambda t: path.at(pace.at(t))
+def _listed(steps: Steps, ground: Ground, options: Options) -> Plan:
+    pace = Pace(steps.speed, steps.end - steps.start, steps.ramp)
+    stride = steps.stride / max(map(len, steps.supports))
+    path = course(ground, np.array(steps.stance), stride, steps.stride, options.heading)
+    return Plan(place_steps(steps, path, pace, ground), _along(path, pace, steps.start), (steps.start, steps.end))
+
+
+def _along(path: Course, pace: Pace, start: float = 0.0) -> Callable[[np.ndarray], Motion]:
+    return lambda t: path.at(pace.at(t - start))
 
 
 def state(robot: Robot, plan: Plan, adapt: bool, times: np.ndarray) -> State:
     """Where everything is at these instants."""
     motion = plan.body(times)
     feet, support = plan.footholds.motion(times)
-    bending = adapted(robot, plan.footholds, plan.body, times) if adapt and robot.chains else held(robot, times)
+    bending = adapted(robot, plan.footholds, plan.body, times, plan.rest) if adapt and robot.chains else held(robot, times)
     led = [foot for foot, leg in enumerate(robot.legs.values()) if is_driven(leg)]
-    if led:
+    if led and isinstance(plan.footholds, Footholds):
         drives = driven(robot, plan.footholds, plan.body, times)
         bending = Bending(bending.q + drives.q, bending.qd + drives.qd, bending.qdd + drives.qdd, bending.failed)
     found = postures(robot, motion.inward(feet.position - motion.position[:, None]), bending.q)
@@ -159,10 +176,10 @@ def _balanced(robot: Robot, plan: Plan, options: Options, body: Literal["waved",
     """The plan with the shifts or turns of the platform that keep the margin."""
 
     def com(candidate: Callable[[np.ndarray], Motion], times: np.ndarray) -> np.ndarray:
-        return state(robot, Plan(plan.footholds, candidate), options.adapt, times).com
+        return state(robot, plan._replace(body=candidate), options.adapt, times).com
 
     moves = balance.moves(plan.footholds, plan.body, com, body, options.margin, options.cycles)
-    return Plan(plan.footholds, lambda t: composed(moves(t), plan.body(t)))
+    return plan._replace(body=lambda t: composed(moves(t), plan.body(t)))
 
 
 def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.ndarray) -> Walk:

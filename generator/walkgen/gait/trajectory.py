@@ -53,6 +53,16 @@ class Trajectory:
             raise ValueError(f"{built!r} has no stance; the spec's gait table gives it")
         return cls(Gait.of(built), built.stance, built.lift)
 
+    @property
+    def speed(self) -> float:
+        """Of the platform, steadily (m/s)."""
+        return self.gait.speed
+
+    @property
+    def summary(self) -> str:
+        """In words."""
+        return f"period {self.gait.period:.4g} s, stride {self.gait.stride:.4g} m"
+
     def ordered(self, legs: Sequence[str]) -> "Trajectory":
         """The same with its legs in another order.
 

@@ -53,15 +53,22 @@ class Schedule:
         name: as in the spec.
         events: in order of time.
         lifted: whether each leg is in transfer before the first event.
+        stride: along the first platform's x in all (m).
         lift: of a foot over the higher of its footholds (m), None where the gait only says when.
+        stance: of each foot in the middle of its supports, in the first platform's frame (m).
         static: whether three legs support at every instant.
+        body: what the platform does before a leg lifts, to keep the `margin` (m).
     """
 
     name: str
     events: tuple[Event, ...]
     lifted: tuple[bool, ...]
+    stride: Fraction
     lift: Fraction | None
+    stance: tuple[Point, ...] | None
     static: bool
+    body: Literal["level", "waved", "swinging"]
+    margin: Fraction | None
 
     @property
     def kind(self) -> Literal["events"]:

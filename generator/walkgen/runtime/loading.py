@@ -193,31 +193,33 @@ def _gait(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait |
 
 def _schedule(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Schedule:
     return Schedule(
-        name=entry["name"],
-        kind=entry["kind"],
-        legs=tuple(entry["legs"]),
         events=tuple((float(at), leg, does) for at, leg, does in entry["events"]),
         lifted=tuple(entry["lifted"]),
-        lift=None if entry["lift"] is None else float(entry["lift"]),
-        static=bool(entry["static"]),
         functions=functions,
+        **_stepping(entry),
     )
 
 
 def _cycle(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait:
-    numbers = {key: None if entry[key] is None else float(entry[key]) for key in ("lift", "margin")}
     return Gait(
-        name=entry["name"],
-        kind=entry["kind"],
-        legs=tuple(entry["legs"]),
         duty_factor=tuple(map(float, entry["duty_factor"])),
         phase=tuple(map(float, entry["phase"])),
         period=float(entry["period"]),
-        stride=float(entry["stride"]),
-        lift=numbers["lift"],
-        stance=None if entry["stance"] is None else tuple((float(x), float(y), float(z)) for x, y, z in entry["stance"]),
-        static=bool(entry["static"]),
-        body=entry["body"],
-        margin=numbers["margin"],
         functions=functions,
+        **_stepping(entry),
     )
+
+
+def _stepping(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """What gaits of all kinds have."""
+    numbers = {key: None if entry[key] is None else float(entry[key]) for key in ("lift", "margin")}
+    stance = None if entry["stance"] is None else tuple((float(x), float(y), float(z)) for x, y, z in entry["stance"])
+    texts = {key: entry[key] for key in ("name", "kind", "body")}
+    return {
+        **texts,
+        **numbers,
+        "legs": tuple(entry["legs"]),
+        "stride": float(entry["stride"]),
+        "stance": stance,
+        "static": bool(entry["static"]),
+    }

@@ -162,10 +162,10 @@ class Gait(_Owner):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Schedule(_Owner):
-    """A gait of the spec that is a list of events: (time in s, leg, "lift" or "place"), and its functions of time, also attributes.
+    """A gait of the spec that is a list of events: (time in s, leg, "lift" or "place"), and its functions of time.
 
-    `lifted` are in transfer before the first one; `lift` in m, None where the spec leaves it out. `walkgen.gait.schedule.Schedule.of` makes
-    a schedule of walkgen.gait of it.
+    `lifted` are in transfer before the first one; `stride` in all, `lift`, `stance` and `margin` in m as of a `Gait`.
+    `walkgen.gait.schedule.Schedule.of` makes a schedule of walkgen.gait of it.
     """
 
     name: str
@@ -173,8 +173,12 @@ class Schedule(_Owner):
     legs: tuple[str, ...]
     events: tuple[tuple[float, str, str], ...]
     lifted: tuple[str, ...]
+    stride: float
     lift: float | None
+    stance: tuple[tuple[float, float, float], ...] | None
     static: bool
+    body: str
+    margin: float | None
     functions: Mapping[str, Function]
 
     def __repr__(self) -> str:

@@ -21,7 +21,7 @@ _PAIRS: Mapping[str, int] = {"tripod": 3, "crawl": 2, "trot": 2}
 _SIDED = ("left", "right")
 _UNSIDED = {"free": ("phase",), "events": ("events",)}
 """Kinds of gaits without sides, and what says instead when their legs step."""
-_PERIODIC = ("period", "stride", "duty_factor", "stance", "margin")
+_PERIODIC = ("period", "duty_factor")
 _OPTIONAL: Mapping[str, tuple[str, ...]] = {"follow_the_leader": ("pitch",), "free": ("phase",), "events": ("events", "lifted")}
 _FASTEST = 10**300
 _OWN_KEYS = (*_SIDED, "phase", "pitch", "events", "lifted")
@@ -73,17 +73,14 @@ def _keys(path: Path, gait: GaitSpec) -> Iterator[Finding]:
     if gait.kind not in _UNSIDED and isinstance(gait.duty_factor, dict):
         cure = 'give one number, or write kind = "free" with a phase for each leg'
         yield Finding("WG124", (*path, "duty_factor"), f'the legs of a gait "{gait.kind}" have one duty factor', cure, because)
-    if gait.kind == "events" and gait.body != "level":
-        yield Finding("WG124", (*path, "body"), "an event list says nothing of the platform", "leave body out", because)
-    elif gait.body == "level" and gait.kind != "events" and not _missing(gait, "margin"):
+    if gait.body == "level" and not _missing(gait, "margin"):
         yield Finding("WG124", (*path, "margin"), "a level body keeps no margin", 'write body = "waved" or body = "swinging"')
 
 
 def _needed(gait: GaitSpec) -> Iterator[str]:
     yield from _UNSIDED.get(gait.kind, _SIDED)
-    if gait.kind == "events":
-        return
-    yield "period"
+    if gait.kind != "events":
+        yield "period"
     if gait.kind not in WITHOUT_DUTY:
         yield "duty_factor"
     if gait.kind == "follow_the_leader":

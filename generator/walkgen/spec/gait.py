@@ -64,7 +64,7 @@ class GaitSpec(Table):
     """follow_the_leader: distance of neighbouring legs' strokes (m)."""
     pitch_mm: Number | None = None
     stride: Number | None = None
-    """How far the robot travels along x in a period (m); on the spot where left out."""
+    """How far the robot travels along x in a period, or by all events (m); on the spot where left out."""
     stride_mm: Number | None = None
     lift: Number | None = None
     """How far a foot rises over the higher of its two footholds, half way (m)."""
