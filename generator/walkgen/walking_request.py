@@ -145,7 +145,7 @@ def _one_at_a_time(feet: Trajectory | Steps, label: str) -> None:
         balance.with_room(feet)
     except ValueError as error:
         raise SpecError(
-            Problem("WG614", f"{label}: {error}", 'take kind = "crawl" or "wave" with a larger duty factor, or a level body')
+            Problem("WG614", f"{label}: {error}", "let one leg step at a time with pauses between, as a crawl does, or take a level body")
         ) from None
 
 

@@ -91,6 +91,8 @@ def test_a_body_keeps_the_margin_of_every_step(robot, steps):
 
 
 def test_lists_that_are_no_walk():
+    with pytest.raises(ValueError, match="a walk by events has some"):
+        Steps(Schedule(("a", "b"), ()), ((0.0, 0.0, 0.0),) * 2, 0.1)
     with pytest.raises(ValueError, match="a: in transfer at the end"):
         Steps(Schedule(("a", "b"), (Event(0.5, "a", "lift"),)), ((0.0, 0.0, 0.0),) * 2, 0.1)
     with pytest.raises(ValueError, match="b: in transfer at the start"):

@@ -29,7 +29,7 @@ class Steps:
         stride: how far the robot travels in all (m).
 
     Raises:
-        ValueError: not one point a leg; a leg in transfer at the start or in the end.
+        ValueError: no event; not one point a leg; a leg in transfer at the start or in the end.
     """
 
     schedule: Schedule
@@ -39,6 +39,8 @@ class Steps:
 
     def __post_init__(self) -> None:
         legs = self.schedule.legs
+        if not self.schedule.events:
+            raise ValueError("a walk by events has some")
         if np.shape(self.stance) != (len(legs), 3):
             raise ValueError(f"stance has shape {list(np.shape(self.stance))}; {len(legs)} legs have [{len(legs)}, 3]")
         last = self.schedule.states(self.end)
