@@ -127,6 +127,8 @@ class Described:
         return found
 
     def friction(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Coefficients of friction [...]; NaN where a patch gives none."""
+        """Coefficients of friction [...]; NaN where a patch gives none, and of ground that was built without `ground`."""
+        if not hasattr(self.terrain, "ground"):
+            return np.full(np.broadcast(x, y).shape, math.nan)
         found: np.ndarray = self.terrain.ground(np.stack([x, y, np.zeros_like(x)], axis=-1))[0]
         return found
