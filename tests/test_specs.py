@@ -169,12 +169,12 @@ def test_gaits_are_those_that_the_specs_name():
     gaits = {name: {gait.name: gait for gait in mechanism(name).gaits} for name in ("mero", "quadruped", "garrec", "solo12")}
     assert {name: list(found) for name, found in gaits.items()} == {
         "mero": ["tripod", "wave", "slow_wave"],
-        "quadruped": ["waved", "swinging"],
+        "quadruped": ["waved", "swinging", "set_right"],
         "garrec": [""],
         "solo12": [],
     }
     assert gaits["mero"]["tripod"].phase == (0, 1 / 2, 1 / 2, 0, 0, 1 / 2)  # 3 x 3, in the order of MERO_FEET
-    assert [gait.body for gait in gaits["quadruped"].values()] == ["waved", "swinging"]
+    assert [gait.body for gait in gaits["quadruped"].values()] == ["waved", "swinging", "waved"]
 
 
 def test_the_quadrupeds_centre_of_mass_is_the_theorys():

@@ -11,12 +11,11 @@ from typer.core import TyperGroup
 from walkgen import __version__
 from walkgen.arguments import TO_FILE, Body, Format, Output, Specs, Stage, Verify, targets_of
 from walkgen.errors import Problem, WalkgenError
-from walkgen.terminal import as_json, count, progress_of, report, write_new
+from walkgen.terminal import as_json, count, print_build, print_walk, progress_of, report, write_new
 
 if TYPE_CHECKING:
-    from walkgen.pipeline import BuildOptions, BuildReport
+    from walkgen.pipeline import BuildOptions
     from walkgen.spec.schema import RobotSpec
-    from walkgen.walking import Walked
 
 DIFFERENCE, USER_ERROR = 1, 2
 
@@ -80,7 +79,7 @@ def build(
         with progress_of(spec) as progress:
             built = pipeline.build(spec, output, options, progress)
         report(built.notices)
-        _print_build(built)
+        print_build(built)
         if verify is not Verify.NONE and selftest.run(built.folder, selftest.STRICT if verify is Verify.FULL else FLAGS):
             failed.append(built.folder)
 
@@ -104,14 +103,6 @@ def _check_stale(specs: list[Path], output: Path, options: "BuildOptions") -> No
     if found:
         raise typer.Exit(DIFFERENCE)
     typer.echo(f"{count(len(specs), 'robot')} up to date")
-
-
-def _print_build(built: "BuildReport") -> None:
-    size = f"{count(len(built.files), 'file')}, {count(built.functions, 'function')}, {built.operations} operations"
-    typer.echo(f"{built.folder}: {size}, {built.seconds:.1f} s")
-    for file in built.files:
-        typer.echo(f"  {file}")
-    typer.echo(f"  {built.library} compiled" if built.library else "  no library (no C compiler, or the target c is off): runs on NumPy")
 
 
 @app.command(name="check")
@@ -172,7 +163,7 @@ def gait(
     png: Annotated[Path | None, typer.Option("--png", metavar="FILE.png", help="A still picture.")] = None,
     name: Annotated[str, typer.Option("--gait", metavar="NAME", help="Which of the spec's gaits; its first where left out.")] = "",
     terrain: Annotated[
-        str, typer.Option(metavar="GROUND", help="flat, slope:DEGREES, or a height in x and y; the spec's, else flat.")
+        str, typer.Option(metavar="GROUND", help="flat, slope:DEGREES, map:FILE:SPACING, or a height in x and y; the spec's, else flat.")
     ] = "",
     body: Annotated[Body | None, typer.Option(help="What the platform does before a leg lifts, instead of what the gait says.")] = None,
     margin: Annotated[float | None, typer.Option(metavar="M", help="The least static stability margin; the gait's, else 0.")] = None,
@@ -180,31 +171,24 @@ def gait(
     rate: Annotated[float, typer.Option(metavar="HZ", help="Instants in a second.")] = 100.0,
     from_rest: Annotated[bool, typer.Option("--from-rest", help="Start and stop; else walk steadily.")] = False,
     give: Annotated[float, typer.Option(metavar="M", help="How far ground and feet give, for legs with a path of their own.")] = 0.0,
+    heading: Annotated[float, typer.Option(metavar="DEG", help="Of the course, from the world's x axis to its y axis.")] = 0.0,
+    mu: Annotated[float | None, typer.Option(metavar="MU", help="Coefficient of friction; the ground's where it says, else 0.7.")] = None,
     adapt: Annotated[bool, typer.Option("--adapt", help="Adapt the connecting chains to the footholds; else hold them straight.")] = False,
 ) -> None:
     """Simulate a walk: animation, table, picture; exit code 1 where the robot cannot walk so, with what stands against it."""
     from walkgen import walking
+    from walkgen.walking_request import Wanted
 
-    wanted = walking.Wanted(name, terrain, body.value if body else "", margin, cycles, rate, from_rest, adapt, give)
+    asked = Wanted(name, terrain, body.value if body else "", margin, cycles, rate, from_rest, adapt, give, heading, mu)
     with progress_of(spec) as progress:
-        result = walking.walked(spec, wanted, progress)
+        result = walking.walked(spec, asked, progress)
         progress("write")
         if output is not None:
             write_new(output, walking.written(result, output))
         if png is not None:
             write_new(png, walking.pictured(result))
-    _print_walk(result, [file for file in (output, png) if file is not None])
-
-
-def _print_walk(result: "Walked", files: list[Path]) -> None:
-    walk = result.walk
-    pace = f"{walk.times[-1]:.4g} s, {count(len(walk.holds.leg), 'foothold')}, {walk.trajectory.gait.speed:.4g} m/s"
-    typer.echo(f"{walk.robot}: {pace}, least static margin {walk.least_margin:.4g} m")
-    for file in files:
-        typer.echo(f"  {file}")
-    for fault in walk.faults:
-        typer.echo(f"  {fault}")
-    if not walk.feasible:
+    print_walk(result.walk, [file for file in (output, png) if file is not None])
+    if not result.walk.feasible:
         raise typer.Exit(DIFFERENCE)
 
 

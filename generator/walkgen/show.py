@@ -10,7 +10,7 @@ from walkgen import pipeline
 from walkgen.examine import coverage_of, drives_text, percent
 from walkgen.graph.coverage import titled
 from walkgen.model.classify import inverse_class
-from walkgen.model.gait import Gait
+from walkgen.model.gait import Gait, Schedule
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
 from walkgen.show_code import chosen, equations, listing
@@ -134,7 +134,8 @@ def _mechanism(mechanism: Mechanism) -> Iterator[str]:
             yield from _coverage(mechanism, leg, leg.linkage)
         yield from _inverse(mechanism, leg)
     for gait in mechanism.gaits:
-        yield from _gait(gait, [leg.name for leg in mechanism.legs])
+        legs = [leg.name for leg in mechanism.legs]
+        yield from _gait(gait, legs) if isinstance(gait, Gait) else _schedule(gait, legs)
 
 
 def _limb(title: str, limb: Limb) -> Iterator[str]:
@@ -226,6 +227,15 @@ def _gait(gait: Gait, legs: Sequence[str]) -> Iterator[str]:
     yield f"gait{name}: {gait.kind}, period {_fraction(gait.period)} s, stride {_fraction(gait.stride)} m"
     for leg, duty, phase in zip(legs, gait.duty_factor, gait.phase, strict=True):
         yield f"    {leg}  supports {_fraction(duty)} of the period from {_fraction(phase)} on"
+
+
+def _schedule(gait: Schedule, legs: Sequence[str]) -> Iterator[str]:
+    """What happens when."""
+    name = f" {gait.name}" if gait.name else ""
+    up = ", ".join(leg for leg, lifted in zip(legs, gait.lifted, strict=True) if lifted)
+    yield f"gait{name}: {len(gait.events)} events; in transfer before them: {up or 'no leg'}"
+    for event in gait.events:
+        yield f"    {_fraction(event.at)} s  {event.does} {legs[event.leg]}"
 
 
 def _inverse(mechanism: Mechanism, leg: Limb) -> Iterator[str]:

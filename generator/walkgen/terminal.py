@@ -4,11 +4,16 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 from rich.console import Console
 
 from walkgen.errors import Problem, SpecError
+
+if TYPE_CHECKING:
+    from walkgen.gait.walk import Walk
+    from walkgen.pipeline import BuildReport
 
 
 def report(problems: tuple[Problem, ...]) -> None:
@@ -28,6 +33,25 @@ def as_json(problem: Problem) -> dict[str, str | int]:
 def count(number: int, noun: str) -> str:
     """The number with its noun: 1 file, 2 files."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def print_build(built: "BuildReport") -> None:
+    """Say what a build wrote."""
+    size = f"{count(len(built.files), 'file')}, {count(built.functions, 'function')}, {built.operations} operations"
+    typer.echo(f"{built.folder}: {size}, {built.seconds:.1f} s")
+    for file in built.files:
+        typer.echo(f"  {file}")
+    typer.echo(f"  {built.library} compiled" if built.library else "  no library (no C compiler, or the target c is off): runs on NumPy")
+
+
+def print_walk(walk: "Walk", files: list[Path]) -> None:
+    """Say how a walk went, what stands against it and which files have it."""
+    pace = f"{walk.times[-1] - walk.times[0]:.4g} s, {count(len(walk.holds.leg), 'foothold')}, {walk.trajectory.speed:.4g} m/s"
+    typer.echo(f"{walk.robot}: {pace}, least static margin {walk.least_margin:.4g} m")
+    for file in files:
+        typer.echo(f"  {file}")
+    for fault in walk.faults:
+        typer.echo(f"  {fault}")
 
 
 def write_new(path: Path, content: str | bytes) -> None:

@@ -8,7 +8,7 @@ from stance_library import integers, own, reals
 
 from walkgen.runtime.solves.stability import Gradients, Margins
 
-HEADERS = ("walkgen_support.h", "walkgen_shadow.h", "walkgen_feasible.h", "walkgen_stability.h")
+HEADERS = ("walkgen_support.h", "walkgen_shadow.h", "walkgen_shadow_margin.h", "walkgen_feasible.h", "walkgen_stability.h")
 _CALLS = """
 void margins@(int k, const REAL *points, const REAL *com, const REAL *direction, const REAL *mu, const REAL *normals, const REAL *gravity,
               const REAL *mass, const REAL *own, REAL *stable, REAL *longitudinal, REAL *energy, REAL *height, REAL *friction,

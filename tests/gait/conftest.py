@@ -14,7 +14,8 @@ def duo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The spec; its robot is in the cache that XDG_CACHE_HOME names until the session ends."""
     from filelock import FileLock
 
-    from walkgen.walking import Wanted, walked
+    from walkgen.walking import walked
+    from walkgen.walking_request import Wanted
 
     own = tmp_path_factory.getbasetemp()
     shared = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "walks"

@@ -9,7 +9,8 @@ from walkgen.gait.ground import Slope
 from walkgen.gait.simulate import Options, simulate
 from walkgen.gait.standard import crawl, trot
 from walkgen.gait.trajectory import Trajectory
-from walkgen.walking import Wanted, walked
+from walkgen.walking import walked
+from walkgen.walking_request import Wanted
 
 SIDES = ("fl", "rl"), ("fr", "rr")
 

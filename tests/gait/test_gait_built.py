@@ -5,7 +5,8 @@ import pytest
 from walkers import NAMES, SIDES, STANCE, spec
 
 from walkgen.errors import UnsupportedMechanism
-from walkgen.gait.pattern import Gait
+from walkgen.gait.pattern import Event, Gait
+from walkgen.gait.schedule import Schedule
 from walkgen.gait.standard import tripod, wave
 from walkgen.gait.trajectory import Trajectory
 from walkgen.pipeline import BuildOptions, build
@@ -33,6 +34,14 @@ period = 2
 lift = 0.05
 body = "waved"
 margin = 0.04
+[gait.steps]
+kind = "events"
+lift = 0.05
+lifted = ["rr"]
+events = [
+  {{ at = "pace/5", leg = "lf", does = "lift" }}, {{ at = 0.7, leg = "rr", does = "place" }}, {{ at = 0.7, leg = "lm", does = "lift" }},
+  {{ at = 1.1, leg = "lf", does = "place" }}, {{ at = 1.3, leg = "rf", does = "lift" }}, {{ at = 2.25, leg = "lm", does = "place" }},
+]
 """
 TIMES = np.random.default_rng(8).uniform(-20, 100, 500)
 
@@ -52,7 +61,7 @@ def robot(request, folder, monkeypatch) -> Robot:
 
 
 def test_the_robot_knows_its_gaits(robot):
-    assert list(robot.gaits) == ["tripod", "wave", "own"]
+    assert list(robot.gaits) == ["tripod", "wave", "own", "steps"]
     assert robot.gait is robot.gaits["tripod"]
     assert (robot.gait.kind, robot.gait.legs, robot.gait.period, robot.gait.stride, robot.gait.lift) == ("tripod", NAMES, 1.5, 0.3, 0.08)
     own = robot.gaits["own"]
@@ -75,6 +84,41 @@ def test_what_a_gait_has_no_numbers_for_is_missing(robot):
         robot.gaits["wave"].foot_transfers(0.0)
     with pytest.raises(AttributeError, match="did you mean states"):
         robot.gaits["wave"].stats(0.0)
+
+
+def test_a_list_of_events_is_that_of_walkgen_gait(robot):
+    built = robot.gaits["steps"]
+    schedule = Schedule.of(built)
+    assert schedule.legs == NAMES
+    assert schedule.lifted == ("rr",)
+    assert schedule.events[0] == Event(0.1, "lf", "lift")
+    times = np.concatenate([np.linspace(-0.5, 3, 141), [event.at for event in schedule.events], [np.nan, np.inf, -np.inf]])
+    np.testing.assert_array_equal(built.states(times), schedule.states(times))
+    np.testing.assert_array_equal(built.leg_phase(times), schedule.leg_phase(times))
+    for mine, theirs in zip(built.next_event(times), schedule.next_event(times), strict=True):
+        np.testing.assert_array_equal(mine, theirs)
+    start, end = np.random.default_rng(3).uniform(-1, 1, (2, 6, 3))
+    for mine, theirs in zip(built.foot_transfers(times, start, end), schedule.feet(times, start, end, 0.05), strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=2e-15, atol=5e-15 * np.nanmax(np.abs(theirs)))
+    time, state = -1.0, built.states(-1.0)
+    for _ in range(5):  # the events' five instants, and none after them
+        time, change = built.next_event(time)
+        state = state + change
+        assert (built.states(time) == state).all()
+    assert np.isnan(built.next_event(time)[0])
+    assert state.tolist() == [0, 1, 0, 0, 0, 0]
+    assert repr(built) == "<gait 'steps': 6 events, 4 functions>"
+    assert (built.kind, built.lift, built.stride, built.stance, built.static, built.body, built.margin) == (
+        "events",
+        0.05,
+        0.0,
+        None,
+        True,
+        "level",
+        None,
+    )
+    with pytest.raises(AttributeError, match="has no 'foot_targets'"):
+        built.foot_targets(0.0)
 
 
 @pytest.mark.parametrize("name", ["tripod", "wave", "own"])
@@ -141,7 +185,10 @@ def test_header_and_stub_name_the_gaits(folder):
     header, stub = ((folder / name).read_text(encoding="utf-8") for name in ("six.h", "__init__.pyi"))
     assert "#define SIX_GAIT_TRIPOD_PERIOD 1.5" in header
     assert "#define SIX_GAIT_TRIPOD_LIFT 0.08" in header
-    assert 'gaits: Mapping[Literal["tripod", "wave", "own"], _Gait1 | _Gait2 | _Gait3]' in stub
+    assert "#define SIX_GAIT_STEPS_EVENTS 6" in header
+    assert "SIX_GAIT_STEPS_PERIOD" not in header
+    assert 'gaits: Mapping[Literal["tripod", "wave", "own", "steps"], _Gait1 | _Gait2 | _Gait3 | _Gait4]' in stub
+    assert "events: tuple[tuple[float, str, str], ...]" in stub
     compile(stub, "stub", "exec")
 
 
@@ -150,6 +197,8 @@ def test_show_says_when_legs_support(tmp_path):
     said = show(tmp_path / "six.toml", "mechanism", "").splitlines()
     assert "gait wave: wave, period 3 s, stride 0 m" in said
     assert "    rr  supports 0.65 of the period from 0.35 on" in said
+    assert "gait steps: 6 events; in transfer before them: rr" in said
+    assert "    0.1 s  lift lf" in said
 
 
 def test_a_robot_with_one_gait_does_not_name_it(tmp_path):

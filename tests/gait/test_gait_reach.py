@@ -14,7 +14,7 @@ TEXT = """walkgen = 1
 name = "four"
 gravity = [0, 0, -9.8]
 [generate]
-functions = ["foot_position", "inverse_admissible", "foot_targets"]
+functions = ["foot_position", "foot_positions", "inverse", "inverse_admissible", "foot_targets"]
 {designs}
 [[platforms]]
 name = "body"
@@ -79,20 +79,20 @@ def from_hips(gait):
 def test_a_leg_that_is_too_short(robot):
     """Further from the hip than thigh and shank reach: at the ends of the stroke, 0.6 m from its middle, and further on in transfer."""
     gait = robot.gaits["far"]
-    found = [one for one in shortfalls(robot, gait, samples=400) if one.leg.startswith("l")]
+    found = [one for one in shortfalls(robot, Trajectory.of(gait), samples=400) if one.leg.startswith("l")]
     away = np.linalg.norm(from_hips(gait), axis=-1).max(axis=0) - (THIGH + SHANK)
     assert [one.leg for one in found] == ["lf", "lh"]
     for one, expected in zip(found, away[::2], strict=True):
         assert one.distance == pytest.approx(expected, abs=2e-5)
         assert one.distance > np.linalg.norm([0.6, OUT, DOWN]) - (THIGH + SHANK) > 0.03
         assert one.phase > 0.75
-        assert f"by {one.distance:.4f} m" in str(one)
+        assert f"in transfer, ({one.point[0]:.4f}, {one.point[1]:.4f}, {one.point[2]:.4f}), is {1000 * one.distance:.4g} mm" in str(one)
 
 
 def test_a_limit_that_is_too_narrow(robot):
     """A yaw of 20 degrees at most on the right: a foot beyond is nearest where the leg's plane at the limit passes it."""
     gait = robot.gaits["near"]
-    found = shortfalls(robot, gait, samples=400)
+    found = shortfalls(robot, Trajectory.of(gait), samples=400)
     feet = np.abs(from_hips(gait))
     beyond = np.arctan2(feet[..., 0], feet[..., 1]) - np.radians(NARROW)
     away = (np.hypot(feet[..., 0], feet[..., 1]) * np.sin(beyond)).max(axis=0)
@@ -103,5 +103,16 @@ def test_a_limit_that_is_too_narrow(robot):
 
 def test_turning_on_the_spot_asks_for_more(robot):
     gait = robot.gaits["near"]
-    assert not {one.leg for one in shortfalls(robot, gait, [0.0, 0.0, 0.2])} & {"lf", "lh"}
-    assert {one.leg for one in shortfalls(robot, gait, [0.0, 0.0, 2.0])} >= {"lf", "lh"}
+    assert not {one.leg for one in shortfalls(robot, Trajectory.of(gait), [0.0, 0.0, 0.2])} & {"lf", "lh"}
+    assert {one.leg for one in shortfalls(robot, Trajectory.of(gait), [0.0, 0.0, 2.0])} >= {"lf", "lh"}
+
+
+def test_ends_of_strokes_without_limits(robot):
+    """At the ends of its stroke of 1.2 m the foot is sqrt(.6^2 + .4^2 + .3^2) from the hip; a yaw of 20 degrees is no reason."""
+    found = shortfalls(robot, Trajectory.of(robot.gaits["far"]), samples=0, limits=False)
+    assert [one.leg for one in found] == [name for name, *_ in CORNERS]
+    for one in found:
+        assert one.distance == pytest.approx(np.linalg.norm([0.6, OUT, DOWN]) - (THIGH + SHANK), abs=1e-9)
+        assert one.part in {"the front end of its stroke", "the rear end of its stroke"}
+        assert f"{1000 * one.distance:.4g} mm out of reach" in str(one)
+    assert shortfalls(robot, Trajectory.of(robot.gaits["near"]), samples=0, limits=False) == ()

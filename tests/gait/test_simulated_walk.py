@@ -1,15 +1,21 @@
 """Simulated walks: feet that stay where they stand, motions without jumps, chains that adapt, energy that is conserved."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from walkgen.gait.ground import Described, Relief, Slope
+from walkgen.gait.chains import best_poses
+from walkgen.gait.ground import Described, Grid, Relief, Slope
 from walkgen.gait.simulate import Options, simulate
+from walkgen.gait.spline import Spline
 from walkgen.gait.stance_margins import margins
 from walkgen.gait.trajectory import Trajectory
-from walkgen.walking import Wanted, walked
+from walkgen.signature import STATUSES
+from walkgen.walking import walked
+from walkgen.walking_request import Wanted
 
 SLOPE = Slope(np.radians(8))
 HILLS = Relief(lambda x, y: 0.02 * np.sin(3 * x) + 0.05 * x * y)
@@ -94,6 +100,26 @@ def test_platform_keeps_its_pace_along_a_slope(robot, trajectory):
     np.testing.assert_allclose(walk.base_pose[:, :3, :3], np.broadcast_to(expected, (len(walk.times), 3, 3)), atol=1e-12)
 
 
+def test_chains_begin_and_end_at_rest(robot, trajectory):
+    walk = simulate(robot, trajectory, HILLS, Options(from_rest=True, adapt=True))
+    assert np.abs(walk.qd[[0, -1]]).max() < 1e-9
+    assert np.abs(walk.qd).max() > 0.1
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_splines_are_scipys(flat):
+    from scipy.interpolate import CubicSpline
+
+    values, x = np.random.default_rng(1).uniform(-1, 1, (9, 3)), np.linspace(0.5, 4.5, 77)
+    peer = CubicSpline(0.5 + 0.5 * np.arange(9), values, bc_type="clamped" if flat else "natural")
+    for order, mine in enumerate(Spline(0.5, 0.5, values, flat).at(x)):
+        np.testing.assert_allclose(mine, peer(x, order), atol=1e-12)
+    for few in (values[:2], values[:3]):
+        peer = CubicSpline(0.5 + 0.5 * np.arange(len(few)), few, bc_type="clamped" if flat else "natural")
+        inside = np.linspace(0.5, 0.5 * len(few), 9)
+        np.testing.assert_allclose(Spline(0.5, 0.5, few, flat).at(inside)[0], peer(inside), atol=1e-12)
+
+
 def test_from_rest_begins_and_ends_at_rest(robot, trajectory):
     walk = simulate(robot, trajectory, Slope(), Options(from_rest=True))
     for rates in (walk.qd, walk.qdd):
@@ -167,8 +193,12 @@ def test_margins_are_distances_to_the_hull(robot):
 
 def test_the_specs_own_ground(robot, trajectory):
     ground = Described(robot.terrain)
-    walk = simulate(robot, trajectory, ground, Options(cycles=2))
+    walk = simulate(robot, trajectory, ground, Options(cycles=8))
     assert walk.slip < 1e-12
+    x, y, z = walk.holds.point.T
+    assert np.abs(z - 0.02 * np.sin(2 * x))[x < 0.6].max() < 1e-12
+    assert np.abs(z - 0.02 * np.sin(2 * x))[x > 0.6].max() > 1e-3  # on the height map
+    np.testing.assert_array_equal(ground.friction(x, y), np.where(x <= 0.6, 0.55, np.nan))
     far = simulate(robot, trajectory, ground, Options(cycles=14, rate=20.0))
     lost = [fault for fault in far.faults if fault.kind == "ground"]
     assert {fault.subject for fault in lost} == {"front_left", "front_right"}
@@ -178,7 +208,7 @@ def test_the_specs_own_ground(robot, trajectory):
 def test_faults_name_who_when_and_how_much(robot, trajectory):
     walk = simulate(robot, trajectory, Slope(), Options(max_speed=(1.0,) * 14, margin=0.02))
     kinds = {fault.kind for fault in walk.faults}
-    assert kinds == {"speed", "margin"}
+    assert kinds == {"speed", "margin", "carry"}
     speed = next(fault for fault in walk.faults if fault.kind == "speed")
     column = np.abs(walk.qd[:, walk.joints.index(speed.subject)])
     assert speed.amount == pytest.approx(column.max() - 1.0)
@@ -186,6 +216,60 @@ def test_faults_name_who_when_and_how_much(robot, trajectory):
     assert f"{speed.amount:.4g} rad/s" in str(speed)
     steep = simulate(robot, trajectory, Relief(lambda x, y: np.where(x > 0.15, 0.5, 0.0) + 0 * y), Options())
     assert {"reach", "through"} <= {fault.kind for fault in steep.faults}
+
+
+def test_chains_stay_where_a_foot_has_no_ground(robot, trajectory):
+    ground = Relief(lambda x, y: np.where(x < 0.3, 0.02 * np.sin(3 * x), np.nan) + 0 * y)
+    walk = simulate(robot, trajectory, ground, Options(cycles=5, rate=20.0, adapt=True))
+    chains = [joint for chain in robot.chains.values() for joint in range(chain.slice.start, chain.slice.stop)]
+    assert {"ground"} <= {fault.kind for fault in walk.faults} <= {"ground", "carry", "margin"}
+    assert np.isfinite(walk.q[:, chains]).all()
+    assert np.isfinite(walk.q[:, robot.legs["rear_left"].slice]).all()
+    level = simulate(robot, trajectory, Relief(lambda x, y: 0.02 * np.sin(3 * x) + 0 * y), Options(cycles=5, rate=20.0, adapt=True))
+    rows = np.isfinite(walk.q).all(axis=1) & (walk.times < 1.5)
+    assert rows.sum() > 25
+    np.testing.assert_allclose(walk.q[rows], level.q[rows], atol=1e-3)
+    nowhere = Relief(lambda x, y: np.where(abs(x) > 0.1, np.nan, 0.0) + 0 * y)
+    assert np.isfinite(simulate(robot, trajectory, nowhere, Options(rate=20.0, adapt=True)).q[:, chains]).all()
+
+
+def test_a_knot_without_a_pose_is_tried_again_from_beside():
+    """Of a robot whose search only succeeds from nearby: knots 3 and 4 fail from the first pose, and succeed from their neighbours'."""
+    aims = np.array([0.0, 0.1, 0.2, 1.0, 1.1, 0.3])
+
+    def adapt(targets, _, start=None):
+        aim = np.asarray(targets)[..., 0, 0]
+        far = np.zeros_like(aim) if start is None else np.abs(aim - np.asarray(start)[..., 0])
+        return aim[..., None], np.where(far > 0.85, STATUSES.index("NO_CONVERGENCE"), 0), aim
+
+    q, status = best_poses(SimpleNamespace(adapt=adapt, platforms=("one",)), aims[:, None, None] * np.ones((1, 4, 3)))
+    np.testing.assert_array_equal(q[:, 0], aims)
+    assert not status.any()
+
+
+def test_friction_decides_whether_a_slope_can_be_walked(robot, trajectory):
+    """tan(12 degrees) = 0.2126: with half of it feet slip always, with 0.35 there is enough for the accelerations too."""
+    slope, waved = Slope(np.radians(12)), {"body": "waved", "margin": 0.04, "rate": 50.0}
+    smooth, rough = (simulate(robot, trajectory, slope, Options(mu=mu, **waved)) for mu in (0.1, 0.35))
+    fault = next(fault for fault in smooth.faults if fault.kind == "carry")
+    assert fault.share == 1.0
+    assert smooth.power.overcome.all()
+    assert rough.feasible
+    assert not rough.power.overcome.any()
+    hills = simulate(robot, trajectory, Described(robot.terrain), Options(**waved))
+    assert hills.feasible
+    assert np.isfinite(hills.power.total).all()
+
+
+def test_a_grids_normals_are_those_of_its_heights():
+    rng = np.random.default_rng(6)
+    grid = Grid(rng.uniform(-0.1, 0.1, (6, 8)), 0.2, (-0.5, 0.3))
+    x, y = rng.uniform(-0.45, 0.85, 50), rng.uniform(0.35, 1.25, 50)
+    fine = Relief(grid.height)
+    np.testing.assert_allclose(grid.normal(x, y), fine.normal(x, y), atol=1e-6)
+    rows, columns = np.meshgrid(np.arange(6), np.arange(8), indexing="ij")
+    np.testing.assert_allclose(grid.height(-0.5 + 0.2 * columns, 0.3 + 0.2 * rows), grid.heights, atol=1e-15)
+    assert np.isnan(grid.height(np.array([-0.51, 0.91, 0.0, 0.0]), np.array([0.5, 0.5, 0.29, 1.31]))).all()
 
 
 @pytest.mark.parametrize(("cycles", "rate"), [(0, 100.0), (1, 0.0), (1, float("nan"))])

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from walkgen.walking import Wanted, walked
+from walkgen.walking import walked
+from walkgen.walking_request import Wanted
 
 SPECS = Path(__file__).parents[2] / "specs"
 pytestmark = pytest.mark.nightly
@@ -13,6 +14,7 @@ WALKS = [
     ("mero", Wanted(gait="tripod", terrain="0.03*sin(2*x)*cos(y)", adapt=True, from_rest=True)),
     ("quadruped", Wanted(gait="waved")),
     ("quadruped", Wanted(gait="swinging")),
+    ("quadruped", Wanted(gait="set_right")),
     ("garrec", Wanted(give=0.002)),
 ]
 

@@ -14,6 +14,10 @@ TRIPOD = f'kind = "tripod"\nperiod = 2.0\n{SIDES}'
 PHASES = "phase = { lf = 0, rf = 0.5, lm = 0.75, rm = 0.25, lr = 0.5, rr = 0 }\n"
 FREE = f'kind = "free"\nperiod = 1\nduty_factor = 0.8\n{PHASES}'
 FOLLOW = f'kind = "follow_the_leader"\nperiod = 1\nduty_factor = 0.8\n{SIDES}'
+EVENTS = """kind = "events"
+events = [{ at = 0, leg = "lf", does = "lift" }, { at = "pace", leg = "lf", does = "place" }, { at = 1, leg = "rm", does = "lift" }]
+"""
+LATE = EVENTS.replace("at = 0,", "at = 3,").replace('"pace"', "4").replace("at = 1,", "at = 5,")
 LEGS = ("lf", "rf", "lm", "rm", "lr", "rr")
 
 
@@ -98,6 +102,36 @@ CASES = (
     (f"{TRIPOD}lift = -0.1", "WG161", "lift", "not be negative"),
     (TRIPOD.replace("2.0", "1e-200") + "stride = 1e200", "WG113", "stride", "speed"),
     (TRIPOD.replace("2.0", "inf"), "WG113", "period", "finite"),
+    ('kind = "events"', "WG111", "", '"events"'),
+    ('kind = "events"\nevents = []', "WG112", "events", "too few"),
+    (f"{EVENTS}period = 1", "WG124", "period", "does not belong"),
+    (f"{EVENTS}{SIDES}", "WG124", "left", "it has events, lifted"),
+    (f"{EVENTS}duty_factor = 0.8", "WG124", "duty_factor", "does not belong"),
+    (f'{EVENTS}body = "waved"', "WG111", "", '"margin"'),
+    (f"{EVENTS}margin = 0.1", "WG124", "margin", 'body = "waved"'),
+    (f'{EVENTS}lift = 0.1\nstance = "nowhere"', "WG140", "stance", 'no gait "nowhere" with a stance'),
+    (f'{WAVE}lifted = ["lf"]', "WG124", "lifted", "does not belong"),
+    (EVENTS.replace('"rm"', '"rn"'), "WG140", "events[2].leg", "known legs: lf, rf, lm"),
+    (f'{EVENTS}lifted = ["rx"]', "WG140", "lifted[0]", "known legs"),
+    (EVENTS.replace('"place"', '"put"'), "WG116", "events[1].does", "lift, place"),
+    (EVENTS.replace("at = 1,", ""), "WG111", "events[2]", '"at"'),
+    (EVENTS.replace("at = 1,", "when = 1,"), "WG110", "events[2]", '"when"'),
+    (EVENTS.replace("at = 1,", "at = 0.25,"), "WG194", "events[2]", "the lift of rm at 0.25 s stands after 0.5 s"),
+    (f'{EVENTS}lifted = ["lf"]', "WG194", "events[0]", "the lift of lf at 0 s: lf is in transfer already"),
+    (EVENTS.replace('"rm"', '"rm"').replace('"lift" }]', '"place" }]'), "WG194", "events[2]", "rm is placed already"),
+    (EVENTS.replace('"pace"', "0"), "WG194", "events[1]", "lf would be lifted and placed at one instant"),
+    (f'{EVENTS}lifted = ["rf", "lm", "rr"]', "WG197", "events[0]", "from 0 s to 0.5 s only rm, lr support and lf, rf, lm, rr are in"),
+    (f'{EVENTS}lifted = ["rf", "lm", "lr", "rr"]', "WG197", "events[0]", "only rm supports"),
+    (f'{LATE}lifted = ["rf", "lm", "lr", "rr"]', "WG197", "events[0]", "from 3 s to 4 s only rm supports"),
+    (f'{LATE}lifted = ["lf", "rf", "lm", "rm"]', "WG194", "events[0]", "lf is in transfer already"),
+    (f'{LATE[: LATE.index(", { at = 4")]}]\nlifted = ["rf", "lm", "lr", "rr"]', "WG197", "events[0]", "from 3 s on only rm supports"),
+    (
+        f'{EVENTS.replace("lift", "none").replace("place", "lift").replace("none", "place")}lifted = ["lf", "rm", "rr", "lr"]',
+        "WG197",
+        "lifted",
+        "before 0 s only rf, lm support",
+    ),
+    (EVENTS.replace('"pace"', '"loose"'), "WG199", "events[1].at", 'runtime parameter "loose"'),
 )
 HEADED = tuple((head, *case) for case in CASES for head in ("gait", "gait.quick"))
 
@@ -115,8 +149,8 @@ def test_each_mistake_has_its_code_its_place_and_its_cure(tmp_path, head, keys: 
 
 
 def test_all_mistakes_at_once(tmp_path) -> None:
-    keys = TRIPOD.replace('"lm"', '"ln"').replace("2.0", "-1") + 'duty_factor = 2\nstrid = 3\n[gait.quick]\nkind = "trott"\n'
-    problems = refused(tmp_path, f"[gait.one]\n{keys}")
+    keys = TRIPOD.replace('"lm"', '"ln"').replace("2.0", "-1") + "duty_factor = 2\nstrid = 3\n"
+    problems = refused(tmp_path, f'[gait.one]\n{keys}[gait.quick]\nkind = "trott"\n[gait.slow]\nkind = "trot"\n')
     assert {problem.code for problem in problems} >= {"WG110", "WG111", "WG116", "WG140", "WG161", "WG196"}
 
 
@@ -173,3 +207,16 @@ def test_the_usual_duty_factors(tmp_path) -> None:
     assert found["crawl"].phase == (0, Fraction(1, 2), Fraction(3, 4), Fraction(1, 4))
     (only,) = gaits(tmp_path, f"[gait]\n{TRIPOD}static = false").values()
     assert (only.name, only.static) == ("", False)
+
+
+def test_events_are_exact_and_know_who_is_lifted(tmp_path) -> None:
+    (only,) = gaits(tmp_path, f'[gait]\n{EVENTS}lift_mm = 50\nlifted = ["rr"]').values()
+    assert only.kind == "events"
+    assert only.events == ((0, 0, "lift"), (Fraction(1, 2), 0, "place"), (1, 3, "lift"))
+    assert (only.lifted, only.lift, only.static) == ((False, False, False, False, False, True), Fraction(1, 20), True)
+    assert only.own(0) == (0, Fraction(1, 2))
+    assert (only.stride, only.stance, only.body, only.margin) == (0, None, "level", None)
+    both = gaits(tmp_path, f'[gait.first]\n{EVENTS}static = false\nlifted = ["rr", "lr", "lm", "rf"]\n[gait.then]\n{TRIPOD}')
+    assert [made.kind for made in both.values()] == ["events", "tripod"]
+    twice = EVENTS.replace("at = 1,", 'at = "pace",')  # one is placed as another one lifts
+    assert gaits(tmp_path, f'[gait]\n{twice}lifted = ["lm", "lr"]')[""].events[2].at == Fraction(1, 2)

@@ -9,6 +9,7 @@ from walkgen import __version__
 from walkgen.emit.artifact import RobotCode
 from walkgen.emit.c_text import comment_text, words
 from walkgen.model.classify import inverse_class
+from walkgen.model.gait import Gait
 from walkgen.model.mechanism import Body, Joint, Limb, Mechanism
 from walkgen.model.walk import defaults, number
 from walkgen.spec.checks_gait import gait_owner
@@ -60,8 +61,11 @@ def _terrain(robot: Mechanism, prefix: str) -> Iterator[Macro]:
 def _gaits(robot: Mechanism, prefix: str) -> Iterator[Macro]:
     for gait in robot.gaits:
         stem = f"{prefix}_{words(gait_owner(gait.name))}"
-        yield Macro(f"{stem}_PERIOD", _literal(gait.period), "s")
-        yield Macro(f"{stem}_STRIDE", _literal(gait.stride), "m in a period")
+        if isinstance(gait, Gait):
+            yield Macro(f"{stem}_PERIOD", _literal(gait.period), "s")
+            yield Macro(f"{stem}_STRIDE", _literal(gait.stride), "m in a period")
+        else:
+            yield Macro(f"{stem}_EVENTS", str(len(gait.events)), "legs lifted or placed")
         if gait.lift is not None:
             yield Macro(f"{stem}_LIFT", _literal(gait.lift), "m, of a foot in transfer")
 

@@ -11,7 +11,7 @@ from walkgen import __version__
 from walkgen.emit.artifact import Artifact, Body, RobotCode
 from walkgen.graph.program import Composite, Program
 from walkgen.model.classify import inverse_class
-from walkgen.model.gait import Gait
+from walkgen.model.gait import Gait, Schedule
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Parameter
 from walkgen.model.walk import defaults, number
 from walkgen.signature import Port
@@ -110,21 +110,41 @@ def _route(leg: Limb, robot: Mechanism) -> dict[str, Any]:
     return {"name": leg.name, "owner": f"root_to_{leg.name}", "indices": indices}
 
 
-def _gait(gait: Gait, robot: Mechanism) -> dict[str, Any]:
+def _gait(gait: Gait | Schedule, robot: Mechanism) -> dict[str, Any]:
+    return _cycle(gait, robot) if isinstance(gait, Gait) else _schedule(gait, robot)
+
+
+def _schedule(gait: Schedule, robot: Mechanism) -> dict[str, Any]:
+    legs = [leg.name for leg in robot.legs]
+    return {
+        **_stepping(gait, robot),
+        "events": [[float(event.at), legs[event.leg], event.does] for event in gait.events],
+        "lifted": [leg for leg, up in zip(legs, gait.lifted, strict=True) if up],
+    }
+
+
+def _stepping(gait: Gait | Schedule, robot: Mechanism) -> dict[str, Any]:
+    """What gaits of all kinds have."""
     return {
         "name": gait.name,
         "owner": gait_owner(gait.name),
         "kind": gait.kind,
         "legs": [leg.name for leg in robot.legs],
-        "duty_factor": list(map(float, gait.duty_factor)),
-        "phase": list(map(float, gait.phase)),
-        "period": float(gait.period),
         "stride": float(gait.stride),
         "lift": None if gait.lift is None else float(gait.lift),
         "stance": None if gait.stance is None else [list(map(float, point)) for point in gait.stance],
         "static": gait.static,
         "body": gait.body,
         "margin": None if gait.margin is None else float(gait.margin),
+    }
+
+
+def _cycle(gait: Gait, robot: Mechanism) -> dict[str, Any]:
+    return {
+        **_stepping(gait, robot),
+        "duty_factor": list(map(float, gait.duty_factor)),
+        "phase": list(map(float, gait.phase)),
+        "period": float(gait.period),
     }
 
 

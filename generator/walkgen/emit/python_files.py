@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.layout import lay_out
 from walkgen.emit.python_text import banner, docstring, port_line, title
+from walkgen.model.gait import Gait
 from walkgen.signature import Port, Signature
 from walkgen.spec.checks_gait import gait_owner
 
@@ -60,6 +61,11 @@ _TERRAIN = ("name: str", "patches: tuple[str, ...]", _FUNCTIONS)
 _GAIT = (
     *("name: str", "kind: str", "legs: tuple[str, ...]", "duty_factor: tuple[float, ...]", "phase: tuple[float, ...]"),
     *("period: float", "stride: float", "lift: float | None", "stance: tuple[tuple[float, float, float], ...] | None"),
+    *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
+)
+_SCHEDULE = (
+    *("name: str", "kind: str", "legs: tuple[str, ...]", "events: tuple[tuple[float, str, str], ...]", "lifted: tuple[str, ...]"),
+    *("stride: float", "lift: float | None", "stance: tuple[tuple[float, float, float], ...] | None"),
     *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
 )
 _ROBOT = (
@@ -132,7 +138,8 @@ def _family(code: RobotCode, kind: str, owners: Mapping[str, str]) -> Family:
 def _gaits(code: RobotCode) -> tuple[Part, ...]:
     """A class for each gait: they differ in what they have."""
     return tuple(
-        Part(f"_Gait{number}", _GAIT, _methods(code, gait_owner(gait.name))) for number, gait in enumerate(code.mechanism.gaits, start=1)
+        Part(f"_Gait{number}", _GAIT if isinstance(gait, Gait) else _SCHEDULE, _methods(code, gait_owner(gait.name)))
+        for number, gait in enumerate(code.mechanism.gaits, start=1)
     )
 
 

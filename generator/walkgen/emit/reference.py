@@ -76,6 +76,13 @@ class Sample:
         return _closed(leg.linkage, self.q[len(self.q) - leg.linkage.drive_count :], self.mechanism)
 
     @property
+    def pairs(self) -> list[Numbers]:
+        """Where every pair of the leg's linkage is [3]."""
+        plane, pairs = self._walked.plane, self.posture.loops.linkage.structure.pairs
+        places = [self.posture.pin(number) for number in range(len(pairs))]
+        return [[plane[row, 0] * x + plane[row, 1] * y + plane[row, 3] for row in range(3)] for x, y in places]
+
+    @property
     def jacobian(self) -> list[Numbers]:
         """Linear columns."""
         return [linear for linear, _ in self.columns]
@@ -88,8 +95,9 @@ class Sample:
 
 @dataclass(frozen=True)
 class Walk:
-    """`Sample.poses` and `Sample.columns`."""
+    """`Sample.poses` and `Sample.columns`; `plane` is a linkage's, and the tip's frame of other legs."""
 
+    plane: Matrix
     poses: list[Matrix]
     columns: list[tuple[Numbers, Numbers]]
 
@@ -108,9 +116,9 @@ def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> Walk
         base, start = local[-1], stop
     linkage = limbs[-1].linkage
     if linkage is None:
-        return Walk([*poses, base], _columns(base, axes))
+        return Walk(base, [*poses, base], _columns(base, axes))
     links, columns = _driven(_closed(linkage, q[start:], mechanism), base)
-    return Walk([*poses, *links], _columns(links[-1], axes) + columns)
+    return Walk(base, [*poses, *links], _columns(links[-1], axes) + columns)
 
 
 def _closed(linkage: Linkage, drives: Sequence[Any], mechanism: Mechanism) -> Posture:
@@ -238,6 +246,7 @@ EXPECTED: Mapping[str, Callable[[Sample], tuple[Numbers, ...]]] = {
     "sole_points": lambda sample: ([element for corner in sole_corners(sample) for element in corner],),
     "sole_normal": lambda sample: (sole_normal(sample),),
     "transmission_angles": lambda sample: (sample.posture.angles,),
+    "pair_positions": lambda sample: ([entry for point in (*sample.pairs, sample.position) for entry in point],),
     "pose": lambda sample: (elements(sample.poses[-1]),),
     "jacobian": lambda sample: (_spatial(sample),),
     "frames": lambda sample: (_frames(sample),),

@@ -8,9 +8,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from walkgen.gait.footholds import Footholds
 from walkgen.gait.motion import Motion, composed, shifting, turning_about
 from walkgen.gait.pattern import Gait
+from walkgen.gait.steps import Standing, Steps
 from walkgen.gait.trajectory import Trajectory
 
 Body = Callable[[np.ndarray], Motion]
@@ -66,6 +66,18 @@ class Moves:
         return composed(moved, turning_about(self.point[number], self.axis[number], *angles))
 
 
+def with_room(feet: Trajectory | Steps) -> Trajectory | Steps:
+    """Feet with time for the platform before every lift: `with_pauses` of a gait, a list of events as it is.
+
+    Raises:
+        ValueError: two legs are in transfer together, or nearly so in a list of events.
+    """
+    if isinstance(feet, Steps):
+        feet.refuse_crowded(_PAUSE)
+        return feet
+    return with_pauses(feet)
+
+
 def with_pauses(trajectory: Trajectory) -> Trajectory:
     """The gait with time inserted where a leg lifts too soon after the one before was placed; transfers and stride stay as they are.
 
@@ -92,7 +104,7 @@ def with_pauses(trajectory: Trajectory) -> Trajectory:
     return replace(trajectory, gait=slower)
 
 
-def moves(footholds: Footholds, body: Body, com: Com, kind: Literal["waved", "swinging"], margin: float, cycles: int) -> Moves:
+def moves(footholds: Standing, body: Body, com: Com, kind: Literal["waved", "swinging"], margin: float, cycles: int) -> Moves:
     """The least shifts, or turns, that keep the margin in every transfer of a walk.
 
     Found round by round, since the legs' own masses do not move as the body does. A margin that a support polygon is too small for is
@@ -124,22 +136,16 @@ def _joined(found: Moves, body: Body) -> Body:
     return lambda t: composed(found(t), body(t))
 
 
-def lifts_of(footholds: Footholds, cycles: int) -> tuple[Lift, ...]:
+def lifts_of(footholds: Standing, cycles: int) -> tuple[Lift, ...]:
     """All transfers of a walk in order, and one before and after it where it goes on."""
-    gait = footholds.trajectory.gait
-    times = []
-    for cycle in range(-1, cycles + 1):
-        for leg, (phase, duty) in enumerate(zip(gait.phase, gait.duty_factor, strict=True)):
-            if not footholds.skipped[leg, cycle - footholds.first]:
-                times.append(((cycle + phase + duty) * gait.period, (cycle + phase + 1) * gait.period))
-    times.sort()
+    times = footholds.transfers(cycles)
     pause = [_PAUSE * (end - start) for start, end in times]
     begins = [times[0][0] - pause[0], *(end for _, end in times[:-1])]
     rests = [*(start for start, _ in times[1:]), times[-1][1] + pause[-1]]
     return tuple(Lift(begin, start, end, rest) for begin, (start, end), rest in zip(begins, times, rests, strict=True))
 
 
-def _feet(footholds: Footholds, lift: Lift) -> np.ndarray:
+def _feet(footholds: Standing, lift: Lift) -> np.ndarray:
     """Those that support during the transfer [k,3]."""
     feet, support = footholds.motion(np.array([0.5 * (lift.start + lift.end)]))
     standing: np.ndarray = feet.position[0, support[0]]

@@ -6,13 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkgen.gait.footholds import Footholds
 from walkgen.gait.motion import Motion
 from walkgen.gait.spline import Spline
+from walkgen.gait.steps import Standing
 from walkgen.runtime.robot import Robot
 from walkgen.signature import STATUSES
 
-_KNOTS_PER_PERIOD = 16
+Rest = tuple[float, float] | None
+"""When a walk from rest to rest begins and ends (s); None of steady ones."""
 _OK = STATUSES.index("OK")
 
 
@@ -33,8 +34,8 @@ def held(robot: Robot, t: np.ndarray) -> Bending:
     return Bending(q, np.zeros_like(q), np.zeros_like(q), np.empty(0))
 
 
-def adapted(robot: Robot, footholds: Footholds, body: Callable[[np.ndarray], Motion], t: np.ndarray) -> Bending:
-    """Chains as `robot.adapt` has them best at 16 instants of a period, on a spline between them.
+def adapted(robot: Robot, footholds: Standing, body: Callable[[np.ndarray], Motion], t: np.ndarray, rest: Rest) -> Bending:
+    """Chains as `robot.adapt` has them best at instants of equal distance, 16 a period, on a spline between them.
 
     Legs follow by their own inverse at every instant, so feet stay exactly where they are placed.
 
@@ -43,20 +44,50 @@ def adapted(robot: Robot, footholds: Footholds, body: Callable[[np.ndarray], Mot
         footholds: of the feet.
         body: motion of the first platform at times [m].
         t: instants (s).
+        rest: from when to when the walk goes, where chains are at rest; steadily where it is None.
     """
-    spacing = footholds.trajectory.gait.period / _KNOTS_PER_PERIOD
-    count = math.ceil((t[-1] - t[0]) / spacing) + 1
-    knots = t[0] + spacing * np.arange(max(count, 2))
+    start, end = (float(t[0]), float(t[-1])) if rest is None else rest
+    count = max(math.ceil((end - start) / footholds.spacing), 1)
+    spacing = footholds.spacing if rest is None else (end - start) / count
+    knots = start + spacing * np.arange(count + 1)
     motion, below = body(knots), footholds.below(knots)
     targets = motion.inward(below - motion.position[:, None])
+    known = np.isfinite(targets).all(axis=(1, 2))
+    if not known.any():
+        return held(robot, t)
+    q, status = best_poses(robot, targets[known])
+    chains = joints(robot)
+    values = _bridged(knots, knots[known], q[:, chains])
+    value, rate, second = Spline(start, spacing, values, rest is not None).at(t)
+    found = np.zeros((3, len(t), len(robot.joint_names)))
+    found[:, :, chains] = value, rate, second
+    return Bending(found[0], found[1], found[2], knots[known][status != _OK])
+
+
+def best_poses(robot: Robot, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Joint values [m,nq] of footholds [m,k,3] (m), with statuses: from the first pose; where that is no good start, from those beside.
+
+    Args:
+        robot: with `adapt`.
+        targets: of its feet in the first platform's frame, one after another.
+    """
     none = np.zeros((len(robot.platforms), 3))
     start, _, _ = robot.adapt(targets[0], none)
     q, status, _ = robot.adapt(targets, none, start)
-    chains = joints(robot)
-    value, rate, second = Spline(float(knots[0]), spacing, q[:, chains]).at(t)
-    found = np.zeros((3, len(t), len(robot.joint_names)))
-    found[:, :, chains] = value, rate, second
-    return Bending(found[0], found[1], found[2], knots[status != _OK])
+    for shift in (1, -1, 2, -2):
+        beside = np.clip(np.arange(len(q)) + shift, 0, len(q) - 1)
+        again = np.flatnonzero((status != _OK) & (status[beside] == _OK))
+        if again.size:
+            found, then, _ = robot.adapt(targets[again], none, q[beside[again]])
+            better = then == _OK
+            q[again[better]], status[again[better]] = found[better], _OK
+    return q, status
+
+
+def _bridged(knots: np.ndarray, known: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values at all knots [m,n]: straight from one known knot to the next over those where a foot has no ground or no pose was found."""
+    fine = np.isfinite(values).all(axis=1)
+    return np.stack([np.interp(knots, known[fine], column[fine]) if fine.any() else np.zeros(len(knots)) for column in values.T], axis=-1)
 
 
 def joints(robot: Robot) -> list[int]:

@@ -12,6 +12,8 @@ from walkgen.gait.spline import Spline
 
 _KNOTS_PER_STRIDE = 8
 _FITS = 8
+_SETTLED = 1e-15
+"""m, rad; nothing moves by more any longer."""
 _AHEAD = 4
 """Strides that the course reaches beyond both ends, where footholds of the first and last supports are looked for."""
 
@@ -91,6 +93,7 @@ def _settled(ground: Ground, stance: np.ndarray, knots: np.ndarray, heading: flo
     poses, tilt = np.zeros((len(knots), 5)), _upright(_plane(stance[None]), 0.0)[0]
     low = _plane(stance[None])[0, 2]
     for _ in range(_FITS):
+        before = poses.copy()
         ahead = _along(np.cos(poses[:, 4]), knots)
         poses[:, 0], poses[:, 1] = ahead * math.cos(heading), ahead * math.sin(heading)
         points = _feet(poses, stance, heading)
@@ -102,6 +105,8 @@ def _settled(ground: Ground, stance: np.ndarray, knots: np.ndarray, heading: flo
         poses[known, 2] = plane[:, 2] + ((poses[known, :2] + carried[:, :2]) * plane[:, :2]).sum(axis=1) - carried[:, 2]
         poses[known, 3:] = _angles(rotation, heading)
         _continued(poses, known, knots)
+        if np.abs(poses - before).max() < _SETTLED:
+            break
     return poses
 
 

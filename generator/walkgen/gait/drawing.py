@@ -1,6 +1,8 @@
 """What is drawn of a walk: platforms, chains, legs, the support polygon and the ground as points in the world."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -12,6 +14,9 @@ from walkgen.runtime.robot import Chain, Leg, Robot
 _MESH = 41
 _AROUND = 0.5
 _HALF_BODY = 0.06
+Linked = Mapping[str, tuple[tuple[int, ...], ...]]
+"""Of every leg with a linkage, by its name: the rows of `pair_positions` on each of its links."""
+_SERIAL: Linked = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -37,20 +42,22 @@ class Drawing:
     ground: tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def drawing(robot: Robot, walk: Walk, ground: Ground, rows: np.ndarray) -> Drawing:
+def drawing(robot: Robot, walk: Walk, ground: Ground, rows: np.ndarray, linked: Linked = _SERIAL) -> Drawing:
     """The lines at the walk's instants `rows` [f].
 
     Args:
-        robot: that walked; joints between its hips and feet are drawn where it has `joint_frames`, and `frames` of chains.
+        robot: that walked; joints between its hips and feet are drawn where it has `joint_frames`, links where it has `pair_positions`, and
+            chains where it has their `frames`.
         walk: simulated.
         ground: that it went over.
         rows: numbers of instants.
+        linked: what the links of its linkages join.
     """
     q, base = walk.q[rows], walk.base_pose[rows]
     poses = base[:, None] @ platform_poses(robot, q)
     hosts = carriers(robot)
     legs = [
-        _limb(leg, poses[:, host], q, walk.feet[rows, foot])
+        _limb(leg, poses[:, host], q, walk.feet[rows, foot], linked.get(leg.name, ()))
         for foot, (leg, host) in enumerate(zip(robot.legs.values(), hosts, strict=True))
     ]
     chains = [_link(chain, robot, poses, q) for chain in robot.chains.values()]
@@ -86,8 +93,16 @@ def _moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
     return moved
 
 
-def _limb(leg: Leg, pose: np.ndarray, q: np.ndarray, foot: np.ndarray) -> np.ndarray:
+def _limb(leg: Leg, pose: np.ndarray, q: np.ndarray, foot: np.ndarray, links: tuple[tuple[int, ...], ...]) -> np.ndarray:
+    if links and "pair_positions" in leg.functions:
+        return _moved(pose, _parted(_links(leg.functions["pair_positions"](q[:, leg.slice]), links), len(q)))
     return np.concatenate([_moved(pose, _joints(leg, q)), foot[:, None]], axis=1)
+
+
+def _links(points: np.ndarray, links: tuple[tuple[int, ...], ...]) -> list[np.ndarray]:
+    """A line through the pairs of every link, closed where it has more than two."""
+    lines = [list(link) + (list(link[:1]) if len(link) > 2 else []) for link in links if len(link) > 1]
+    return [points[:, line] for line in lines]
 
 
 def _link(chain: Chain, robot: Robot, poses: np.ndarray, q: np.ndarray) -> np.ndarray:

@@ -14,6 +14,8 @@ _WORDS = {
     "margin": "the stability margin is short by",
     "through": "its foot goes through the ground, as deep as",
     "off": "its foot leaves its foothold by",
+    "mass": "has no mass, or was built without com, so that nobody knows whether it stands",
+    "carry": "friction cannot carry the load at its feet, which slip or lift off",
     "chains": "no best pose of the chains was found",
 }
 
@@ -23,7 +25,7 @@ class Fault:
     """A reason why the robot cannot walk so.
 
     Attributes:
-        kind: ground, reach, singular, limit, speed, margin, through, off or chains.
+        kind: ground, reach, singular, limit, speed, margin, through, off, chains, mass or carry.
         subject: joint, leg or platform.
         at: the worst instant (s).
         amount: by how much, in `unit`; NaN where the kind has no size.

@@ -1,6 +1,7 @@
 """Footholds of a walk: where each foot stands in each of its supports, and how it goes from one to the next."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,6 +10,8 @@ import numpy as np
 from walkgen.gait.course import Course, Pace
 from walkgen.gait.ground import Ground
 from walkgen.gait.trajectory import FootMotion, Trajectory
+
+_KNOTS_PER_PERIOD = 16
 
 
 class Holds(NamedTuple):
@@ -31,6 +34,21 @@ class Footholds:
     first: int
     points: np.ndarray
     skipped: np.ndarray
+
+    @property
+    def spacing(self) -> float:
+        """Between instants at which chains are adapted (s)."""
+        return self.trajectory.gait.period / _KNOTS_PER_PERIOD
+
+    def transfers(self, cycles: int) -> list[tuple[float, float]]:
+        """When legs are in transfer, in order (s): those of a walk of so many cycles, and one cycle more at either end where it goes on."""
+        gait = self.trajectory.gait
+        times = []
+        for cycle in range(-1, cycles + 1):
+            for leg, (phase, duty) in enumerate(zip(gait.phase, gait.duty_factor, strict=True)):
+                if not self.skipped[leg, cycle - self.first]:
+                    times.append(((cycle + phase + duty) * gait.period, (cycle + phase + 1) * gait.period))
+        return sorted(times)
 
     def motion(self, t: np.ndarray) -> tuple[FootMotion, np.ndarray]:
         """Feet in the world [t,k,3], and whether each supports [t,k]."""
@@ -84,7 +102,7 @@ def place(trajectory: Trajectory, course: Course, pace: Pace, ground: Ground) ->
     duty, phase = np.array(gait.duty_factor)[:, None], np.array(gait.phase)[:, None]
     first, last = -2, math.ceil(pace.duration / gait.period) + 2
     placed = (np.arange(first, last + 1) + phase) * gait.period
-    points = _points(trajectory, course, pace, ground, placed + 0.5 * duty * gait.period)
+    points = stood(trajectory.stance, course, pace, ground, placed + 0.5 * duty * gait.period)
     if not pace.ramp:
         return Footholds(trajectory, first, points, np.zeros(points.shape[:2], bool))
     before = placed + duty * gait.period < -1e-12 * gait.period
@@ -92,12 +110,10 @@ def place(trajectory: Trajectory, course: Course, pace: Pace, ground: Ground) ->
     return Footholds(trajectory, first, _kept(points, before, after), before | after)
 
 
-def _points(trajectory: Trajectory, course: Course, pace: Pace, ground: Ground, middle: np.ndarray) -> np.ndarray:
-    """[k, m, 3] of the middles [k, m] (s) of supports."""
-    progress = pace.at(middle.ravel())
-    pose = course.at(progress)
-    stance = np.repeat(np.array(trajectory.stance), middle.shape[1], axis=0)
-    points: np.ndarray = pose.position + np.einsum("tij,tj->ti", pose.rotation, stance)
+def stood(stance: Sequence[Sequence[float]], course: Course, pace: Pace, ground: Ground, middle: np.ndarray) -> np.ndarray:
+    """Where feet with stance points [k,3] (m) stand [k, m, 3] (m) whose supports have their middles [k, m] (s)."""
+    pose = course.at(pace.at(middle.ravel()))
+    points: np.ndarray = pose.position + np.einsum("tij,tj->ti", pose.rotation, np.repeat(np.array(stance), middle.shape[1], axis=0))
     points[:, 2] = ground.height(points[:, 0], points[:, 1])
     return points.reshape(*middle.shape, 3)
 

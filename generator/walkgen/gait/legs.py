@@ -61,7 +61,8 @@ def _on_platforms(robot: Robot, feet: np.ndarray, q: np.ndarray) -> np.ndarray:
     poses = platform_poses(robot, q)[:, carriers(robot)]
     if len(robot.platforms) == 1:
         return feet
-    targets: np.ndarray = ((feet - poses[..., :3, 3])[..., None, :] @ poses[..., :3, :3])[..., 0, :]
+    away = feet - poses[..., :3, 3]
+    targets: np.ndarray = sum(away[..., axis, None] * poses[..., axis, :3] for axis in range(3))
     return targets
 
 
@@ -74,18 +75,19 @@ def _leg(leg: Leg, targets: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, n
 
 def _kept(q: np.ndarray, status: np.ndarray, near: np.ndarray, limits: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of all branches [t,b,n] the one that begins within the limits and nearest to `near`, and goes on without a jump."""
-    reached = (status != _OK) | ~np.isfinite(q).all(axis=-1)
-    outside = (np.maximum(limits[:, 0] - q, q - limits[:, 1]).max(axis=-1) > 0.0) & np.isfinite(q).all(axis=-1)
+    lost = status != _OK
+    outside = np.maximum(limits[:, 0] - q[0], q[0] - limits[:, 1]).max(axis=-1) > 0.0
     away = np.nan_to_num(np.abs(wrapped(q[0] - near)).sum(axis=-1), nan=np.inf)
-    first = min(range(q.shape[1]), key=lambda b: (reached[0, b], outside[0, b], away[b]))
-    slots = _followed(q, reached, first)
+    first = min(range(q.shape[1]), key=lambda b: (lost[0, b], outside[b], away[b]))
+    slots = _followed(q, lost, first)
     rows = np.arange(len(q))
     return continued(q[rows, slots], limits), status[rows, slots]
 
 
 def _followed(q: np.ndarray, lost: np.ndarray, first: int) -> np.ndarray:
     """Slots [t] that follow each other with the least change; a slot stays where no branch reaches the target."""
-    near = np.abs(wrapped(q[1:] - q[:-1, first, None])).sum(axis=-1)
+    along = np.ascontiguousarray(q.transpose(2, 1, 0))  # the instants last: sums of few terms run along memory
+    near = np.abs(wrapped(along[..., 1:] - along[:, first, None, :-1])).sum(axis=0).T
     if not lost[:, first].any() and (np.nan_to_num(near, nan=np.inf).argmin(axis=1) == first).all():
         return np.full(len(q), first)
     change = np.abs(wrapped(q[1:, None] - q[:-1, :, None])).sum(axis=-1)

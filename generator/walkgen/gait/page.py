@@ -51,8 +51,8 @@ def page(walk: Walk, drawn: Drawing, units: Sequence[str] = ()) -> str:
 
 
 def _summary(walk: Walk) -> str:
-    gait = walk.trajectory.gait
-    pace = f"Period {gait.period:.4g} s, stride {gait.stride:.4g} m, {gait.speed:.4g} m/s. Least static margin {walk.least_margin:.4g} m."
+    feet = walk.trajectory
+    pace = f"{feet.summary.capitalize()}, {feet.speed:.4g} m/s. Least static margin {walk.least_margin:.4g} m."
     if walk.feasible:
         return f'<p class="good">Feasible. {escape(pace)}</p>'
     items = "".join(f"<li>{escape(str(fault))}</li>" for fault in walk.faults)

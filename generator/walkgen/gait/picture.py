@@ -10,6 +10,8 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from walkgen.gait.drawing import Drawing
 from walkgen.gait.walk import Walk
 
+_AROUND = 0.45
+_FEWEST = 5
 _BLUE, _ORANGE, _GREY, _GREEN, _RED = "#1f5fa8", "#d9772b", "#8a8f98", "#2e8b57", "#c0392b"
 
 
@@ -31,9 +33,22 @@ def picture(walk: Walk, drawn: Drawing, frame: int) -> bytes:
     return out.getvalue()
 
 
+def _nearby(drawn: Drawing, frame: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """x, y and z of the ground's mesh about the robot; of all of it where little is there."""
+    x, y, z = drawn.ground
+    low, high = np.nanmin(drawn.legs[frame], axis=0) - _AROUND, np.nanmax(drawn.legs[frame], axis=0) + _AROUND
+    columns, rows = np.flatnonzero((x[0] >= low[0]) & (x[0] <= high[0])), np.flatnonzero((y[:, 0] >= low[1]) & (y[:, 0] <= high[1]))
+    if min(len(columns), len(rows)) < _FEWEST:
+        return x, y, z
+    place = np.ix_(rows, columns)
+    return x[place], y[place], z[place]
+
+
 def _robot(axes: Axes3D, walk: Walk, drawn: Drawing, frame: int) -> None:
     row, feet = drawn.rows[frame], walk.feet[drawn.rows[frame]]
-    axes.plot_surface(*drawn.ground, color="#e8e4da", alpha=0.4, linewidth=0, zorder=0)
+    ground = _nearby(drawn, frame)
+    axes.computed_zorder = False  # the robot stands on the ground, so it is drawn over it
+    axes.plot_surface(*ground, color="#efe9da", edgecolor="#c2b89e", linewidth=0.35, alpha=0.6, rcount=41, ccount=41, zorder=0)
     for line, colour, width in (
         (drawn.legs, _GREY, 2.0),
         (drawn.chains, _GREY, 2.5),
@@ -41,16 +56,18 @@ def _robot(axes: Axes3D, walk: Walk, drawn: Drawing, frame: int) -> None:
         (drawn.polygon, _BLUE, 1.2),
     ):
         axes.plot(*line[frame].T, color=colour, lw=width)
-    axes.scatter(*walk.holds.point.T, color=_GREEN, s=8, marker="x")
+    x, y, _ = walk.holds.point.T
+    seen = (x >= ground[0].min()) & (x <= ground[0].max()) & (y >= ground[1].min()) & (y <= ground[1].max())
+    axes.scatter(*walk.holds.point[seen].T, color=_GREEN, s=10, marker="x")
     for down, colour in ((True, _BLUE), (False, _ORANGE)):
         axes.scatter(*feet[walk.stance[row] == down].T, color=colour, s=26, depthshade=False)
     com = walk.com[row]
     axes.plot([com[0]] * 2, [com[1]] * 2, [com[2], feet[:, 2].mean()], "o:", color=_RED, ms=4)
-    x, y, z = (np.nanmax(part) - np.nanmin(part) for part in drawn.ground)
-    high = np.nanmax(drawn.legs[..., 2]) - np.nanmin(drawn.ground[2])
-    axes.set_zlim(np.nanmin(drawn.ground[2]), np.nanmin(drawn.ground[2]) + max(z, high))
-    axes.set(xlim=(drawn.ground[0].min(), drawn.ground[0].max()), ylim=(drawn.ground[1].min(), drawn.ground[1].max()))
-    axes.set_box_aspect((x, y, max(z, high)), zoom=1.45)
+    long, wide, tall = (np.nanmax(part) - np.nanmin(part) for part in ground)
+    tall = max(tall, np.nanmax(drawn.legs[frame, :, 2]) - np.nanmin(ground[2]))
+    axes.set_zlim(np.nanmin(ground[2]), np.nanmin(ground[2]) + tall)
+    axes.set(xlim=(ground[0].min(), ground[0].max()), ylim=(ground[1].min(), ground[1].max()))
+    axes.set_box_aspect((long, wide, tall), zoom=1.45)
     axes.set(xlabel="x (m)", ylabel="y (m)")
     axes.locator_params(axis="z", nbins=3)
     axes.view_init(elev=24, azim=-58)

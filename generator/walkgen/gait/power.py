@@ -9,16 +9,16 @@ from walkgen.gait.stance_margins import standing
 from walkgen.runtime.robot import Robot
 from walkgen.signature import STATUSES
 
-_OK = STATUSES.index("OK")
+_OK, _INFEASIBLE = STATUSES.index("OK"), STATUSES.index("INFEASIBLE")
 
 
 class Contact(NamedTuple):
-    """Feet in the world [t,k,3] (m), the ground's normals there [t,k,3], whether each supports [t,k], and the coefficient of friction."""
+    """Feet in the world [t,k,3] (m), the ground's normals there [t,k,3], whether each supports [t,k], coefficients of friction [t,k]."""
 
     points: np.ndarray
     normals: np.ndarray
     support: np.ndarray
-    mu: float
+    mu: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -30,12 +30,14 @@ class Power:
         inertia: what motion adds to them, friction apart.
         friction: of torques that overcome the friction of the pairs, the part that changes its sign with all velocities.
         torque: all of it (N m, N).
+        overcome: whether no forces within the friction cones carry the load [t], which is proved.
     """
 
     weight: np.ndarray
     inertia: np.ndarray
     friction: np.ndarray
     torque: np.ndarray
+    overcome: np.ndarray
 
     @property
     def total(self) -> np.ndarray:
@@ -56,24 +58,25 @@ def power(robot: Robot, pose: np.ndarray, q: np.ndarray, rates: tuple[np.ndarray
     """
     v, a = rates
     none = np.zeros_like(v)
-    moving = _carried(robot, (pose, q, v, a), contact)
-    resting = _carried(robot, (pose, q, none, none), contact)
+    moving, overcome = _carried(robot, (pose, q, v, a), contact)
+    resting, _ = _carried(robot, (pose, q, none, none), contact)
     torque = robot.floating_inverse_dynamics(pose, q, v, a, moving)[:, 6:]
     backward = robot.floating_inverse_dynamics(pose, q, -v, a, moving)[:, 6:]
     weight = robot.floating_inverse_dynamics(pose, q, none, none, resting)[:, 6:]
     friction, qd = 0.5 * (torque - backward), v[:, 6:]
-    return Power(weight * qd, (torque - friction - weight) * qd, friction * qd, torque)
+    return Power(weight * qd, (torque - friction - weight) * qd, friction * qd, torque, overcome)
 
 
-def _carried(robot: Robot, state: tuple[np.ndarray, ...], contact: Contact) -> np.ndarray:
-    """The ground's forces on all feet [t,k,3] (N), 0 on lifted ones."""
-    forces = np.zeros_like(contact.points)
+def _carried(robot: Robot, state: tuple[np.ndarray, ...], contact: Contact) -> tuple[np.ndarray, np.ndarray]:
+    """The ground's forces on all feet [t,k,3] (N), 0 on lifted ones, and where there are none."""
+    forces, overcome = np.zeros_like(contact.points), np.zeros(len(contact.points), bool)
     wrench = robot.demanded_wrench(*state)
     for rows, legs in standing(contact.support):
         if not legs.size:
             forces[rows] = np.nan
             continue
         place = np.ix_(rows, legs)
-        found, status, *_ = robot.contact_forces(contact.points[place], contact.normals[place], contact.mu, wrench[rows])
+        found, status, *_ = robot.contact_forces(contact.points[place], contact.normals[place], contact.mu[place], wrench[rows])
+        overcome[rows] = status == _INFEASIBLE
         forces[place] = np.where((status == _OK)[:, None, None], found, np.nan)
-    return forces
+    return forces, overcome

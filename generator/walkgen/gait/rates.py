@@ -31,15 +31,21 @@ def rates(robot: Robot, q: np.ndarray, bending: Bending, velocity: np.ndarray, a
 def _fill(robot: Robot, q: np.ndarray, rate: tuple[np.ndarray, np.ndarray], velocity: np.ndarray, acceleration: np.ndarray) -> None:
     """The legs' parts of qd and qdd, in place; those of the chains are there already."""
     (qd, qdd), chains = rate, joints(robot)
+    bent = qd[:, chains].T, qdd[:, chains].T
     jacobians = robot.foot_jacobians(q)
     for foot, leg in enumerate(robot.legs.values()):
         if is_driven(leg):
             continue
-        inverse = _inverse(jacobians[:, foot, :, leg.slice])
-        carried = jacobians[:, foot][..., chains]
-        qd[:, leg.slice] = _times(inverse, velocity[:, foot] - _times(carried, qd[:, chains]))
-        rest = acceleration[:, foot] - _times(carried, qdd[:, chains]) - _bias(robot, leg, q, qd)
-        qdd[:, leg.slice] = _times(inverse, rest)
+        inverse = _inverse(_last(jacobians[:, foot, :, leg.slice]))
+        carried = _last(jacobians[:, foot][..., chains])
+        qd[:, leg.slice] = _times(inverse, velocity[:, foot].T - _times(carried, bent[0])).T
+        rest = acceleration[:, foot].T - _times(carried, bent[1]) - _bias(robot, leg, q, qd).T
+        qdd[:, leg.slice] = _times(inverse, rest).T
+
+
+def _last(matrices: np.ndarray) -> np.ndarray:
+    """Matrices [t,m,n] with the instants last [m,n,t], where sums of products run along memory."""
+    return np.ascontiguousarray(matrices.transpose(1, 2, 0))
 
 
 def _bias(robot: Robot, leg: Leg, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
@@ -51,20 +57,33 @@ def _bias(robot: Robot, leg: Leg, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
 
 
 def _inverse(jacobian: np.ndarray) -> np.ndarray:
-    """J^+ [t,n,3]: by cofactors where J is square and regular; NaN where it has a NaN."""
-    finite = np.isfinite(jacobian).all(axis=(1, 2))
-    inverse = np.full((len(jacobian), jacobian.shape[2], 3), np.nan)
-    if jacobian.shape[2] == 3:
-        a, b, c = jacobian.transpose(1, 0, 2)
-        cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
-        determinant = (cofactors[..., 0] * a).sum(axis=-1)
-        regular = finite & (np.abs(determinant) > _SMALL * np.abs(jacobian).sum(axis=(1, 2)) ** 3)
-        inverse[regular] = cofactors[regular] / determinant[regular, None, None]
-        finite &= ~regular
-    inverse[finite] = np.linalg.pinv(jacobian[finite], rcond=_SMALL)
+    """J^+ [n,3,t] of J [3,n,t]: by cofactors where J is square and regular; NaN where it has a NaN."""
+    finite = np.isfinite(jacobian).all(axis=(0, 1))
+    if jacobian.shape[1] != 3:
+        return _pseudoinverse(jacobian, np.full((jacobian.shape[1], 3, len(finite)), np.nan), finite)
+    cofactors = np.array([[_cofactor(jacobian, i, j) for i in range(3)] for j in range(3)])
+    determinant = (jacobian[0] * cofactors[:, 0]).sum(axis=0)
+    regular = finite & (np.abs(determinant) > _SMALL * np.abs(jacobian).sum(axis=(0, 1)) ** 3)
+    inverse: np.ndarray = cofactors / np.where(regular, determinant, np.nan)
+    return inverse if regular.all() else _pseudoinverse(jacobian, inverse, finite & ~regular)
+
+
+def _cofactor(matrix: np.ndarray, i: int, j: int) -> np.ndarray:
+    """Of matrix[i, j] [t]."""
+    rows, columns = ((i + 1) % 3, (i + 2) % 3), ((j + 1) % 3, (j + 2) % 3)
+    cofactor: np.ndarray = (
+        matrix[rows[0], columns[0]] * matrix[rows[1], columns[1]] - matrix[rows[0], columns[1]] * matrix[rows[1], columns[0]]
+    )
+    return cofactor
+
+
+def _pseudoinverse(jacobian: np.ndarray, inverse: np.ndarray, where: np.ndarray) -> np.ndarray:
+    """`inverse` [n,3,t] with that of J [3,n,t] at some instants."""
+    inverse[..., where] = np.linalg.pinv(jacobian[..., where].transpose(2, 0, 1), rcond=_SMALL).transpose(1, 2, 0)
     return inverse
 
 
 def _times(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    product: np.ndarray = (matrix @ vector[..., None])[..., 0]
+    """[m,t] of [m,n,t] and [n,t]."""
+    product: np.ndarray = (matrix * vector).sum(axis=1)
     return product

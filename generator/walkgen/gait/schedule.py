@@ -9,9 +9,10 @@ import numpy as np
 
 from walkgen.gait.pattern import Event
 from walkgen.gait.trajectory import FootMotion
-from walkgen.runtime.solves.gait import gait_step
+from walkgen.runtime.robot import Schedule as BuiltSchedule
+from walkgen.runtime.solves.schedule import schedule_next_event, schedule_phase, schedule_states, schedule_transfers
 
-_CHANGE = {"lift": 1, "place": -1}
+_KINDS = ("lift", "place")
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Schedule:
         lifted: legs that are in transfer before the first event.
 
     Raises:
-        ValueError: events out of order, of unknown legs, or that lift a leg that is lifted.
+        ValueError: events out of order, of unknown legs, or that lift a leg that is lifted or has just been placed.
     """
 
     legs: tuple[str, ...]
@@ -34,18 +35,23 @@ class Schedule:
     def __post_init__(self) -> None:
         _refuse(self.legs, self.events, self.lifted)
 
+    @classmethod
+    def of(cls, built: BuiltSchedule) -> "Schedule":
+        """That of a loaded robot's event list: `Schedule.of(robot.gaits["first_steps"])`."""
+        return cls(built.legs, tuple(Event(at, leg, "lift" if does == "lift" else "place") for at, leg, does in built.events), built.lifted)
+
     def states(self, t: Any) -> np.ndarray:
         """0 supports, 1 in transfer, -1 where t is not finite: [..., k] for times t [...] (s). At an event's time the state after it."""
-        t = np.asarray(t, float)
-        rows = np.cumsum([self._first, *self._changes], axis=0)
-        found = rows[np.searchsorted(self._times, t, side="right")]
-        return np.where(np.isfinite(t)[..., None], found, -1).astype(np.int32)
+        return schedule_states(*self._timing, t)
 
     def leg_phase(self, t: Any) -> np.ndarray:
         """The share of its support or transfer that each leg has behind it: [..., k] in [0, 1); NaN where that has no start or no end."""
-        t = np.asarray(t, float)
-        around = [self._around(leg, t) for leg in self.legs]
-        return np.stack([(t - start) / (end - start) for start, end in around], axis=-1)
+        times, first, _, k = self._timing
+        return schedule_phase(times, first, k, t)
+
+    def next_event(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
+        """The first time after t [...] at which legs change (s), and which do [..., k]: 1 lifted, -1 placed; NaN and 0 after the last."""
+        return schedule_next_event(*self._timing, t)
 
     def feet(self, t: Any, start: Any, end: Any, lift: float) -> FootMotion:
         """Feet in a frame at rest: those in support stand at `start`, the others are on their way from `start` to `end` [..., k, 3] (m).
@@ -58,58 +64,41 @@ class Schedule:
             end: those to come; those of feet in support do not count.
             lift: how far a foot rises over the higher of the two, half way (m).
         """
-        start, end = np.asarray(start, float), np.asarray(end, float)
-        stands, share = self.states(t) == 0, self.leg_phase(t)
-        rate = 1.0 / np.stack([np.subtract(*self._around(leg, t)[::-1]) for leg in self.legs], axis=-1)
-        goal = np.where(stands[..., None], start, end)
-        return FootMotion(*gait_step(np.where(stands, 0.0, share), np.where(stands, 0.0, rate), lift, start, goal))
+        return FootMotion(*schedule_transfers(*self._timing, lift, t, np.asarray(start, float), np.asarray(end, float)))
 
-    def next_event(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """The first time after t [...] at which legs change (s), and which do [..., k]: 1 lifted, -1 placed; NaN and 0 after the last."""
-        t = np.asarray(t, float)
-        times = np.append(self._times, math.nan)
-        time = times[np.where(np.isfinite(t), np.searchsorted(self._times, t, side="right"), len(self._times))]
-        change = self.states(np.where(np.isfinite(time), time, np.inf)) - self.states(np.where(np.isfinite(time), t, np.inf))
-        return time, change.astype(np.int32)
+    def passed(self, t: Any) -> np.ndarray:
+        """How many of its own events each leg has behind it at times t [...]: [..., k]."""
+        own = [[event.at for event in self.events if event.leg == leg] for leg in self.legs]
+        return np.stack([np.searchsorted(times, np.asarray(t, float), side="right") for times in own], axis=-1)
 
     @property
     def fewest_supporting(self) -> int:
         """The least number of legs that support at any instant."""
-        rows = np.array([self._first, *self.states(self._times).tolist()])
-        return int((rows == 0).sum(axis=-1).min())
+        instants = [event.at for event in self.events]
+        before = [instants[0] - 1.0] if instants else [0.0]
+        return int((self.states([*before, *instants]) == 0).sum(axis=-1).min())
 
     @property
-    def _times(self) -> np.ndarray:
-        return np.array([event.at for event in self.events], dtype=float)
-
-    @property
-    def _first(self) -> list[int]:
-        return [int(leg in self.lifted) for leg in self.legs]
-
-    @property
-    def _changes(self) -> list[list[int]]:
-        return [[_CHANGE[event.does] * (leg == event.leg) for leg in self.legs] for event in self.events]
-
-    def _around(self, leg: str, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Times of the leg's own last and next event at t; NaN where there is none."""
-        t = np.asarray(t, float)
-        own = np.array([event.at for event in self.events if event.leg == leg], dtype=float)
-        bounds = np.concatenate([[math.nan], own, [math.nan]])
-        place = np.searchsorted(own, t, side="right")
-        return np.where(np.isfinite(t), bounds[place], math.nan), bounds[place + 1]
+    def _timing(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+        own = [[event.at for event in self.events if event.leg == leg] for leg in self.legs]
+        first = np.cumsum([0, *map(len, own)])
+        lifted = np.array([leg in self.lifted for leg in self.legs], dtype=float)
+        return np.array([at for times in own for at in times], dtype=float), first, lifted, len(self.legs)
 
 
 def _refuse(legs: Sequence[str], events: Sequence[Event], lifted: Sequence[str]) -> None:
-    up = {leg: leg in lifted for leg in legs}
+    up, changed = {leg: leg in lifted for leg in legs}, dict.fromkeys(legs, -math.inf)
     for name in (*lifted, *(event.leg for event in events)):
         if name not in up:
             raise ValueError(f"there is no leg {name}; the legs are {', '.join(legs)}")
     before = -math.inf
     for event in events:
-        if event.does not in _CHANGE:
+        if event.does not in _KINDS:
             raise ValueError(f"{event.leg} at {event.at} s: an event is lift or place, not {event.does!r}")
         if not (math.isfinite(event.at) and event.at >= before):
             raise ValueError(f"{event.leg} at {event.at} s: events stand in order of time")
         if up[event.leg] == (event.does == "lift"):
             raise ValueError(f"{event.leg} at {event.at:g} s: a leg that is {'lifted' if up[event.leg] else 'placed'} already")
-        before, up[event.leg] = event.at, event.does == "lift"
+        if event.at == changed[event.leg]:
+            raise ValueError(f"{event.leg} at {event.at:g} s: lifted and placed at one instant")
+        before, up[event.leg], changed[event.leg] = event.at, event.does == "lift", event.at

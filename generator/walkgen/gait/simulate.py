@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from walkgen.gait import balance
-from walkgen.gait.chains import Bending, adapted, held
+from walkgen.gait.chains import Bending, Rest, adapted, held
 from walkgen.gait.course import Course, Pace, course
 from walkgen.gait.driven import driven, is_driven
 from walkgen.gait.faults import Fault, worst
@@ -19,11 +19,13 @@ from walkgen.gait.motion import Motion, composed
 from walkgen.gait.power import Contact, Power, power
 from walkgen.gait.rates import rates
 from walkgen.gait.stance_margins import Margins, margins
+from walkgen.gait.steps import Standing, Steps, place_steps
 from walkgen.gait.trajectory import FootMotion, Trajectory
 from walkgen.gait.walk import Walk
 from walkgen.runtime.robot import Robot
 from walkgen.signature import STATUSES
 
+_USUAL_MU = 0.7
 _SINGULAR = STATUSES.index("SINGULAR")
 _REACHED = 1e-9
 _WITHIN = 1e-9
@@ -44,7 +46,7 @@ class Options:
         margin: the least static stability margin (m); 0 is the border of falling.
         max_speed: of joints [nq] (rad/s, m/s); infinite where unknown.
         units: of joints [nq], rad or m; rad where left out.
-        mu: coefficient of friction, for how the feet share the load.
+        mu: coefficient of friction; where left out the ground's, 0.7 where that is not known.
         heading: of the course (rad).
         give: how far ground and feet yield, so that a foot with a path of its own may be so far off its foothold (m).
     """
@@ -57,7 +59,7 @@ class Options:
     margin: float = 0.0
     max_speed: tuple[float, ...] = ()
     units: tuple[str, ...] = ()
-    mu: float = 0.7
+    mu: float | None = None
     heading: float = 0.0
     give: float = 0.0
 
@@ -66,10 +68,11 @@ _LEVEL, _STEADILY = Slope(), Options()
 
 
 class Plan(NamedTuple):
-    """What a walk follows: footholds and the first platform's motion by time."""
+    """What a walk follows: footholds and the first platform's motion by time, and when it rests."""
 
-    footholds: Footholds
+    footholds: Standing
     body: Callable[[np.ndarray], Motion]
+    rest: Rest = None
 
 
 class State(NamedTuple):
@@ -84,26 +87,29 @@ class State(NamedTuple):
     com: np.ndarray
 
 
-def simulate(robot: Robot, trajectory: Trajectory, ground: Ground = _LEVEL, options: Options = _STEADILY) -> Walk:
+def simulate(robot: Robot, trajectory: Trajectory | Steps, ground: Ground = _LEVEL, options: Options = _STEADILY) -> Walk:
     """Walk a robot over a ground, from the origin along `heading`.
 
     The platform keeps the gait's speed along its course, whose height and inclination follow the ground under the stance; feet stand
-    where their stance points are in the middle of a support, and stay there exactly.
+    where their stance points are in the middle of a support, and stay there exactly. A list of events is walked once, from rest to rest.
 
     Args:
         robot: loaded; its z is up at rest.
-        trajectory: gait, stance and lift.
+        trajectory: gait, stance and lift; or a list of events with them.
         ground: level where left out.
         options: how to walk.
 
     Raises:
-        ValueError: no cycle, or a rate that is not more than 0.
+        ValueError: no cycle, or a rate that is not more than 0; a list of events for legs with paths of their own, or one that leaves a
+            body no time.
     """
     if options.cycles < 1 or not options.rate > 0.0:
         raise ValueError(f"{options.cycles} cycles at {options.rate:g} instants a second: one and more than 0 are needed")
-    trajectory = Trajectory(trajectory.gait.ordered(tuple(robot.legs)), _in_order(robot, trajectory), trajectory.lift)
+    trajectory = trajectory.ordered(tuple(robot.legs))
+    if isinstance(trajectory, Steps) and any(map(is_driven, robot.legs.values())):
+        raise ValueError("legs with a path of their own walk in cycles, not by a list of events")
     if options.body != "level":
-        trajectory = balance.with_pauses(trajectory)
+        trajectory = balance.with_room(trajectory)
     plan = planned(trajectory, ground, options)
     if options.body != "level":
         plan = _balanced(robot, plan, options, options.body)
@@ -111,35 +117,43 @@ def simulate(robot: Robot, trajectory: Trajectory, ground: Ground = _LEVEL, opti
     return _walk(robot, plan, ground, options, times)
 
 
-def _in_order(robot: Robot, trajectory: Trajectory) -> tuple[tuple[float, float, float], ...]:
-    return tuple(trajectory.stance[trajectory.gait.legs.index(leg)] for leg in robot.legs)
-
-
-def instants(trajectory: Trajectory, options: Options) -> np.ndarray:
+def instants(trajectory: Trajectory | Steps, options: Options) -> np.ndarray:
     """The instants of a walk [t] (s), both ends included."""
-    duration = options.cycles * trajectory.gait.period
-    return np.linspace(0.0, duration, math.ceil(duration * options.rate) + 1)
+    if isinstance(trajectory, Steps):
+        start, end = trajectory.start, trajectory.end
+    else:
+        start, end = 0.0, options.cycles * trajectory.gait.period
+    return np.linspace(start, end, math.ceil((end - start) * options.rate) + 1)
 
 
-def planned(trajectory: Trajectory, ground: Ground, options: Options) -> Plan:
+def planned(trajectory: Trajectory | Steps, ground: Ground, options: Options) -> Plan:
     """Course and footholds."""
+    if isinstance(trajectory, Steps):
+        return _listed(trajectory, ground, options)
     gait = trajectory.gait
     pace = Pace(gait.speed, options.cycles * gait.period, min(1.0, options.cycles / 2) * gait.period if options.from_rest else 0.0)
     path = course(ground, np.array(trajectory.stance), gait.stride, gait.stride * options.cycles, options.heading)
-    return Plan(place(trajectory, path, pace, ground), _along(path, pace))
+    return Plan(place(trajectory, path, pace, ground), _along(path, pace), (0.0, pace.duration) if options.from_rest else None)
 
 
-def _along(path: Course, pace: Pace) -> Callable[[np.ndarray], Motion]:
-    return lambda t: path.at(pace.at(t))
+def _listed(steps: Steps, ground: Ground, options: Options) -> Plan:
+    pace = Pace(steps.speed, steps.end - steps.start, steps.ramp)
+    stride = steps.stride / max(map(len, steps.supports))
+    path = course(ground, np.array(steps.stance), stride, steps.stride, options.heading)
+    return Plan(place_steps(steps, path, pace, ground), _along(path, pace, steps.start), (steps.start, steps.end))
+
+
+def _along(path: Course, pace: Pace, start: float = 0.0) -> Callable[[np.ndarray], Motion]:
+    return lambda t: path.at(pace.at(t - start))
 
 
 def state(robot: Robot, plan: Plan, adapt: bool, times: np.ndarray) -> State:
     """Where everything is at these instants."""
     motion = plan.body(times)
     feet, support = plan.footholds.motion(times)
-    bending = adapted(robot, plan.footholds, plan.body, times) if adapt and robot.chains else held(robot, times)
+    bending = adapted(robot, plan.footholds, plan.body, times, plan.rest) if adapt and robot.chains else held(robot, times)
     led = [foot for foot, leg in enumerate(robot.legs.values()) if is_driven(leg)]
-    if led:
+    if led and isinstance(plan.footholds, Footholds):
         drives = driven(robot, plan.footholds, plan.body, times)
         bending = Bending(bending.q + drives.q, bending.qd + drives.qd, bending.qdd + drives.qdd, bending.failed)
     found = postures(robot, motion.inward(feet.position - motion.position[:, None]), bending.q)
@@ -162,10 +176,10 @@ def _balanced(robot: Robot, plan: Plan, options: Options, body: Literal["waved",
     """The plan with the shifts or turns of the platform that keep the margin."""
 
     def com(candidate: Callable[[np.ndarray], Motion], times: np.ndarray) -> np.ndarray:
-        return state(robot, Plan(plan.footholds, candidate), options.adapt, times).com
+        return state(robot, plan._replace(body=candidate), options.adapt, times).com
 
     moves = balance.moves(plan.footholds, plan.body, com, body, options.margin, options.cycles)
-    return Plan(plan.footholds, lambda t: composed(moves(t), plan.body(t)))
+    return plan._replace(body=lambda t: composed(moves(t), plan.body(t)))
 
 
 def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.ndarray) -> Walk:
@@ -174,6 +188,7 @@ def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.
     qd, qdd = rates(robot, now.q, now.bending, seen[1], seen[2])
     feet = now.motion.position[:, None] + now.motion.outward(robot.foot_positions(now.q))
     stable = _margins(robot, now, options.heading)
+    cost = _power(robot, now, (qd, qdd), ground, options.mu)
     return Walk(
         robot=robot.name,
         legs=tuple(robot.legs),
@@ -191,8 +206,8 @@ def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.
         com=now.com,
         margins=stable,
         holds=plan.footholds.holds(float(times[-1])),
-        power=_power(robot, now, (qd, qdd), ground, options.mu),
-        faults=tuple(_faults(robot, now, qd, ground, options, times, stable.static)),
+        power=cost,
+        faults=tuple(_faults(robot, now, qd, ground, options, times, stable.static, cost)),
     )
 
 
@@ -205,7 +220,7 @@ def _margins(robot: Robot, now: State, heading: float) -> Margins:
     return margins(robot, now.feet.position, now.support, now.com, way)
 
 
-def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground: Ground, mu: float) -> Power | None:
+def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground: Ground, mu: float | None) -> Power | None:
     if not all(hasattr(robot, name) for name in ("floating_inverse_dynamics", "demanded_wrench", "contact_forces")):
         return None
     motion, point = now.motion, now.feet.position
@@ -213,8 +228,16 @@ def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground
     acceleration = _inward(motion, motion.acceleration) - np.cross(turning, linear)
     v = np.concatenate([linear, turning, rate[0]], axis=1)
     a = np.concatenate([acceleration, _inward(motion, motion.turning_acceleration), rate[1]], axis=1)
-    contact = Contact(point, ground.normal(point[..., 0], point[..., 1]), now.support, mu)
+    contact = Contact(point, ground.normal(point[..., 0], point[..., 1]), now.support, _friction(ground, point, mu))
     return power(robot, motion.pose, now.q, (v, a), contact)
+
+
+def _friction(ground: Ground, point: np.ndarray, mu: float | None) -> np.ndarray:
+    """Coefficients under feet [t,k,3]: as asked for, else the ground's, else the usual one."""
+    if mu is not None:
+        return np.full(point.shape[:-1], mu)
+    known = ground.friction(point[..., 0], point[..., 1])
+    return np.where(np.isfinite(known), known, _USUAL_MU)
 
 
 def _inward(motion: Motion, vector: np.ndarray) -> np.ndarray:
@@ -222,7 +245,14 @@ def _inward(motion: Motion, vector: np.ndarray) -> np.ndarray:
 
 
 def _faults(
-    robot: Robot, now: State, qd: np.ndarray, ground: Ground, options: Options, times: np.ndarray, static: np.ndarray
+    robot: Robot,
+    now: State,
+    qd: np.ndarray,
+    ground: Ground,
+    options: Options,
+    times: np.ndarray,
+    static: np.ndarray,
+    cost: Power | None,
 ) -> Iterator[Fault]:
     legs, joints = tuple(robot.legs), robot.joint_names
     point = now.feet.position
@@ -243,4 +273,8 @@ def _faults(
     if len(now.bending.failed):
         share = len(now.bending.failed) / len(times)
         yield Fault("chains", "chains", float(now.bending.failed[0]), math.nan, "m", share)
+    if not hasattr(robot, "com"):
+        yield Fault("mass", robot.platforms[0], 0.0, math.nan, "kg", 1.0)
+    if cost is not None:
+        yield from worst("carry", (robot.platforms[0],), times, np.where(cost.overcome, np.inf, np.nan)[:, None], "N", 0.0)
     yield from worst("margin", (robot.platforms[0],), times, (options.margin - static)[:, None], "m", _WITHIN)

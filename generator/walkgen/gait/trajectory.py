@@ -1,5 +1,6 @@
 """Where feet are in support and in transfer: over level ground at a steady pace, or between footholds of any height."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -51,6 +52,25 @@ class Trajectory:
         if built.stance is None or built.lift is None:
             raise ValueError(f"{built!r} has no stance; the spec's gait table gives it")
         return cls(Gait.of(built), built.stance, built.lift)
+
+    @property
+    def speed(self) -> float:
+        """Of the platform, steadily (m/s)."""
+        return self.gait.speed
+
+    @property
+    def summary(self) -> str:
+        """In words."""
+        return f"period {self.gait.period:.4g} s, stride {self.gait.stride:.4g} m"
+
+    def ordered(self, legs: Sequence[str]) -> "Trajectory":
+        """The same with its legs in another order.
+
+        Raises:
+            ValueError: not the same legs.
+        """
+        gait = self.gait.ordered(legs)
+        return Trajectory(gait, tuple(self.stance[self.gait.legs.index(leg)] for leg in legs), self.lift)
 
     def platform(self, t: Any, twist: Any = None) -> FootMotion:
         """In the frame of the platform, which moves steadily over level ground.

@@ -8,6 +8,7 @@ from walkgen.gait.faults import Fault
 from walkgen.gait.footholds import Holds
 from walkgen.gait.power import Power
 from walkgen.gait.stance_margins import Margins
+from walkgen.gait.steps import Steps
 from walkgen.gait.trajectory import Trajectory
 
 
@@ -39,7 +40,7 @@ class Walk:
     robot: str
     legs: tuple[str, ...]
     joints: tuple[str, ...]
-    trajectory: Trajectory
+    trajectory: Trajectory | Steps
     times: np.ndarray
     base_pose: np.ndarray
     q: np.ndarray

@@ -1,8 +1,8 @@
-"""A robot's gaits: exact numbers, leg by leg in the order of the feet."""
+"""A robot's gaits, periodic ones and lists of events: exact numbers, legs in the order of the feet."""
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
+from typing import Literal, NamedTuple
 
 Point = tuple[Fraction, Fraction, Fraction]
 
@@ -35,3 +35,46 @@ class Gait:
     static: bool
     body: Literal["level", "waved", "swinging"]
     margin: Fraction | None
+
+
+class Event(NamedTuple):
+    """A leg, by its number, is lifted or placed at a time (s)."""
+
+    at: Fraction
+    leg: int
+    does: Literal["lift", "place"]
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """A gait that is no cycle: events in order of time, each leg lifted and placed in turn.
+
+    Attributes:
+        name: as in the spec.
+        events: in order of time.
+        lifted: whether each leg is in transfer before the first event.
+        stride: along the first platform's x in all (m).
+        lift: of a foot over the higher of its footholds (m), None where the gait only says when.
+        stance: of each foot in the middle of its supports, in the first platform's frame (m).
+        static: whether three legs support at every instant.
+        body: what the platform does before a leg lifts, to keep the `margin` (m).
+    """
+
+    name: str
+    events: tuple[Event, ...]
+    lifted: tuple[bool, ...]
+    stride: Fraction
+    lift: Fraction | None
+    stance: tuple[Point, ...] | None
+    static: bool
+    body: Literal["level", "waved", "swinging"]
+    margin: Fraction | None
+
+    @property
+    def kind(self) -> Literal["events"]:
+        """As in the spec."""
+        return "events"
+
+    def own(self, leg: int) -> tuple[Fraction, ...]:
+        """When a leg, by its number, changes (s)."""
+        return tuple(event.at for event in self.events if event.leg == leg)

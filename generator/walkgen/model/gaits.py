@@ -1,9 +1,11 @@
-"""From the spec's gait tables to Gaits: parameters put in, phases from the kind's formula, legs in the order of the feet."""
+"""From the spec's gait tables to Gaits and Schedules: parameters put in, phases from the kind's formula, legs in the order of the feet."""
 
 from collections.abc import Mapping
+from fractions import Fraction
+from typing import Literal, TypedDict
 
 from walkgen.gait import phases
-from walkgen.model.gait import Gait, Point
+from walkgen.model.gait import Event, Gait, Point, Schedule
 from walkgen.model.values import Values
 from walkgen.spec.checks_gait import gaits_of, is_static
 from walkgen.spec.gait import GaitSpec
@@ -12,28 +14,57 @@ from walkgen.spec.scalar import ZERO, Vector
 from walkgen.spec.schema import RobotSpec
 
 
-def gaits(spec: RobotSpec, values: Values) -> tuple[Gait, ...]:
+def gaits(spec: RobotSpec, values: Values) -> tuple[Gait | Schedule, ...]:
     """All gaits of a validated spec, in the order of the file."""
     legs = tuple(leg.name for leg in spec.legs)
     tables = {name: gait for name, _, gait in gaits_of(spec)}
-    return tuple(_gait(name, gait, _stance(gait, tables), legs, values) for name, gait in tables.items())
+    return tuple(
+        (_cycle if gait.events is None else _schedule)(name, gait, _stance(gait, tables), legs, values) for name, gait in tables.items()
+    )
 
 
-def _gait(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> Gait:
-    times = timing(gait, values.fraction)
+class _Common(TypedDict):
+    """What gaits of both kinds have."""
+
+    name: str
+    stride: Fraction
+    lift: Fraction | None
+    stance: tuple[Point, ...] | None
+    static: bool
+    body: Literal["level", "waved", "swinging"]
+    margin: Fraction | None
+
+
+def _common(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> _Common:
     stride, lift, margin = (gait.si(key) for key in ("stride", "lift", "margin"))
-    return Gait(
+    return _Common(
         name=name,
-        kind=gait.kind,
-        duty_factor=tuple(times[leg][0] for leg in legs),
-        phase=tuple(phases.fraction(times[leg][1]) for leg in legs),
-        period=values.fraction(gait.period),
         stride=values.fraction(ZERO if stride is None else stride),
         lift=None if lift is None else values.fraction(lift),
         stance=None if points is None else tuple(_point(points[leg], values) for leg in legs),
         static=is_static(gait),
         body=gait.body,
         margin=None if margin is None else values.fraction(margin),
+    )
+
+
+def _schedule(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> Schedule:
+    return Schedule(
+        events=tuple(Event(values.fraction(event.at), legs.index(event.leg), event.does) for event in gait.events or ()),
+        lifted=tuple(leg in (gait.lifted or ()) for leg in legs),
+        **_common(name, gait, points, legs, values),
+    )
+
+
+def _cycle(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> Gait:
+    assert gait.period is not None
+    times = timing(gait, values.fraction)
+    return Gait(
+        kind=gait.kind,
+        duty_factor=tuple(times[leg][0] for leg in legs),
+        phase=tuple(phases.fraction(times[leg][1]) for leg in legs),
+        period=values.fraction(gait.period),
+        **_common(name, gait, points, legs, values),
     )
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from walkgen.model.gait import Gait
+from walkgen.model.gait import Gait, Schedule
 from walkgen.model.linkage import Linkage
 from walkgen.model.terrain import Terrain
 from walkgen.spec.scalar import ZERO, Scalar, Vector
@@ -169,7 +169,7 @@ class Mechanism:
     sections: tuple[Section, ...]
     adapt_weights: tuple[Scalar, Scalar, Scalar, Scalar] = (ZERO, ZERO, ZERO, ZERO)
     terrain: Terrain | None = None
-    gaits: tuple[Gait, ...] = ()
+    gaits: tuple[Gait | Schedule, ...] = ()
 
     @property
     def limbs(self) -> tuple[Limb, ...]:

@@ -1,4 +1,4 @@
-"""Says why a robot, leg, chain, route, terrain or gait has no function of a name, so that a user learns more than that it is not there."""
+"""Says why a robot or a part of it has no function of a name, so that a user learns more than that it is not there."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -16,7 +16,7 @@ _LIMB_DYNAMICS = "inverse_dynamics forward_dynamics mass_matrix bias gravity_tor
 _LEG = (
     f"{_FORWARD} inverse inverse_branch inverse_admissible inverse_distance {_SEEDED} {_LIMB_DYNAMICS} inverse_dynamics_derivatives "
     "regressor base_parameters foot_compliance sole_points sole_normal sole_compliance ground_pressure driving_forces joint_reactions "
-    "transmission_angles power assembly_status"
+    "transmission_angles pair_positions power assembly_status"
 )
 _ROBOT = (
     "platform_poses foot_positions foot_jacobians contact_points contact_normals adapt adapt_velocity com com_jacobian "
@@ -30,6 +30,7 @@ VOCABULARY = {
     "chain": frozenset({"pose", "jacobian", "frames"}),
     "terrain": frozenset({"height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project"}),
     "gait": frozenset({"states", "leg_phase", "next_event", "foot_transfers", "foot_targets"}),
+    "schedule": frozenset({"states", "leg_phase", "next_event", "foot_transfers"}),
     "route": frozenset(f"{_FORWARD} {_SEEDED}".split()),
     "robot": frozenset(_ROBOT.split()),
 }
@@ -62,7 +63,7 @@ def absent(kind: str, owner: str, name: str, built: Iterable[str], *, joints: in
     """What to raise for a name that `owner` does not have.
 
     Args:
-        kind: leg, chain, route, terrain, gait or robot.
+        kind: leg, chain, route, terrain, gait, schedule or robot.
         owner: its name.
         name: what was asked for.
         built: the names it does have.

@@ -16,7 +16,7 @@ from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.counted import Counted
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
-from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Terrain
+from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Schedule, Terrain
 from walkgen.runtime.ufuncs import make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
@@ -187,20 +187,39 @@ def _route(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Route
     return Route(entry["name"], entry["owner"], indices, functions)
 
 
-def _gait(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait:
-    numbers = {key: None if entry[key] is None else float(entry[key]) for key in ("lift", "margin")}
+def _gait(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait | Schedule:
+    return _schedule(entry, functions) if "events" in entry else _cycle(entry, functions)
+
+
+def _schedule(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Schedule:
+    return Schedule(
+        events=tuple((float(at), leg, does) for at, leg, does in entry["events"]),
+        lifted=tuple(entry["lifted"]),
+        functions=functions,
+        **_stepping(entry),
+    )
+
+
+def _cycle(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait:
     return Gait(
-        name=entry["name"],
-        kind=entry["kind"],
-        legs=tuple(entry["legs"]),
         duty_factor=tuple(map(float, entry["duty_factor"])),
         phase=tuple(map(float, entry["phase"])),
         period=float(entry["period"]),
-        stride=float(entry["stride"]),
-        lift=numbers["lift"],
-        stance=None if entry["stance"] is None else tuple((float(x), float(y), float(z)) for x, y, z in entry["stance"]),
-        static=bool(entry["static"]),
-        body=entry["body"],
-        margin=numbers["margin"],
         functions=functions,
+        **_stepping(entry),
     )
+
+
+def _stepping(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """What gaits of all kinds have."""
+    numbers = {key: None if entry[key] is None else float(entry[key]) for key in ("lift", "margin")}
+    stance = None if entry["stance"] is None else tuple((float(x), float(y), float(z)) for x, y, z in entry["stance"])
+    texts = {key: entry[key] for key in ("name", "kind", "body")}
+    return {
+        **texts,
+        **numbers,
+        "legs": tuple(entry["legs"]),
+        "stride": float(entry["stride"]),
+        "stance": stance,
+        "static": bool(entry["static"]),
+    }

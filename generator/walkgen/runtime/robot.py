@@ -161,6 +161,32 @@ class Gait(_Owner):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Schedule(_Owner):
+    """A gait of the spec that is a list of events: (time in s, leg, "lift" or "place"), and its functions of time.
+
+    `lifted` are in transfer before the first one; `stride` in all, `lift`, `stance` and `margin` in m as of a `Gait`.
+    `walkgen.gait.schedule.Schedule.of` makes a schedule of walkgen.gait of it.
+    """
+
+    name: str
+    kind: str
+    legs: tuple[str, ...]
+    events: tuple[tuple[float, str, str], ...]
+    lifted: tuple[str, ...]
+    stride: float
+    lift: float | None
+    stance: tuple[tuple[float, float, float], ...] | None
+    static: bool
+    body: str
+    margin: float | None
+    functions: Mapping[str, Function]
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<gait{name}: {len(self.events)} events, {len(self.functions)} functions>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A loaded robot; functions take array-likes with leading batch dimensions and broadcast as ufuncs do.
 
@@ -181,7 +207,7 @@ class Robot:
     chains: Mapping[str, Chain]
     routes: Mapping[str, Route]
     terrain: Terrain | None
-    gaits: Mapping[str, Gait]
+    gaits: Mapping[str, Gait | Schedule]
     functions: Mapping[str, Function]
     backend: str
     backend_reason: str

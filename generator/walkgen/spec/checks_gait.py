@@ -5,6 +5,7 @@ from fractions import Fraction
 from itertools import compress
 
 from walkgen.gait import phases
+from walkgen.spec.checks_events import check_order, unsupported
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.gait import ONLY, GaitSpec
 from walkgen.spec.gait_timing import WITHOUT_DUTY, Timing, timing
@@ -18,9 +19,12 @@ OWNER = "gait"
 """Whose functions those of the only gait are; those of a named one are gait_<name>'s."""
 _PAIRS: Mapping[str, int] = {"tripod": 3, "crawl": 2, "trot": 2}
 _SIDED = ("left", "right")
-_OPTIONAL: Mapping[str, tuple[str, ...]] = {"follow_the_leader": ("pitch",), "free": ("phase",)}
+_UNSIDED = {"free": ("phase",), "events": ("events",)}
+"""Kinds of gaits without sides, and what says instead when their legs step."""
+_PERIODIC = ("period", "duty_factor")
+_OPTIONAL: Mapping[str, tuple[str, ...]] = {"follow_the_leader": ("pitch",), "free": ("phase",), "events": ("events", "lifted")}
 _FASTEST = 10**300
-_OWN_KEYS = (*_SIDED, "phase", "pitch")
+_OWN_KEYS = (*_SIDED, "phase", "pitch", "events", "lifted")
 
 
 def gaits_of(spec: RobotSpec) -> Iterator[tuple[str, Path, GaitSpec]]:
@@ -47,7 +51,7 @@ def check_gaits(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         found = (*_keys(path, gait), *_legs(path, gait, spec), *_numbers(path, gait, spec, numbers))
         yield from found
         if not found and _computable(gait, numbers):
-            yield from _supported(path, gait, numbers)
+            yield from _supported(path, gait, numbers) if gait.events is None else _events(path, gait, spec, numbers)
             yield from _free_places(path, gait, numbers)
     yield from _owners(spec)
 
@@ -57,12 +61,16 @@ def _keys(path: Path, gait: GaitSpec) -> Iterator[Finding]:
     for key in _needed(gait):
         if _missing(gait, key):
             yield Finding("WG111", (*path, key), f'missing key "{key}" of a gait "{gait.kind}"', f"write {key} = ...", because)
-    allowed = (*(() if gait.kind == "free" else _SIDED), *_OPTIONAL.get(gait.kind, ()))
-    for key in _OWN_KEYS:
+    if gait.events == ():
+        yield Finding(
+            "WG112", (*path, "events"), "the list has no entries, which are too few", "list what happens in order of time", because
+        )
+    allowed = (*(() if gait.kind in _UNSIDED else _SIDED), *_OPTIONAL.get(gait.kind, ()))
+    for key in (*_OWN_KEYS, *(_PERIODIC if gait.kind == "events" else ())):
         if key not in allowed and not _missing(gait, key):
             cure = f"it has {', '.join(allowed)}"
             yield Finding("WG124", (*path, key), f'{key} does not belong to a gait "{gait.kind}"', cure, because)
-    if gait.kind != "free" and isinstance(gait.duty_factor, dict):
+    if gait.kind not in _UNSIDED and isinstance(gait.duty_factor, dict):
         cure = 'give one number, or write kind = "free" with a phase for each leg'
         yield Finding("WG124", (*path, "duty_factor"), f'the legs of a gait "{gait.kind}" have one duty factor', cure, because)
     if gait.body == "level" and not _missing(gait, "margin"):
@@ -70,7 +78,9 @@ def _keys(path: Path, gait: GaitSpec) -> Iterator[Finding]:
 
 
 def _needed(gait: GaitSpec) -> Iterator[str]:
-    yield from ("phase",) if gait.kind == "free" else _SIDED
+    yield from _UNSIDED.get(gait.kind, _SIDED)
+    if gait.kind != "events":
+        yield "period"
     if gait.kind not in WITHOUT_DUTY:
         yield "duty_factor"
     if gait.kind == "follow_the_leader":
@@ -96,7 +106,9 @@ def _legs(path: Path, gait: GaitSpec, spec: RobotSpec) -> Iterator[Finding]:
     if isinstance(gait.stance, str):
         yield from _same_stance(path, gait.stance, spec)
     listed = [((*path, side, place), leg) for side in _SIDED for place, leg in enumerate(getattr(gait, side) or ())]
-    yield from _references(listed, known)
+    placed = [((*path, "lifted", place), leg) for place, leg in enumerate(gait.lifted or ())]
+    placed += [((*path, "events", place, "leg"), event.leg) for place, event in enumerate(gait.events or ())]
+    yield from _references([*listed, *placed], known)
     if gait.left is not None and gait.right is not None:
         yield from _all_there((*path, "left"), [leg for _, leg in listed], known)
         yield from _paired(path, gait, len(gait.left), len(gait.right))
@@ -172,7 +184,7 @@ def _computable(gait: GaitSpec, numbers: Numbers) -> bool:
     return all(numbers.number(scalar) is not None for _, scalar in entries(gait) if is_scalar(scalar))
 
 
-def _fraction(numbers: Numbers, scalar: Scalar) -> Fraction:
+def _fraction(numbers: Numbers, scalar: Scalar | None) -> Fraction:
     value = numbers.number(scalar)
     assert value is not None
     return Fraction(value)
@@ -195,15 +207,28 @@ def _supported(path: Path, gait: GaitSpec, numbers: Numbers) -> Iterator[Finding
     if short:
         start, end, downs = min(short, key=lambda span: sum(span[2]))
         place = next((key for key in ("static", "duty_factor") if not _missing(gait, key)), "kind")
-        yield Finding("WG197", (*path, place), _unsupported(gait, times, (start, end), downs, numbers), _static_cure(len(times)))
+        at = float(start * _fraction(numbers, gait.period))
+        message = f"from {float(start):.4g} to {float(end):.4g} of the period (t = {at:.4g} s) {_standing(list(times), downs)}"
+        yield Finding("WG197", (*path, place), message, _static_cure(len(times)))
 
 
-def _unsupported(gait: GaitSpec, times: Timing, span: tuple[Fraction, Fraction], downs: tuple[bool, ...], numbers: Numbers) -> str:
-    period = _fraction(numbers, gait.period)
-    down, up = list(compress(times, downs)), list(compress(times, (not here for here in downs)))
-    when = f"from {float(span[0]):.4g} to {float(span[1]):.4g} of the period (t = {float(span[0] * period):.4g} s)"
+def _events(path: Path, gait: GaitSpec, spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
+    """Events that can follow each other; three legs support a static gait from first to last, and before and after."""
+    legs = [leg.name for leg in spec.legs]
+    wrong = tuple(check_order(path, gait, numbers))
+    yield from wrong
+    found = None if wrong or not is_static(gait) else unsupported(gait, legs, numbers)
+    if found is not None:
+        number, when, downs = found
+        place: Path = (*path, "lifted") if number < 0 else (*path, "events", number)
+        cure = "place a leg before the next one is lifted; or write static = false"
+        yield Finding("WG197", place, f"{when} {_standing(legs, downs)}", cure)
+
+
+def _standing(legs: list[str], downs: tuple[bool, ...]) -> str:
+    down, up = list(compress(legs, downs)), list(compress(legs, (not here for here in downs)))
     supporting = f"only {', '.join(down)}" if down else "no leg"
-    return f"{when} {supporting} support{'s' if len(down) < 2 else ''} and {', '.join(up)} {'is' if len(up) < 2 else 'are'} in transfer"
+    return f"{supporting} support{'s' if len(down) < 2 else ''} and {', '.join(up)} {'is' if len(up) < 2 else 'are'} in transfer"
 
 
 def _static_cure(legs: int) -> str:

@@ -94,7 +94,7 @@ STABILITY_FUNCTIONS: Final = (
 SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_compliance")
 """Of legs with a sole; `sole_compliance` where the links have sections."""
 
-LINKAGE_FUNCTIONS: Final = ("assembly_status", "transmission_angles", "driving_forces", "power", "joint_reactions")
+LINKAGE_FUNCTIONS: Final = ("assembly_status", "transmission_angles", "pair_positions", "driving_forces", "power", "joint_reactions")
 """Of legs that end in a linkage."""
 
 LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTIONS, *LINKAGE_FUNCTIONS, "foot_compliance", *SOLE_FUNCTIONS)

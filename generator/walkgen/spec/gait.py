@@ -9,6 +9,7 @@ from walkgen.spec.table import Number, Table, Triple
 
 _MOST_LEGS = 100
 _MOST_GAITS = 100
+_MOST_EVENTS = 1000
 ONLY = ""
 """Name of the gait of a spec that has one and does not name it."""
 
@@ -32,25 +33,38 @@ Stance = Annotated[
 ]
 
 
-class GaitSpec(Table):
-    """A periodic gait of all legs; its numbers are fixed when code is generated."""
+class EventSpec(Table):
+    """A leg is lifted or placed."""
 
-    kind: Literal["wave", "tripod", "crawl", "trot", "follow_the_leader", "overlapping", "free"]
-    period: Number
-    """How long a cycle lasts (s)."""
+    at: Number
+    """When (s)."""
+    leg: StrictStr
+    does: Literal["lift", "place"]
+
+
+class GaitSpec(Table):
+    """A gait of all legs, periodic but for a list of events; its numbers are fixed when code is generated."""
+
+    kind: Literal["wave", "tripod", "crawl", "trot", "follow_the_leader", "overlapping", "free", "events"]
+    period: Number | None = None
+    """How long a cycle lasts (s); of every kind but events."""
     left: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_LEGS)
-    """Legs on the left, from the front; of every kind but free."""
+    """Legs on the left, from the front; of every kind but free and events."""
     right: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_LEGS)
     """Legs on the right, each beside one on the left."""
     duty_factor: DutyFactor | None = None
     """Share of the period in which a leg supports, between 0 and 1; of a free gait one for each leg, or one for all."""
     phase: dict[StrictStr, Number] | None = Field(default=None, max_length=_MOST_LEGS)
     """free: when each leg is placed, in periods."""
+    events: tuple[EventSpec, ...] | None = Field(default=None, max_length=_MOST_EVENTS)
+    """events: what happens, in order of time; what the last ones leave lasts for ever."""
+    lifted: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_LEGS)
+    """events: legs in transfer before the first one."""
     pitch: Number | None = None
     """follow_the_leader: distance of neighbouring legs' strokes (m)."""
     pitch_mm: Number | None = None
     stride: Number | None = None
-    """How far the robot travels along x in a period (m); on the spot where left out."""
+    """How far the robot travels along x in a period, or by all events (m); on the spot where left out."""
     stride_mm: Number | None = None
     lift: Number | None = None
     """How far a foot rises over the higher of its two footholds, half way (m)."""

@@ -17,8 +17,8 @@ _DUTY: Mapping[str, Callable[[int], Fraction]] = {
     "overlapping": lambda pairs: 1 - Fraction(1, 2 * pairs),
 }
 """Where the spec gives none, for so many pairs of legs."""
-WITHOUT_DUTY = frozenset(_DUTY)
-"""Kinds that have a duty factor of their own."""
+WITHOUT_DUTY = frozenset((*_DUTY, "events"))
+"""Kinds that have a duty factor of their own, or none."""
 
 
 def timing(gait: GaitSpec, number: Callable[[Scalar], Fraction]) -> Timing:

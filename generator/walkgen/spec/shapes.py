@@ -33,7 +33,7 @@ _STAND_INS: Mapping[str, Any] = {
     "type": "revolute",
     "surface": "plane",
     "kind": "free",
-    "period": 1,
+    **{"at": 0, "leg": "?", "does": "lift"},
     "gravity": [0, 0, -1],
     **dict.fromkeys(("value", "epsilon", "lambda_max", "E", "G", "A", "Iy", "Iz", "J"), 1),
     **dict.fromkeys(("ground", "crank", "coupler", "rocker", "second_coupler", "second_rocker"), 1),

@@ -18,6 +18,7 @@ from walkgen.spec.scalar import ZERO, neg
 from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.frames import Parameters
 from walkgen.symbolic.path import Kinematics, path_of
+from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
 from walkgen.symbolic.tape import Columns, Tape, Vec, dot, plus
 
@@ -92,6 +93,11 @@ class DrivenKinematics:
         columns = (_mixed((x, y), (cosine, sine)), _mixed((x, y), (-sine, cosine)), z)
         away = _mixed((x, y), (pose.origin[0] - foot_x, pose.origin[1] - foot_y))
         return columns, self.tape.vector(f"link_{body}_origin", plus(self.position, away))
+
+    def place(self, at: Planar) -> Vec:
+        """A point of the plane in the base's axes."""
+        axes, (foot_x, foot_y) = self._inner.axes[self._serial : self._serial + 2], self._at
+        return plus(self.position, _mixed(axes, (at[0] - foot_x, at[1] - foot_y)))
 
     @property
     def frames(self) -> tuple[tuple[Columns, Vec], ...]:

@@ -4,8 +4,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
+from functools import partial
+from itertools import accumulate
 
-from walkgen.model.gait import Gait
+from walkgen.model.gait import Gait, Schedule
 from walkgen.model.mechanism import Mechanism
 from walkgen.signature import Port, Table
 from walkgen.spec.checks_gait import gait_owner
@@ -15,6 +17,7 @@ from walkgen.symbolic.ports import signature
 _DIGITS = Context(prec=40)
 _TIME = Port("t", (), "s")
 _SOURCE = "theory 3.1: u = F(t/T - phi), support while u < beta"
+_LISTED = "theory 3.1: an event sequence that is no cycle"
 _SMOOTH = (
     "Position, velocity and acceleration are continuous; a foot meets the ground at its speed and rises by the gait's lift over the higher "
     "of its two footholds, half way."
@@ -26,15 +29,15 @@ class GaitFunctions:
     """Functions of one gait; feet stand in the order of the legs."""
 
     mechanism: Mechanism
-    gait: Gait
+    gait: Gait | Schedule
 
     def functions(self) -> dict[str, Callable[[], Solve]]:
         """Those that the gait has numbers for."""
         found: dict[str, Callable[[], Solve]] = {"states": self.states, "leg_phase": self.leg_phase, "next_event": self.next_event}
         if self.gait.lift is not None:
             found["foot_transfers"] = self.foot_transfers
-            if self.gait.stance is not None:
-                found["foot_targets"] = self.foot_targets
+            if isinstance(self.gait, Gait) and self.gait.stance is not None:
+                found["foot_targets"] = partial(self.foot_targets, self.gait)
         return found
 
     def states(self) -> Solve:
@@ -45,6 +48,8 @@ class GaitFunctions:
     def leg_phase(self) -> Solve:
         """u [k]."""
         doc = "How far each leg is since it was placed, in periods: [0, 1); NaN where t is not finite."
+        if isinstance(self.gait, Schedule):
+            doc = "The share of its support or transfer that each leg has behind it: [0, 1); NaN where that has no start or no end."
         return self._solve("leg_phase", [_TIME], [Port("u", (self._legs,))], doc)
 
     def next_event(self) -> Solve:
@@ -60,14 +65,14 @@ class GaitFunctions:
         )
         return self._solve("foot_transfers", [_TIME, self._feet("start"), self._feet("end")], self._motion, doc)
 
-    def foot_targets(self) -> Solve:
+    def foot_targets(self, gait: Gait) -> Solve:
         """p, v, a [k,3]."""
         doc = (
             "Feet in the first platform's frame, which moves over level ground with a constant twist in its own axes: velocity along x and "
             "y, turning about z; where it is left out the gait's stride in a period along x. Feet in support stand still on the ground "
             f"and pass their stance half way. {_SMOOTH}"
         )
-        pace = float(self.gait.stride / self.gait.period)
+        pace = float(gait.stride / gait.period)
         twist = Port("twist", (3,), "m/s, m/s, rad/s", default=(pace, 0.0, 0.0))
         return self._solve("foot_targets", [_TIME, twist], self._motion, doc)
 
@@ -85,22 +90,42 @@ class GaitFunctions:
     def _solve(self, name: str, inputs: Sequence[Port], outputs: Sequence[Port], doc: str) -> Solve:
         """A function that is the routine of its name."""
         owner = gait_owner(self.gait.name)
-        words = signature(self.mechanism, owner, name, inputs, outputs, doc, _SOURCE)
+        listed = isinstance(self.gait, Schedule)
+        words = signature(self.mechanism, owner, name, inputs, outputs, doc, _LISTED if listed else _SOURCE)
         tables, numbers = self._numbers(owner, name)
         ports = (port.name for port in (*inputs, *outputs))
-        return Solve(words, (), (Step(_ROUTINES[name], (*numbers, *ports)),), tables=tables)
+        routine = (_LIST_ROUTINES if listed else _ROUTINES)[name]
+        return Solve(words, (), (Step(routine, (*numbers, *ports)),), tables=tables)
 
     def _numbers(self, owner: str, name: str) -> tuple[tuple[Table, ...], tuple[str | Decimal | int, ...]]:
         """Constant tables, and what stands before the inputs in the routine's arguments."""
         gait, prefix = self.gait, f"{self.mechanism.name}_{owner}"
-        tables = [Table(f"{prefix}_duty", _decimals(gait.duty_factor)), Table(f"{prefix}_phase", _decimals(gait.phase))]
-        numbers: list[str | Decimal | int] = [tables[0].name, tables[1].name, self._legs, _decimal(gait.period)]
+        tables = _event_tables(gait, prefix, name) if isinstance(gait, Schedule) else _cycle_tables(gait, prefix)
+        numbers: list[str | Decimal | int] = [*(table.name for table in tables), self._legs]
+        if isinstance(gait, Gait):
+            numbers.append(_decimal(gait.period))
         if name.startswith("foot") and gait.lift is not None:
             numbers.append(_decimal(gait.lift))
-        if name == "foot_targets" and gait.stance is not None:
+        if name == "foot_targets" and isinstance(gait, Gait) and gait.stance is not None:
             tables.append(Table(f"{prefix}_stance", _decimals(entry for point in gait.stance for entry in point), 3))
             numbers.append(tables[-1].name)
         return tuple(tables), tuple(numbers)
+
+
+def _cycle_tables(gait: Gait, prefix: str) -> list[Table]:
+    return [Table(f"{prefix}_duty", _decimals(gait.duty_factor)), Table(f"{prefix}_phase", _decimals(gait.phase))]
+
+
+def _event_tables(gait: Schedule, prefix: str, name: str) -> list[Table]:
+    """When legs change, leg after leg; where each leg's times begin; and but for phases which are in transfer before them."""
+    own = [gait.own(leg) for leg in range(len(gait.lifted))]
+    first = accumulate(map(len, own), initial=0)
+    tables = [
+        Table(f"{prefix}_times", _decimals(at for times in own for at in times)),
+        Table(f"{prefix}_first", tuple(map(Decimal, first))),
+        Table(f"{prefix}_lifted", tuple(map(Decimal, gait.lifted))),
+    ]
+    return tables[:2] if name == "leg_phase" else tables
 
 
 _ROUTINES = {
@@ -110,6 +135,13 @@ _ROUTINES = {
     "foot_transfers": "wg_gait_transfers",
     "foot_targets": "wg_gait_targets",
 }
+_LIST_ROUTINES = {
+    "states": "wg_schedule_states",
+    "leg_phase": "wg_schedule_phase",
+    "next_event": "wg_schedule_next_event",
+    "foot_transfers": "wg_schedule_transfers",
+}
+"""Of a list of events."""
 
 
 def gait_functions(mechanism: Mechanism) -> Iterator[tuple[str, Callable[[], Solve]]]:

@@ -13,6 +13,7 @@ from walkgen.spec.assur import SIDES, Group, Triad
 from walkgen.symbolic.branches import BAD_INPUT, OK, SINGULAR, UNREACHABLE
 from walkgen.symbolic.choices import less
 from walkgen.symbolic.closure import assembled_port, forward_placing
+from walkgen.symbolic.driven import DrivenKinematics
 from walkgen.symbolic.drives import effort_unit
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.free_bodies import FreeBodies, Load
@@ -49,7 +50,8 @@ def linkage_function(mechanism: Mechanism, leg: Limb, name: str) -> Function:
     ports, values = entry.build(placed)
     available = {port.name: port for port in dynamics_ports(leg.joints)}
     inputs = [available[port] for port in entry.inputs]
-    doc = entry.doc.format(pairs=", ".join(placed.end_names), groups=", ".join(group.name for group in placed.groups))
+    listed = {"pairs": placed.end_names, "groups": [group.name for group in placed.groups], "joints": placed.pair_names}
+    doc = entry.doc.format(**{key: ", ".join(names) for key, names in listed.items()})
     return placed.tape.function(signature(mechanism, leg.name, name, inputs, ports, doc, entry.source), values)
 
 
@@ -60,7 +62,16 @@ class PlacedLinkage:
         self._mechanism, self._leg, self.linkage, self.tape = mechanism, leg, linkage, Tape()
         self.q, self.parameters = symbols_of(joint_port("q", leg.joints)), parameter_symbols(mechanism)
         self.drives = leg.joints[len(leg.serial) :]
-        self.placing = forward_placing(leg, self.q[len(leg.serial) :], self.parameters, self.tape)
+
+    @cached_property
+    def placing(self) -> Placing:
+        """Every link in the plane."""
+        return forward_placing(self._leg, self.q[len(self._leg.serial) :], self.parameters, self.tape)
+
+    @cached_property
+    def kinematics(self) -> DrivenKinematics:
+        """Of the leg in space, on the same tape, with a placing of its own."""
+        return DrivenKinematics((self._leg,), self.linkage, self.q, self.parameters, self.tape)
 
     @cached_property
     def dynamics(self) -> LegDynamics:
@@ -82,6 +93,11 @@ class PlacedLinkage:
         """Every pair with every link that it joins."""
         structure = self.linkage.structure
         return [(index, body) for index, pair in enumerate(structure.pairs) for body in pair.bodies if body not in structure.bars]
+
+    @property
+    def pair_names(self) -> list[str]:
+        """Of all pairs, in the structure's order."""
+        return [pair.name for pair in self.linkage.structure.pairs]
 
     @property
     def end_names(self) -> list[str]:
@@ -139,6 +155,12 @@ def _angle(placing: Placing, group: Group | Triad) -> sympy.Expr:
     return Angle(inner(rod, along), -outer(rod, along))
 
 
+def _pair_positions(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
+    kinematics, count = leg.kinematics, len(leg.pair_names)
+    points = [kinematics.place(kinematics.placing.joint(pair)) for pair in range(count)]
+    return (Port("points", (count + 1, 3), "m"),), [entry for point in (*points, kinematics.position) for entry in point]
+
+
 def _driving_forces(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
     efforts = leg.efforts()[-len(leg.drives) :]
     return (Port("forces", (len(efforts),), effort_unit(leg.drives)),), efforts
@@ -190,6 +212,12 @@ LINKAGE: dict[str, Entry] = {
         "from the first outer pin to the second; of a slider, between rod and the guide's normal; of a triad, between its third strut's "
         "push and the normal of the way that the pushed point would take without this strut. In order: {groups}.",
         "eqs. (17), (18) of the chapter",
+    ),
+    "pair_positions": Entry(
+        ("q",),
+        _pair_positions,
+        "Where every pair is, a slider's sliding point, and last the foot, in the platform's frame. Rows: {joints}, foot.",
+        "dyad by dyad",
     ),
     "driving_forces": Entry(
         _MOTION,

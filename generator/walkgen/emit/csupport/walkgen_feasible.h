@@ -1,81 +1,17 @@
 /* walkgen_feasible.h: where a centre of mass may be, and which level forces a stance withstands, with friction as it is; walkgen_math.h
  * explains the macros. */
-#include "walkgen_shadow.h"
-#include "walkgen_support.h"
+#include "walkgen_shadow_margin.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_FEASIBLE_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_FEASIBLE_F32))
 #if WG_REAL_BITS == 64
 #define WALKGEN_FEASIBLE_F64
-#define WG_SHARP WG_C(1e-11)
 #define WG_FAIR WG_C(1e-7)
 #define WG_ROUGHEST WG_C(1e9)
-#define WG_ROUND WG_C(2e-3)
 #else
 #define WALKGEN_FEASIBLE_F32
-#define WG_SHARP WG_C(1e-5)
 #define WG_FAIR WG_C(2e-3)
 #define WG_ROUGHEST WG_C(1e5)
-#define WG_ROUND WG_C(4e-3)
 #endif
-
-/* The way from a point out of the polygon of points, a unit vector, and how far that is, negative from outside. */
-static inline WG_REAL WG_NAME(wg_feasible_out)(const struct WG_NAME(wg_shadow) * shadow, const WG_REAL from[2], WG_REAL out[2]) {
-    WG_REAL least = WG_INFINITY, near = WG_INFINITY, normal[2], back[2], away[2] = {WG_C(0.0), WG_C(0.0)};
-    int i;
-    out[0] = WG_C(1.0);
-    out[1] = WG_C(0.0);
-    for (i = 0; i < shadow->count; ++i) {
-        const WG_REAL *a = shadow->point[i], *b = shadow->point[(i + 1) % shadow->count];
-        const WG_REAL length = WG_NAME(wg_shadow_side)(shadow, i, normal), far = WG_NAME(wg_support_apart)(a, b, from, back);
-        const WG_REAL inside = normal[0] * (a[0] - from[0]) + normal[1] * (a[1] - from[1]);
-        if (length > WG_SHARP && inside < least) {
-            least = inside;
-            out[0] = normal[0];
-            out[1] = normal[1];
-        }
-        if (far < near) {
-            near = far;
-            away[0] = -back[0];
-            away[1] = -back[1];
-        }
-    }
-    if (least >= WG_C(0.0) && least <= WG_HUGE) {
-        return least;
-    }
-    if (near > WG_SHARP) {
-        out[0] = away[0];
-        out[1] = away[1];
-    }
-    return -near;
-}
-
-/* The signed distance of a point from the region's border, positive inside, and the way out [2]: the least of reach - u . from over all
- * directions u. The polygon of points proves it to rounding, but where the border is round about the point, as under forces by which
- * feet slip, whatever their direction: there to 2e-3 of it. Infinite where the way out is open. */
-WG_CALLED int32_t WG_NAME(wg_feasible_margin)(const WG_REAL from[2], WG_REAL *margin, WG_REAL out[2],
-                                              struct WG_NAME(wg_shadow) * shadow) {
-    WG_REAL next[2], least = WG_C(0.0);
-    int turn, i, best = 0;
-    for (turn = 0; turn <= WALKGEN_MAX_DIRECTIONS; ++turn) {
-        least = WG_NAME(wg_feasible_out)(shadow, from, next);
-        *margin = WG_INFINITY;
-        for (i = 0; i < shadow->count; ++i) {
-            const WG_REAL bound = shadow->reach[i] - shadow->direction[i][0] * from[0] - shadow->direction[i][1] * from[1];
-            best = bound < *margin ? i : best;
-            *margin = WG_MIN(bound, *margin);
-        }
-        if (*margin - least <= WG_SHARP * (WG_C(1.0) + WG_ABS(least)) || !WG_NAME(wg_shadow_look)(next, shadow)) {
-            break;
-        }
-    }
-    if (!(*margin - least <= WG_FAIR * (WG_C(1.0) + WG_ABS(least)) + WG_ROUND * WG_ABS(*margin))) {
-        return WALKGEN_NO_CONVERGENCE;
-    }
-    out[0] = shadow->open[best] ? WG_C(0.0) : shadow->direction[best][0];
-    out[1] = shadow->open[best] ? WG_C(0.0) : shadow->direction[best][1];
-    *margin = shadow->open[best] ? WG_INFINITY : *margin;
-    return WALKGEN_OK;
-}
 
 /* Coefficients of friction and normals as they count: a normal of zeros is up. Whether they are some. */
 static inline int WG_NAME(wg_feasible_ground)(int32_t k, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL up[3], WG_REAL *ground) {
@@ -257,7 +193,7 @@ static inline void WG_NAME(wg_disturbance_margin)(int32_t k, const WG_REAL *WG_R
     WG_NAME(wg_feasible_pushes)(&support, at, plane);
     *status = WG_NAME(wg_shadow_read)(mu, plane, &shadow);
     *status = *status == WALKGEN_OK ? WG_NAME(wg_shadow_start)(0, &shadow) : *status;
-    *status = *status == WALKGEN_OK ? WG_NAME(wg_feasible_margin)(here, force, out, &shadow) : *status;
+    *status = *status == WALKGEN_OK ? WG_NAME(wg_shadow_margin)(here, force, out, &shadow) : *status;
     if (*status != WALKGEN_OK) {
         *force = WG_NAN;
         return;
@@ -268,8 +204,6 @@ static inline void WG_NAME(wg_disturbance_margin)(int32_t k, const WG_REAL *WG_R
     }
 }
 
-#undef WG_SHARP
 #undef WG_FAIR
 #undef WG_ROUGHEST
-#undef WG_ROUND
 #endif

@@ -28,6 +28,12 @@
 #define WALKGEN_MAX_DIRECTIONS 64
 #endif
 
+/* What a direction tells of the region: the point farthest in it, how far that is, and whether it is open. */
+struct WG_NAME(wg_seen) {
+    WG_REAL direction[2], point[2], reach;
+    int open;
+};
+
 /* The feet's forces in a basis of the `rank` wrenches that they can give; the load and the two wrenches of the plane in it. `push`, `pull`
  * and `whole` are the parts along what a reflection takes out: of the forces, of the wrench that is sought, of the rest. Then what is known
  * of the region, counterclockwise: directions, the points farthest in them, how far these are, and which are open. */
@@ -192,15 +198,12 @@ static inline int WG_NAME(wg_shadow_place)(const struct WG_NAME(wg_shadow) * sha
     return place;
 }
 
-/* One more direction: whether it tells anything. */
-WG_CALLED int WG_NAME(wg_shadow_look)(const WG_REAL u[2], struct WG_NAME(wg_shadow) * shadow) {
+/* What a direction tells; whether an answer was found. */
+WG_CALLED int WG_NAME(wg_shadow_probe)(const WG_REAL u[2], struct WG_NAME(wg_shadow) * shadow, struct WG_NAME(wg_seen) * seen) {
     const struct WG_NAME(wg_conic) *conic = &shadow->friction.conic;
     const WG_REAL across[2] = {-u[1], u[0]};
     WG_REAL sought[6], gone[2][6], aside;
-    int i, j, closed, place = WG_NAME(wg_shadow_place)(shadow, u);
-    if (place < 0 || shadow->count == WALKGEN_MAX_DIRECTIONS) {
-        return 0;
-    }
+    int i, j, closed;
     for (j = 0; j < shadow->rank; ++j) {
         sought[j] = u[0] * shadow->plane[0][j] + u[1] * shadow->plane[1][j];
         gone[0][j] = across[0] * shadow->plane[0][j] + across[1] * shadow->plane[1][j];
@@ -213,7 +216,21 @@ WG_CALLED int WG_NAME(wg_shadow_look)(const WG_REAL u[2], struct WG_NAME(wg_shad
         aside -= shadow->push[i] * conic->x[i];
     }
     aside /= shadow->gone;
-    if (!closed || !(WG_ABS(aside) <= WG_HUGE)) {
+    for (j = 0; j < 2; ++j) {
+        seen->direction[j] = u[j];
+        seen->point[j] = conic->s * u[j] + aside * across[j];
+    }
+    seen->reach = conic->s;
+    seen->open = conic->x[3 * shadow->friction.stance.feet] < WG_SPARE;
+    return closed && WG_ABS(aside) <= WG_HUGE;
+}
+
+/* One more direction: whether it tells anything. */
+static inline int WG_NAME(wg_shadow_look)(const WG_REAL u[2], struct WG_NAME(wg_shadow) * shadow) {
+    const int place = WG_NAME(wg_shadow_place)(shadow, u);
+    struct WG_NAME(wg_seen) seen;
+    int i, j;
+    if (place < 0 || shadow->count == WALKGEN_MAX_DIRECTIONS || !WG_NAME(wg_shadow_probe)(u, shadow, &seen)) {
         return 0;
     }
     for (i = shadow->count; i > place; --i) {
@@ -225,11 +242,11 @@ WG_CALLED int WG_NAME(wg_shadow_look)(const WG_REAL u[2], struct WG_NAME(wg_shad
         }
     }
     for (j = 0; j < 2; ++j) {
-        shadow->direction[place][j] = u[j];
-        shadow->point[place][j] = conic->s * u[j] + aside * across[j];
+        shadow->direction[place][j] = seen.direction[j];
+        shadow->point[place][j] = seen.point[j];
     }
-    shadow->reach[place] = conic->s;
-    shadow->open[place] = conic->x[3 * shadow->friction.stance.feet] < WG_SPARE;
+    shadow->reach[place] = seen.reach;
+    shadow->open[place] = seen.open;
     ++shadow->count;
     return 1;
 }
@@ -261,13 +278,17 @@ WG_CALLED int32_t WG_NAME(wg_shadow_start)(int count, struct WG_NAME(wg_shadow) 
     return status == WALKGEN_OK && spare <= WG_NONE && WG_NAME(wg_shadow_area)(shadow) <= WG_NONE ? WALKGEN_SINGULAR : status;
 }
 
-/* The outward normal of the polygon's side after a point, and its length. */
-static inline WG_REAL WG_NAME(wg_shadow_side)(const struct WG_NAME(wg_shadow) * shadow, int side, WG_REAL normal[2]) {
-    const WG_REAL *a = shadow->point[side], *b = shadow->point[(side + 1) % shadow->count];
+/* The outward normal of a side from a to b, and its length. */
+static inline WG_REAL WG_NAME(wg_shadow_normal)(const WG_REAL a[2], const WG_REAL b[2], WG_REAL normal[2]) {
     const WG_REAL x = b[0] - a[0], y = b[1] - a[1], length = WG_SQRT(x * x + y * y);
     normal[0] = length > WG_C(0.0) ? y / length : WG_C(0.0);
     normal[1] = length > WG_C(0.0) ? -x / length : WG_C(0.0);
     return length;
+}
+
+/* Of the polygon's side after a point. */
+static inline WG_REAL WG_NAME(wg_shadow_side)(const struct WG_NAME(wg_shadow) * shadow, int side, WG_REAL normal[2]) {
+    return WG_NAME(wg_shadow_normal)(shadow->point[side], shadow->point[(side + 1) % shadow->count], normal);
 }
 
 #undef WG_STEEP

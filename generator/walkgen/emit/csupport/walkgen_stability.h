@@ -53,7 +53,7 @@ static inline void WG_NAME(wg_margins_rough)(const WG_REAL *points, const WG_REA
     }
     margins->status = WG_NAME(wg_feasible_start)(points, normals, mu, support, &shadow);
     if (margins->status == WALKGEN_OK) {
-        margins->status = WG_NAME(wg_feasible_margin)(support->com, &margins->value[4], out, &shadow);
+        margins->status = WG_NAME(wg_shadow_margin)(support->com, &margins->value[4], out, &shadow);
     }
     margins->value[4] = margins->status == WALKGEN_OK ? margins->value[4] : WG_NAN;
     margins->gradient[4][0] = -out[0];

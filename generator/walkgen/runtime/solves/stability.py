@@ -1,5 +1,6 @@
 """The margins of static stability of a stance and their gradients: the reference of walkgen_stability.h."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,6 +13,7 @@ from walkgen.runtime.solves.stance import BAD_INPUT, OK, SINGULAR, Integers, Rea
 from walkgen.runtime.solves.support import Support, heights, is_level, static_margin, support_of, way_margin
 
 _RANKS = (2, 1, 1, 1, 2, 1, 0, 1)
+_INTEGERS = frozenset({"polygon", "vertices", "edge", "status"})
 
 
 class Margins(NamedTuple):
@@ -72,14 +74,7 @@ def stability_margins(
     shape, given = stances((points, com, direction, mu, normals, gravity, mass, own), _RANKS)
     rows = [_all(*(item[index] for item in given)).margins() for index in np.ndindex(shape)]
     k = given[0].shape[-2]
-    tails = ((), (2,), (), (), (), (k,), (), (2,), (k,), ())
-    integers = ("polygon", "vertices", "edge", "status")
-    return Margins(
-        *(
-            np.array([row[i] for row in rows], np.int32 if name in integers else float).reshape((*shape, *tail))
-            for i, (name, tail) in enumerate(zip(Margins._fields, tails, strict=True))
-        )
-    )
+    return Margins(*_stacked(rows, shape, ((), (2,), (), (), (), (k,), (), (2,), (k,), ()), Margins._fields))
 
 
 def stability_margins_d_com(
@@ -95,10 +90,15 @@ def stability_margins_d_com(
     """The gradients of `stability_margins` by the centre of mass: those of the first edge, foot or direction that limits them."""
     shape, given = stances((points, com, direction, mu, normals, gravity, mass, own), _RANKS)
     rows = [_all(*(item[index] for item in given)).gradients() for index in np.ndindex(shape)]
-    tails = ((3,), (2, 3), (3,), (3,), (3,))
-    slopes = [np.array([row[i] for row in rows], float).reshape((*shape, *tail)) for i, tail in enumerate(tails)]
-    status = np.array([row[5] for row in rows], np.int32).reshape(shape)
-    return Gradients(slopes[0], slopes[1], slopes[2], slopes[3], slopes[4], status)
+    return Gradients(*_stacked(rows, shape, ((3,), (2, 3), (3,), (3,), (3,), ()), Gradients._fields))
+
+
+def _stacked(
+    rows: Sequence[tuple[Any, ...]], shape: tuple[int, ...], tails: Sequence[tuple[int, ...]], names: Sequence[str]
+) -> Iterator[np.ndarray]:
+    """Rows' entries as arrays with the leading shape, each with its own tail."""
+    for i, (name, tail) in enumerate(zip(names, tails, strict=True)):
+        yield np.array([row[i] for row in rows], np.int32 if name in _INTEGERS else float).reshape((*shape, *tail))
 
 
 @dataclass(frozen=True)
