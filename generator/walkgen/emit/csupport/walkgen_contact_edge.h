@@ -185,18 +185,18 @@ WG_CALLED int32_t WG_NAME(wg_contact_at_edge)(struct WG_NAME(wg_contact_search) 
         WG_NAME(wg_contact_evaluate)(stance, dual);
         (void)WG_NAME(wg_contact_ascend)(stance, 12, dual);
         WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, search->f);
-        WG_NAME(wg_contact_polish)(stance, dual, search->f);
-        if (WG_NAME(wg_contact_deliver)(search, work, f, state, violation)) {
+        if (WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_polish)(stance, dual, search->f), work, f, state, violation)) {
             return WALKGEN_OK;
         }
         WG_NAME(wg_contact_exerted)(stance, &edge, search->f);
-        WG_NAME(wg_contact_polish)(stance, dual, search->f);
-        if (WG_NAME(wg_contact_deliver)(search, work, f, state, violation)) {
+        if (WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_polish)(stance, dual, search->f), work, f, state, violation)) {
             return WALKGEN_OK;
         }
     }
     WG_NAME(wg_contact_copy)(stance->feet, any, search->f);
-    return WG_NAME(wg_contact_deliver)(search, work, f, state, violation) ? WALKGEN_OK : WALKGEN_NO_CONVERGENCE;
+    return WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_imbalance)(stance, any), work, f, state, violation)
+               ? WALKGEN_OK
+               : WALKGEN_NO_CONVERGENCE;
 }
 
 #undef WG_SHARP

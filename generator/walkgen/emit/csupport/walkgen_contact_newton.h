@@ -39,8 +39,6 @@ static inline WG_REAL WG_NAME(wg_contact_most)(const struct WG_NAME(wg_contact_c
     int j;
     for (j = 0; j < 3; ++j) {
         N += cones->n[j][i] * z[j][i];
-        a += cones->along[j][i] * z[j][i];
-        b += cones->aside[j][i] * z[j][i];
         square += z[j][i] * z[j][i];
     }
     for (j = 0; j < 3; ++j) {
@@ -48,6 +46,10 @@ static inline WG_REAL WG_NAME(wg_contact_most)(const struct WG_NAME(wg_contact_c
     }
     most = WG_NAME(wg_norm)(part);
     if (cones->facets) {
+        for (j = 0; j < 3; ++j) {
+            a += cones->along[j][i] * z[j][i];
+            b += cones->aside[j][i] * z[j][i];
+        }
         WG_NAME(wg_contact_side)(cones->facets, a, b, &c, &s);
         most = cones->side * (c * a + s * b) + cones->corner * WG_ABS(c * b - s * a);
     }
@@ -113,17 +115,18 @@ static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_st
 WG_CALLED void WG_NAME(wg_contact_search)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL step[6], int seeking,
                                               struct WG_NAME(wg_contact_dual) * dual) {
     const WG_REAL first = WG_NAME(wg_contact_product)(dual->slope, step);
-    WG_REAL from[6], low = WG_C(0.0), high = -WG_C(1.0), rising = first, falling = WG_C(0.0), t = WG_C(1.0), along;
+    WG_REAL from[6], way[6], low = WG_C(0.0), high = -WG_C(1.0), rising = first, falling = WG_C(0.0), t = WG_C(1.0), along;
     int turn, j;
     for (j = 0; j < 6; ++j) {
         from[j] = dual->y[j];
+        way[j] = step[j];
     }
     for (turn = 0; turn < 30; ++turn) {
         for (j = 0; j < 6; ++j) {
-            dual->y[j] = from[j] + t * step[j];
+            dual->y[j] = from[j] + t * way[j];
         }
         WG_NAME(wg_contact_evaluate)(stance, dual);
-        along = WG_NAME(wg_contact_product)(dual->slope, step);
+        along = WG_NAME(wg_contact_product)(dual->slope, way);
         if (!(WG_ABS(along) > WG_C(0.3) * first) || (seeking && WG_NAME(wg_contact_refuted)(stance, dual))) {
             return;
         }
@@ -176,8 +179,9 @@ WG_CALLED int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_stance)
         if (turn == most) {
             return WG_CONTACT_OPEN;
         }
-        WG_NAME(wg_contact_curvature)(stance, dual, WG_C(1e-3) * WG_MIN(lacking, WG_C(1.0)) + WG_DAMPED, &H);
+        WG_NAME(wg_contact_curvature)(stance, dual, WG_DAMPED, &H);
         if (!WG_NAME(wg_contact_solve_blocks)(&H, dual->slope, step)) {
+            WG_NAME(wg_contact_curvature)(stance, dual, WG_C(1e-3) * WG_MIN(lacking, WG_C(1.0)) + WG_DAMPED, &H);
             WG_NAME(wg_contact_solve)(stance, &H, dual->slope, step);
         }
         if (!(WG_NAME(wg_contact_product)(dual->slope, step) > WG_C(0.0))) {
