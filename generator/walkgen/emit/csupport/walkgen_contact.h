@@ -4,6 +4,7 @@
  * i, so that sum (f_i, p_i x f_i) + wrench = 0. While no cone is active, walkgen_contact_inside.h has the answer; otherwise
  * walkgen_contact_newton.h finds the multipliers, or near the edge of what can be carried walkgen_contact_edge.h.
  */
+#include "walkgen_contact_corner.h"
 #include "walkgen_contact_edge.h"
 #include "walkgen_contact_inside.h"
 
@@ -27,12 +28,13 @@ WG_CALLED void WG_NAME(wg_contact_prove)(const struct WG_NAME(wg_contact_search)
     WG_NAME(wg_contact_refute)(stance, least, certificate, violation);
 }
 
-/* The search by multipliers alone, of bounded feet and polygons: the least forces, else the forces of the least violation. */
+/* The search by multipliers alone, of bounded feet and polygons: the least forces, else the forces of the least violation; where none are
+ * found and feet are without bound, whatever forces carry the load, or a proof. */
 WG_CALLED int32_t WG_NAME(wg_contact_bounded)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
-                                                  WG_REAL *f, int32_t *state, WG_REAL *violation) {
+                                              WG_REAL *f, int32_t *state, WG_REAL certificate[6], WG_REAL *violation) {
     struct WG_NAME(wg_contact_stance) *stance = &search->stance;
     struct WG_NAME(wg_contact_dual) *dual = &search->dual;
-    WG_REAL any[3][WALKGEN_MAX_FEET];
+    WG_REAL any[3][WALKGEN_MAX_FEET], y[6], lacking;
     WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, any);
     WG_NAME(wg_contact_into_cones)(stance, any);
     (void)WG_NAME(wg_contact_approach)(stance, dual);
@@ -41,9 +43,17 @@ WG_CALLED int32_t WG_NAME(wg_contact_bounded)(struct WG_NAME(wg_contact_search) 
         return WALKGEN_OK;
     }
     WG_NAME(wg_contact_copy)(stance->feet, any, search->f);
-    return WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_imbalance)(stance, any), work, f, state, violation)
-               ? WALKGEN_OK
-               : WALKGEN_NO_CONVERGENCE;
+    if (WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_imbalance)(stance, any), work, f, state, violation)) {
+        return WALKGEN_OK;
+    }
+    if (!WG_NAME(wg_contact_is_unbounded)(stance)) {
+        return WALKGEN_NO_CONVERGENCE;
+    }
+    if (WG_NAME(wg_contact_corners)(stance, y, search->f, &lacking) == WG_CONTACT_REFUTED) {
+        WG_NAME(wg_contact_refute)(stance, y, certificate, violation);
+        return WALKGEN_INFEASIBLE;
+    }
+    return WG_NAME(wg_contact_deliver)(search, lacking, work, f, state, violation) ? WALKGEN_OK : WALKGEN_NO_CONVERGENCE;
 }
 
 /* The search from dual's multipliers: its status. At the edge of what can be carried (to 1e-10 of the load) the forces may be any that
@@ -53,7 +63,8 @@ WG_CALLED int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search) * s
     struct WG_NAME(wg_contact_stance) *stance = &search->stance;
     struct WG_NAME(wg_contact_dual) *dual = &search->dual;
     WG_REAL y[6], lacking = WG_INFINITY;
-    const int answer = WG_NAME(wg_contact_climb)(search, &lacking), round = WG_NAME(wg_contact_is_round)(stance);
+    const int answer = WG_NAME(wg_contact_climb)(search, &lacking);
+    const int round = stance->cones.facets == 0 && WG_NAME(wg_contact_is_unbounded)(stance);
     int i, strict;
     if (answer == WG_CONTACT_FOUND && WG_NAME(wg_contact_deliver)(search, lacking, work, f, state, violation)) {
         return WALKGEN_OK;
@@ -67,7 +78,7 @@ WG_CALLED int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search) * s
         return WALKGEN_INFEASIBLE;
     }
     return round ? WG_NAME(wg_contact_at_edge)(search, work, f, state, certificate, violation)
-                 : WG_NAME(wg_contact_bounded)(search, work, f, state, violation);
+                 : WG_NAME(wg_contact_bounded)(search, work, f, state, certificate, violation);
 }
 
 /* The same, from the last stance's multipliers where they are nearer and lead to moderate ones; else from the forces without cones, so that

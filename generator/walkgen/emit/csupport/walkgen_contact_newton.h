@@ -259,7 +259,8 @@ WG_CALLED int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * st
         WG_NAME(wg_contact_recentre)(stance, dual, 1, centre);
         slack = WG_MAX(WG_C(0.1) * slack, WG_FIRM * size);
     }
-    if (answer == WG_CONTACT_OPEN && most >= 40 && WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_ENOUGH) > WG_C(0.0)) {
+    if (answer == WG_CONTACT_OPEN && !WG_NAME(wg_contact_is_unbounded)(stance) && /* else there are other ways to a better proof */
+        WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_ENOUGH) > WG_C(0.0)) {
         answer = WG_CONTACT_REFUTED;
     }
     dual->centre = NULL;

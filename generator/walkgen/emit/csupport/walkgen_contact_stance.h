@@ -137,6 +137,15 @@ static inline WG_REAL WG_NAME(wg_contact_noise)(const struct WG_NAME(wg_contact_
            (WG_NAME(wg_norm)(M) + (WG_NAME(wg_norm)(stance->centre) + WG_C(1.0)) * WG_NAME(wg_norm)(stance->b));
 }
 
+/* Whether no foot has a bound on its normal force. */
+static inline int WG_NAME(wg_contact_is_unbounded)(const struct WG_NAME(wg_contact_stance) * stance) {
+    int i, unbounded = 1;
+    for (i = 0; i < stance->feet; ++i) {
+        unbounded &= !(stance->cones.n_max[i] <= WG_HUGE);
+    }
+    return unbounded;
+}
+
 /* Inertia of the feet about their centre: sum of ease (r'r 1 - r r'). */
 static inline void WG_NAME(wg_contact_inertia)(struct WG_NAME(wg_contact_stance) * stance) {
     WG_REAL *J = stance->inertia;
