@@ -181,8 +181,8 @@ static inline void WG_NAME(wg_corner_forces)(const struct WG_NAME(wg_contact_sta
 }
 
 /* The same, the best of those that refining by what they lack leads to: where forces are large, rounding decides. What f lacks. */
-static inline WG_REAL WG_NAME(wg_corner_refine)(const struct WG_NAME(wg_contact_stance) * stance, struct WG_NAME(wg_contact_corner) * corner,
-                                                WG_REAL f[3][WALKGEN_MAX_FEET]) {
+static inline WG_REAL WG_NAME(wg_corner_refine)(const struct WG_NAME(wg_contact_stance) * stance,
+                                                struct WG_NAME(wg_contact_corner) * corner, WG_REAL f[3][WALKGEN_MAX_FEET]) {
     WG_REAL rest[6], trial[3][WALKGEN_MAX_FEET], least = WG_INFINITY, lacking;
     int turn, i;
     for (turn = 0; turn < 12; ++turn) {
@@ -203,8 +203,8 @@ static inline WG_REAL WG_NAME(wg_corner_refine)(const struct WG_NAME(wg_contact_
     return least;
 }
 
-/* From corner to corner until nothing is missing: WG_CONTACT_OPEN; or WG_CONTACT_REFUTED where no edge helps, WG_CONTACT_FOUND where rounding
- * ends it. */
+/* From corner to corner until nothing is missing: WG_CONTACT_OPEN; or WG_CONTACT_REFUTED where no edge helps, WG_CONTACT_FOUND where
+ * rounding ends it. */
 static inline int WG_NAME(wg_corner_walk)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL spare, WG_REAL y[6],
                                           struct WG_NAME(wg_contact_corner) * corner) {
     int turn, answer = WG_CONTACT_OPEN;
@@ -217,8 +217,8 @@ static inline int WG_NAME(wg_corner_walk)(const struct WG_NAME(wg_contact_stance
     return answer;
 }
 
-/* Forces in pyramids without bound, in f, that carry the load but for `lacking`: WG_CONTACT_FOUND; or WG_CONTACT_REFUTED with a strict proof
- * y: multipliers by which the edges lose more than rounding hides. */
+/* Forces in pyramids without bound, in f, that carry the load but for `lacking`: WG_CONTACT_FOUND; or WG_CONTACT_REFUTED with a strict
+ * proof y: multipliers by which the edges lose more than rounding hides. */
 WG_CALLED int WG_NAME(wg_contact_corners)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL y[6], WG_REAL f[3][WALKGEN_MAX_FEET],
                                           WG_REAL *lacking) {
     struct WG_NAME(wg_contact_corner) corner;

@@ -107,7 +107,8 @@ static inline void WG_NAME(wg_contact_evaluate)(const struct WG_NAME(wg_contact_
 
 /* Products of four feet's derivatives with their places: P (6 rows), B = [r] P (9), [r] P [r]' (6). */
 WG_INLINE void WG_NAME(wg_contact_bend)(const struct WG_NAME(wg_contact_stance) * WG_RESTRICT stance,
-                                        const struct WG_NAME(wg_contact_dual) * WG_RESTRICT dual, int first, WG_REAL (*WG_RESTRICT four)[4]) {
+                                        const struct WG_NAME(wg_contact_dual) * WG_RESTRICT dual, int first,
+                                        WG_REAL (*WG_RESTRICT four)[4]) {
     int lane;
     for (lane = 0; lane < 4; ++lane) {
         const int i = first + lane;

@@ -80,7 +80,8 @@ WG_CALLED void WG_NAME(wg_contact_hand_over)(const struct WG_NAME(wg_contact_sta
     for (i = 0; i < stance->feet; ++i) {
         const WG_REAL g[3] = {f[0][i], f[1][i], f[2][i]}, N = cones->n[0][i] * g[0] + cones->n[1][i] * g[1] + cones->n[2][i] * g[2];
         const WG_REAL width = (WG_C(1.0) + WG_C(32.0) * WG_EPSILON) * WG_NAME(wg_contact_width)(cones, i, g, N);
-        const int bears = WG_ABS(g[0]) + WG_ABS(g[1]) + WG_ABS(g[2]) > WG_C(0.0), inside = width <= cones->mu[i] * WG_MIN(N, cones->n_max[i]);
+        const int bears = WG_ABS(g[0]) + WG_ABS(g[1]) + WG_ABS(g[2]) > WG_C(0.0);
+        const int inside = width <= cones->mu[i] * WG_MIN(N, cones->n_max[i]);
         state[i] = !bears ? WG_CONTACT_FREE : inside && cones->mu[i] > WG_C(0.0) ? WG_CONTACT_STICK : WG_CONTACT_SLIDE;
         for (j = 0; j < 3; ++j) {
             const WG_REAL(*axes)[3] = (const WG_REAL(*)[3])stance->axes;

@@ -46,8 +46,8 @@ static inline int WG_NAME(wg_contact_finite)(const WG_REAL *values, int32_t coun
     return fine;
 }
 
-/* Whether normals are of unit length, friction, weights and bounds in their ranges; by least and greatest values, which pass over a NaN, and
- * a sum, which does not. */
+/* Whether normals are of unit length, friction, weights and bounds in their ranges; by least and greatest values, which pass over a NaN,
+ * and a sum, which does not. */
 static inline int WG_NAME(wg_contact_fine)(int32_t k, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *weight,
                                            const WG_REAL *n_max) {
     WG_REAL sum = WG_C(0.0), off = sum, smooth = mu[0], rough = mu[0], light = weight[0], heavy = weight[0];
@@ -177,7 +177,8 @@ static inline void WG_NAME(wg_contact_turn)(const struct WG_NAME(wg_contact_stan
 /* Everything turned into the principal axes; moments that no force of any foot has are lost. 0 where the load has one above its
  * noise, and the axis about which it is the largest is `*axis`. */
 WG_CALLED int WG_NAME(wg_contact_principal)(struct WG_NAME(wg_contact_stance) * stance, int *axis) {
-    const WG_REAL noise = WG_NAME(wg_contact_noise)(stance), blur = WG_C(64.0) * WG_EPSILON * (WG_C(1.0) + WG_NAME(wg_norm)(stance->centre)), *I = stance->inertia;
+    const WG_REAL noise = WG_NAME(wg_contact_noise)(stance), *I = stance->inertia;
+    const WG_REAL blur = WG_C(64.0) * WG_EPSILON * (WG_C(1.0) + WG_NAME(wg_norm)(stance->centre));
     WG_REAL J[3][3] = {{I[0], I[1], I[2]}, {I[1], I[3], I[4]}, {I[2], I[4], I[5]}};
     int j;
     stance->turned = 1;
