@@ -119,7 +119,8 @@ def _exact_width(z, n, facets, half):
 
 def exactly_refuted(stance, certificate, facets=0):
     """In 50 digits, for one stance without bounds: a certificate's product with the load, with forces in cones or pyramids at least; its
-    size."""
+    size.
+    """
     with mpmath.workdps(50):
         c = [mpmath.mpf(float(value)) for value in certificate]
         size, least = mpmath.mpf(float(loads(stance)[0])), mpmath.inf
