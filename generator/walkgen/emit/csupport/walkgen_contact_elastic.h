@@ -69,14 +69,12 @@ static inline WG_REAL WG_NAME(wg_elastic_entry)(const struct WG_NAME(wg_contact_
     return stand->compliance[row * 3 * stand->feet + column] * stand->scale;
 }
 
-/* Points about their centre, normals, friction, misfit, load: the status, OK or BAD_INPUT. */
-static inline int32_t WG_NAME(wg_elastic_place)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
-                                                const WG_REAL *wrench, const WG_REAL *misfit,
-                                                struct WG_NAME(wg_contact_elastic) * stand) {
+/* Points about their centre, normals and friction: whether they are fine. */
+static inline int WG_NAME(wg_elastic_feet)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                           struct WG_NAME(wg_contact_elastic) * stand) {
     const WG_REAL each = WG_C(1.0) / (WG_REAL)k;
-    WG_REAL size, moment[3], shift, per_length, per_force;
-    int32_t i, j;
-    int fine = WG_NAME(wg_elastic_size)(points, 3 * k) >= WG_C(0.0) && WG_NAME(wg_elastic_size)(wrench, 6) >= WG_C(0.0);
+    int32_t i;
+    int j, fine = WG_NAME(wg_elastic_size)(points, 3 * k) >= WG_C(0.0);
     stand->feet = k;
     for (j = 0; j < 3; ++j) {
         stand->centre[j] = WG_C(0.0);
@@ -86,13 +84,23 @@ static inline int32_t WG_NAME(wg_elastic_place)(int32_t k, const WG_REAL *points
     }
     for (i = 0; i < k; ++i) {
         const WG_REAL unit = WG_NAME(wg_elastic_dot)(normals + 3 * i, normals + 3 * i) - WG_C(1.0);
-        fine &= WG_ABS(unit) <= WG_C(2.0) * WG_UNIT && mu[i] >= WG_C(0.0);
+        fine &= (WG_ABS(unit) <= WG_C(2.0) * WG_UNIT) & (mu[i] >= WG_C(0.0));
         stand->mu[i] = mu[i];
         for (j = 0; j < 3; ++j) {
             stand->r[i][j] = points[3 * i + j] - stand->centre[j];
             stand->n[i][j] = normals[3 * i + j];
         }
     }
+    return fine;
+}
+
+/* Feet, misfit and load: the status, OK or BAD_INPUT. */
+static inline int32_t WG_NAME(wg_elastic_place)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                                const WG_REAL *wrench, const WG_REAL *misfit,
+                                                struct WG_NAME(wg_contact_elastic) * stand) {
+    WG_REAL size, moment[3], shift, per_length, per_force;
+    int32_t i, j;
+    const int fine = WG_NAME(wg_elastic_feet)(k, points, normals, mu, stand) && WG_NAME(wg_elastic_size)(wrench, 6) >= WG_C(0.0);
     stand->length = WG_NAME(wg_elastic_size)(&stand->r[0][0], 3 * k);
     if (!fine || stand->length < WG_C(0.0)) {
         return WALKGEN_BAD_INPUT;
