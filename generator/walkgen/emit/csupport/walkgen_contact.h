@@ -2,7 +2,8 @@
  *
  * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin) and f_i the ground's force on foot
  * i, so that sum (f_i, p_i x f_i) + wrench = 0. While no cone is active, walkgen_contact_inside.h has the answer; otherwise
- * walkgen_contact_newton.h finds the multipliers, or near the edge of what can be carried walkgen_contact_edge.h.
+ * walkgen_contact_newton.h finds the multipliers, or near the edge of what can be carried walkgen_contact_edge.h and, with pyramids,
+ * walkgen_contact_corner.h.
  */
 #include "walkgen_contact_corner.h"
 #include "walkgen_contact_edge.h"
