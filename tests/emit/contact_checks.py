@@ -97,8 +97,30 @@ def refutation(stances, found, facets=0):
     return np.where((gain > 0.0), -free - LOAD_OF_PROOF, np.inf)
 
 
-def exactly_refuted(stance, certificate):
-    """In 50 digits, for one stance with round cones and no bound: a certificate's product with the load, with forces at least; its size."""
+def _exact_directions(n, facets, half):
+    """Of a polygon's sides, or with `half` a step on of its corners, in the digits at hand."""
+    axis = [mpmath.mpf(i == (1 if abs(n[0]) > 0.9 else 0)) for i in range(3)]
+    along = [a - sum(b * c for b, c in zip(axis, n, strict=True)) * d for a, d in zip(axis, n, strict=True)]
+    size = mpmath.sqrt(sum(a**2 for a in along))
+    along = [a / size for a in along]
+    aside = [n[(i + 1) % 3] * along[(i + 2) % 3] - n[(i + 2) % 3] * along[(i + 1) % 3] for i in range(3)]
+    for side in range(facets):
+        turn = 2 * mpmath.pi * (side + half) / facets
+        yield [mpmath.cos(turn) * a + mpmath.sin(turn) * b for a, b in zip(along, aside, strict=True)]
+
+
+def _exact_tangent(z, n, N):
+    return mpmath.sqrt(sum((a - N * b) ** 2 for a, b in zip(z, n, strict=True)))
+
+
+def _exact_width(z, n, facets, half):
+    return max(sum(a * b for a, b in zip(z, way, strict=True)) for way in _exact_directions(n, facets, half))
+
+
+def exactly_refuted(stance, certificate, facets=0):
+    """In 50 digits, for one stance without bounds: a certificate's product with the load, with forces in cones or pyramids at least; its
+    size.
+    """
     with mpmath.workdps(50):
         c = [mpmath.mpf(float(value)) for value in certificate]
         size, least = mpmath.mpf(float(loads(stance)[0])), mpmath.inf
@@ -106,14 +128,15 @@ def exactly_refuted(stance, certificate):
             z = [c[i] + c[3 + (i + 1) % 3] * mpmath.mpf(p[(i + 2) % 3]) - c[3 + (i + 2) % 3] * mpmath.mpf(p[(i + 1) % 3]) for i in range(3)]
             normal = [mpmath.mpf(value) for value in n]
             N = sum(a * b for a, b in zip(z, normal, strict=True))
-            T = mpmath.sqrt(sum((a - N * b) ** 2 for a, b in zip(z, normal, strict=True)))
+            half = mpmath.mpf(1) / 2
+            T = _exact_width([-a for a in z], normal, facets, half) if facets else _exact_tangent(z, normal, N)
             least = min(least, (N - mpmath.mpf(mu) * T) * size)
         entries = mpmath.sqrt(sum(value**2 for value in c)) * size
         return float(sum(a * mpmath.mpf(b) for a, b in zip(c, stance.wrench[0], strict=True))), float(least), float(entries)
 
 
-def exactly_carried(stance, f):
-    """In 50 digits, for one stance with round cones: what forces lack of the load, and how far they are outside of their cones."""
+def exactly_carried(stance, f, facets=0):
+    """In 50 digits, for one stance: what forces lack of the load, and how far they are outside of their cones or pyramids."""
     with mpmath.workdps(50):
         rest = [mpmath.mpf(value) for value in stance.wrench[0]]
         over = -mpmath.inf
@@ -123,6 +146,6 @@ def exactly_carried(stance, f):
                 rest[i] += part[i]
                 rest[3 + i] += point[(i + 1) % 3] * part[(i + 2) % 3] - point[(i + 2) % 3] * part[(i + 1) % 3]
             N = sum(a * b for a, b in zip(part, normal, strict=True))
-            T = mpmath.sqrt(sum((a - N * b) ** 2 for a, b in zip(part, normal, strict=True)))
+            T = _exact_width(part, normal, facets, 0) / mpmath.cos(mpmath.pi / facets) if facets else _exact_tangent(part, normal, N)
             over = max(over, T - mpmath.mpf(mu) * N)
         return float(mpmath.sqrt(sum(value**2 for value in rest))), float(over)

@@ -33,14 +33,14 @@ def least_friction(forces, stances, facets=0):
     return np.where(never, np.nan, high)
 
 
-def checked_exactly(stances, found, row):
+def checked_exactly(stances, found, row, facets=0):
     """Whether a verdict holds in 50 digits; of forces above 2e6 loads, to the rounding of their own entries."""
     stance = stances[row : row + 1]
     if found.status[row] == OK:
-        lacking, over = exactly_carried(stance, found.f[row])
+        lacking, over = exactly_carried(stance, found.f[row], facets)
         rounding = 2.0 * np.finfo(float).eps * np.abs(found.f[row]).max()
         return max(lacking, over) <= max(1e-9 * loads(stance)[0], rounding)
-    whole, least, size = exactly_refuted(stance, found.certificate[row])
+    whole, least, size = exactly_refuted(stance, found.certificate[row], facets)
     return found.status[row] == INFEASIBLE and whole > 0.99 and least >= -ROUNDING * size
 
 
@@ -83,10 +83,10 @@ def at_edge(stances, edge, gap):
     return stances.changed(mu=(edge * (1.0 + gap))[:, None] * stances.mu)
 
 
-def with_edges(forces, seed, rows, k):
+def with_edges(forces, seed, rows, k, facets=0):
     """Stances and the share of their friction that they need."""
     stances = random_stances(seed, rows, k)
-    edge = least_friction(forces, stances)
+    edge = least_friction(forces, stances, facets)
     some = np.flatnonzero(np.isfinite(edge) & (edge > 1e-3))
     return stances[some], edge[some]
 
@@ -112,13 +112,13 @@ def near_the_edge(forces, seed, rows, k):
     return len(edge), left
 
 
-def left_open(forces, stances, edge, found):
+def left_open(forces, stances, edge, found, facets=0):
     """How many verdicts are missing; all of them where forces at the band's end are large already."""
     assert set(found.status) <= {OK, INFEASIBLE, NO_CONVERGENCE}
     missing = np.flatnonzero(found.status == NO_CONVERGENCE)
     if len(missing):
         some = at_edge(stances[missing], edge[missing], BAND)
-        assert (np.abs(forces(some).f).max((-1, -2)) >= 1e3 * loads(some)).all()
+        assert (np.abs(forces(some, facets).f).max((-1, -2)) >= 1e3 * loads(some)).all()
     return len(missing)
 
 
@@ -157,6 +157,25 @@ def test_forces_near_the_edge_are_the_least(forces, k):
         f, other = found.f[row], peers[row][1]
         assert np.sum(f * (other - f)) >= -1e-5 * np.sum(f * f)
         assert np.sum(f * f) <= (1.0 + 1e-6) * np.sum(other * other)
+
+
+@pytest.mark.parametrize(("facets", "k"), [(4, 3), (4, 9), (7, 4)])
+def test_edges_of_pyramids(forces, facets, k):
+    """Verdicts at the band's ends; within, few are missing, where the forces are large. All hold in 50 digits."""
+    stances, edge = with_edges(forces, 950 + k, 40, k, facets)
+    assert len(edge) >= 20
+    for gap in (-BAND, -1e-7, -1e-9, -1e-12, 1e-12, 1e-9, 1e-7, BAND):
+        at = at_edge(stances, edge, gap)
+        found = forces(at, facets)
+        given = np.flatnonzero(found.status != NO_CONVERGENCE)
+        assert set(found.status[given]) <= {OK, INFEASIBLE}
+        if abs(gap) == BAND or gap == -1e-7:
+            assert (found.status == (OK if gap > 0.0 else INFEASIBLE)).all(), gap
+        elif gap > 1e-10:
+            assert left_open(forces, stances, edge, found, facets) <= 0.08 * len(edge)
+        else:
+            assert len(given) >= 0.92 * len(edge)
+        assert all(checked_exactly(at, found, row, facets) for row in given), gap
 
 
 @pytest.mark.nightly

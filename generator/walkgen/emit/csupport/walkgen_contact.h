@@ -2,8 +2,10 @@
  *
  * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin) and f_i the ground's force on foot
  * i, so that sum (f_i, p_i x f_i) + wrench = 0. While no cone is active, walkgen_contact_inside.h has the answer; otherwise
- * walkgen_contact_newton.h finds the multipliers, or near the edge of what can be carried walkgen_contact_edge.h.
+ * walkgen_contact_newton.h finds the multipliers, or near the edge of what can be carried walkgen_contact_edge.h and, with pyramids,
+ * walkgen_contact_corner.h.
  */
+#include "walkgen_contact_corner.h"
 #include "walkgen_contact_edge.h"
 #include "walkgen_contact_inside.h"
 
@@ -27,22 +29,32 @@ WG_CALLED void WG_NAME(wg_contact_prove)(const struct WG_NAME(wg_contact_search)
     WG_NAME(wg_contact_refute)(stance, least, certificate, violation);
 }
 
-/* The search by multipliers alone, of bounded feet and polygons: the least forces, else the forces of the least violation. */
+/* The search by multipliers alone, of bounded feet and polygons: the least forces, else the forces of the least violation; where none are
+ * found and feet are without bound, whatever forces carry the load, or a proof. */
 WG_CALLED int32_t WG_NAME(wg_contact_bounded)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
-                                                  WG_REAL *f, int32_t *state, WG_REAL *violation) {
+                                              WG_REAL *f, int32_t *state, WG_REAL certificate[6], WG_REAL *violation) {
     struct WG_NAME(wg_contact_stance) *stance = &search->stance;
     struct WG_NAME(wg_contact_dual) *dual = &search->dual;
-    WG_REAL any[3][WALKGEN_MAX_FEET];
+    WG_REAL any[3][WALKGEN_MAX_FEET], y[6], lacking;
     WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, any);
     WG_NAME(wg_contact_into_cones)(stance, any);
     (void)WG_NAME(wg_contact_approach)(stance, dual);
     WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, search->f);
-    WG_NAME(wg_contact_polish)(stance, dual, search->f);
-    if (WG_NAME(wg_contact_deliver)(search, work, f, state, violation)) {
+    if (WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_polish)(stance, dual, search->f), work, f, state, violation)) {
         return WALKGEN_OK;
     }
     WG_NAME(wg_contact_copy)(stance->feet, any, search->f);
-    return WG_NAME(wg_contact_deliver)(search, work, f, state, violation) ? WALKGEN_OK : WALKGEN_NO_CONVERGENCE;
+    if (WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_imbalance)(stance, any), work, f, state, violation)) {
+        return WALKGEN_OK;
+    }
+    if (!WG_NAME(wg_contact_is_unbounded)(stance)) {
+        return WALKGEN_NO_CONVERGENCE;
+    }
+    if (WG_NAME(wg_contact_corners)(stance, y, search->f, &lacking) == WG_CONTACT_REFUTED) {
+        WG_NAME(wg_contact_refute)(stance, y, certificate, violation);
+        return WALKGEN_INFEASIBLE;
+    }
+    return WG_NAME(wg_contact_deliver)(search, lacking, work, f, state, violation) ? WALKGEN_OK : WALKGEN_NO_CONVERGENCE;
 }
 
 /* The search from dual's multipliers: its status. At the edge of what can be carried (to 1e-10 of the load) the forces may be any that
@@ -51,10 +63,11 @@ WG_CALLED int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search) * s
                                                WG_REAL *f, int32_t *state, WG_REAL certificate[6], WG_REAL *violation) {
     struct WG_NAME(wg_contact_stance) *stance = &search->stance;
     struct WG_NAME(wg_contact_dual) *dual = &search->dual;
-    const int answer = WG_NAME(wg_contact_climb)(search), round = WG_NAME(wg_contact_is_round)(stance);
-    WG_REAL y[6];
+    WG_REAL y[6], lacking = WG_INFINITY;
+    const int answer = WG_NAME(wg_contact_climb)(search, &lacking);
+    const int round = stance->cones.facets == 0 && WG_NAME(wg_contact_is_unbounded)(stance);
     int i, strict;
-    if (answer == WG_CONTACT_FOUND && WG_NAME(wg_contact_deliver)(search, work, f, state, violation)) {
+    if (answer == WG_CONTACT_FOUND && WG_NAME(wg_contact_deliver)(search, lacking, work, f, state, violation)) {
         return WALKGEN_OK;
     }
     for (i = 0; i < 6; ++i) {
@@ -66,7 +79,7 @@ WG_CALLED int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search) * s
         return WALKGEN_INFEASIBLE;
     }
     return round ? WG_NAME(wg_contact_at_edge)(search, work, f, state, certificate, violation)
-                 : WG_NAME(wg_contact_bounded)(search, work, f, state, violation);
+                 : WG_NAME(wg_contact_bounded)(search, work, f, state, certificate, violation);
 }
 
 /* The same, from the last stance's multipliers where they are nearer and lead to moderate ones; else from the forces without cones, so that
@@ -74,7 +87,7 @@ WG_CALLED int32_t WG_NAME(wg_contact_find)(struct WG_NAME(wg_contact_search) * s
 WG_CALLED int32_t WG_NAME(wg_contact_resume)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
                                                  WG_REAL *f, int32_t *state, WG_REAL certificate[6], WG_REAL *violation) {
     struct WG_NAME(wg_contact_dual) *dual = &search->dual;
-    WG_REAL cold[6];
+    WG_REAL cold[6], lacking;
     int i;
     for (i = 0; i < 6; ++i) {
         cold[i] = dual->y[i];
@@ -83,9 +96,9 @@ WG_CALLED int32_t WG_NAME(wg_contact_resume)(struct WG_NAME(wg_contact_search) *
     dual->bound = WG_C(0.0);
     dual->centre = NULL;
     if (WG_NAME(wg_contact_start)(work, search)) {
-        if (WG_NAME(wg_contact_climb)(search) == WG_CONTACT_FOUND &&
+        if (WG_NAME(wg_contact_climb)(search, &lacking) == WG_CONTACT_FOUND &&
             WG_NAME(wg_contact_product)(dual->y, dual->y) <= WG_MODERATE * WG_MODERATE &&
-            WG_NAME(wg_contact_deliver)(search, work, f, state, violation)) {
+            WG_NAME(wg_contact_deliver)(search, lacking, work, f, state, violation)) {
             return WALKGEN_OK;
         }
         for (i = 0; i < 6; ++i) {
@@ -102,17 +115,21 @@ WG_CALLED int32_t WG_NAME(wg_contact_active)(int32_t k, const WG_REAL *points, c
                                                  struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *state,
                                                  WG_REAL certificate[6], WG_REAL *violation) {
     struct WG_NAME(wg_contact_search) search;
-    WG_REAL noise, y[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};
+    WG_REAL y[6] = {WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(0.0)};
     int axis;
-    if (!WG_NAME(wg_contact_read)(k, points, normals, mu, wrench, weight, n_max, facets, &search.stance, &noise)) {
+    if (!WG_NAME(wg_contact_read)(k, points, normals, mu, wrench, weight, n_max, facets, &search.stance)) {
         WG_NAME(wg_contact_blank)(k, WG_NAN, f, state, certificate, violation);
         return WALKGEN_BAD_INPUT;
     }
-    WG_NAME(wg_contact_blank)(k, WG_C(0.0), f, state, certificate, violation);
+    for (axis = 0; axis < 6; ++axis) {
+        certificate[axis] = WG_C(0.0);
+    }
+    *violation = WG_C(0.0);
     if (!(WG_NAME(wg_contact_product)(search.stance.b, search.stance.b) > WG_C(0.0))) {
+        WG_NAME(wg_contact_blank)(k, WG_C(0.0), f, state, certificate, violation);
         return WALKGEN_OK;
     }
-    axis = WG_NAME(wg_contact_spread)(noise, &search.stance, search.dual.y);
+    axis = WG_NAME(wg_contact_spread)(&search.stance, search.dual.y);
     if (axis < 0) {
         return WG_NAME(wg_contact_resume)(&search, work, f, state, certificate, violation);
     }
@@ -147,6 +164,7 @@ static inline void WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *p
     *status = WG_NAME(wg_contact_active)(k, points, normals, mu, wrench, weight, n_max, facets, work, f, state, certificate, violation);
     for (i = 0; i < 3 * k && k <= WALKGEN_MAX_FEET && *status != WALKGEN_OK; ++i) {
         f[i] = WG_NAN;
+        state[i / 3] = WG_CONTACT_FREE;
     }
 }
 

@@ -54,11 +54,33 @@ static inline int WG_NAME(wg_bonded_resolve)(const WG_REAL A[9], const WG_REAL B
     return fine;
 }
 
+/* A foot's stiffness S added to A, [r] S to B, [r] S [r]' to D. */
+static inline void WG_NAME(wg_bonded_add)(const WG_REAL r[3], const WG_REAL S[9], WG_REAL A[9], WG_REAL B[9], WG_REAL D[9]) {
+    WG_REAL H[9], row[3];
+    int j, m;
+    for (j = 0; j < 3; ++j) { /* [r] S by columns, as S is symmetric */
+        WG_NAME(wg_elastic_cross)(r, S + 3 * j, row);
+        for (m = 0; m < 3; ++m) {
+            H[3 * m + j] = row[m];
+        }
+    }
+    for (j = 0; j < 9; ++j) {
+        A[j] += S[j];
+        B[j] += H[j];
+    }
+    for (j = 0; j < 3; ++j) {
+        WG_NAME(wg_elastic_cross)(r, H + 3 * j, row);
+        for (m = 0; m < 3; ++m) {
+            D[3 * j + m] += row[m];
+        }
+    }
+}
+
 /* Feet that stick, each on a leg of its own: OK, BAD_INPUT where a leg's compliance is not positive, SINGULAR where feet are on a line. */
 static inline int32_t WG_NAME(wg_bonded_blocks)(const struct WG_NAME(wg_contact_elastic) * stand, struct WG_NAME(wg_contact_stand) * at) {
-    WG_REAL S[WALKGEN_MAX_FEET][9], A[9], B[9], D[9], H[9], force[3], row[3];
+    WG_REAL S[WALKGEN_MAX_FEET][9], A[9], B[9], D[9], force[3], row[3];
     int32_t i;
-    int j, m, fine = 1;
+    int j, fine = 1;
     for (j = 0; j < 9; ++j) {
         A[j] = B[j] = D[j] = WG_C(0.0);
     }
@@ -67,20 +89,9 @@ static inline int32_t WG_NAME(wg_bonded_blocks)(const struct WG_NAME(wg_contact_
     }
     for (i = 0; i < stand->feet; ++i) {
         fine &= WG_NAME(wg_bonded_invert)(stand->block[i], S[i]);
-        for (j = 0; j < 3; ++j) { /* B = [r] S by columns, D = [r] S [r]' = [r] B' */
-            WG_NAME(wg_elastic_cross)(stand->r[i], S[i] + 3 * j, row);
-            force[j] = WG_NAME(wg_elastic_dot)(S[i] + 3 * j, stand->e[i]);
-            for (m = 0; m < 3; ++m) {
-                A[3 * j + m] += S[i][3 * j + m];
-                B[3 * m + j] += row[m];
-                H[3 * m + j] = row[m];
-            }
-        }
+        WG_NAME(wg_bonded_add)(stand->r[i], S[i], A, B, D);
         for (j = 0; j < 3; ++j) {
-            WG_NAME(wg_elastic_cross)(stand->r[i], H + 3 * j, row);
-            for (m = 0; m < 3; ++m) {
-                D[3 * j + m] += row[m];
-            }
+            force[j] = WG_NAME(wg_elastic_dot)(S[i] + 3 * j, stand->e[i]);
         }
         WG_NAME(wg_elastic_gather)(stand->r[i], force, WG_C(-1.0), at->delta, 1);
     }

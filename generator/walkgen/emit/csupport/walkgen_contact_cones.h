@@ -40,6 +40,14 @@ struct WG_NAME(wg_contact_images) {
     WG_REAL f[3][WALKGEN_MAX_FEET], slope[6][WALKGEN_MAX_FEET], inside[WALKGEN_MAX_FEET], lack[WALKGEN_MAX_FEET];
 };
 
+/* Room for four feet that fill up. */
+WG_INLINE void WG_NAME(wg_contact_fill)(WG_REAL *row) {
+    int i;
+    for (i = 0; i < 4; ++i) {
+        row[i] = WG_C(0.0);
+    }
+}
+
 /* A foot's friction. */
 static inline void WG_NAME(wg_contact_rub)(WG_REAL mu, int i, struct WG_NAME(wg_contact_cones) * cones) {
     const WG_REAL side = mu * cones->side;
@@ -48,20 +56,28 @@ static inline void WG_NAME(wg_contact_rub)(WG_REAL mu, int i, struct WG_NAME(wg_
     cones->flat[i] = WG_C(1.0) / (WG_C(1.0) + side * side);
 }
 
-/* The polygon's directions of a foot. */
-static inline void WG_NAME(wg_contact_aim)(int i, struct WG_NAME(wg_contact_cones) * cones) {
-    const WG_REAL n[3] = {cones->n[0][i], cones->n[1][i], cones->n[2][i]};
-    const int other = WG_ABS(n[0]) > WG_C(0.9);
-    const WG_REAL along = n[other], inverse = WG_C(1.0) / WG_SQRT(WG_C(1.0) - along * along);
-    WG_REAL first[3], second[3];
-    int j;
-    for (j = 0; j < 3; ++j) {
-        first[j] = ((j == other ? WG_C(1.0) : WG_C(0.0)) - along * n[j]) * inverse;
+/* The cones' directions, those of the polygons' sides. */
+static inline void WG_NAME(wg_contact_aim)(struct WG_NAME(wg_contact_cones) * cones) {
+    const int32_t rows = (cones->rows + 3) & ~3;
+    WG_REAL size[WALKGEN_MAX_FEET];
+    int i;
+    for (i = 0; i < rows; ++i) {
+        const WG_REAL along = WG_ABS(cones->n[0][i]) > WG_C(0.9) ? cones->n[1][i] : cones->n[0][i];
+        size[i] = WG_C(1.0) - along * along;
     }
-    WG_NAME(wg_cross)(n, first, second);
-    for (j = 0; j < 3; ++j) {
-        cones->along[j][i] = first[j];
-        cones->aside[j][i] = second[j];
+    for (i = 0; i < rows; ++i) { /* alone, since a root may set errno */
+        size[i] = WG_SQRT(size[i]);
+    }
+    for (i = 0; i < rows; ++i) {
+        const WG_REAL x = cones->n[0][i], y = cones->n[1][i], z = cones->n[2][i], inverse = WG_C(1.0) / size[i];
+        const WG_REAL other = WG_ABS(x) > WG_C(0.9) ? WG_C(1.0) : WG_C(0.0), along = WG_ABS(x) > WG_C(0.9) ? y : x;
+        const WG_REAL ex = (WG_C(1.0) - other - along * x) * inverse, ey = (other - along * y) * inverse, ez = -along * z * inverse;
+        cones->along[0][i] = ex;
+        cones->along[1][i] = ey;
+        cones->along[2][i] = ez;
+        cones->aside[0][i] = y * ez - z * ey;
+        cones->aside[1][i] = z * ex - x * ez;
+        cones->aside[2][i] = x * ey - y * ex;
     }
 }
 
@@ -78,6 +94,21 @@ WG_INLINE void WG_NAME(wg_contact_side)(int32_t facets, WG_REAL a, WG_REAL b, WG
         *cosine = WG_COS(angle);
         *sine = WG_SIN(angle);
     }
+}
+
+/* How far a force is from its cone's axis, so that mu N is the edge: |T|, or as far as the nearest side of a polygon. */
+WG_INLINE WG_REAL WG_NAME(wg_contact_width)(const struct WG_NAME(wg_contact_cones) * cones, int i, const WG_REAL f[3], WG_REAL N) {
+    const WG_REAL a = cones->along[0][i] * f[0] + cones->along[1][i] * f[1] + cones->along[2][i] * f[2];
+    const WG_REAL b = cones->aside[0][i] * f[0] + cones->aside[1][i] * f[1] + cones->aside[2][i] * f[2];
+    WG_REAL T[3], c, s;
+    if (cones->facets) {
+        WG_NAME(wg_contact_side)(cones->facets, a, b, &c, &s);
+        return (c * a + s * b) / cones->side;
+    }
+    T[0] = f[0] - N * cones->n[0][i];
+    T[1] = f[1] - N * cones->n[1][i];
+    T[2] = f[2] - N * cones->n[2][i];
+    return WG_NAME(wg_norm)(T);
 }
 
 /* The nearest forces within polygons: a n + u e + v w, e and w across and along the nearest side; the derivative has the squares of e and w

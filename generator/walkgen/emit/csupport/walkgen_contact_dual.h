@@ -105,46 +105,67 @@ static inline void WG_NAME(wg_contact_evaluate)(const struct WG_NAME(wg_contact_
     }
 }
 
+/* Products of four feet's derivatives with their places: P (6 rows), B = [r] P (9), [r] P [r]' (6). */
+WG_INLINE void WG_NAME(wg_contact_bend)(const struct WG_NAME(wg_contact_stance) * WG_RESTRICT stance,
+                                        const struct WG_NAME(wg_contact_dual) * WG_RESTRICT dual, int first,
+                                        WG_REAL (*WG_RESTRICT four)[4]) {
+    int lane;
+    for (lane = 0; lane < 4; ++lane) {
+        const int i = first + lane;
+        const WG_REAL x = stance->r[0][i], y = stance->r[1][i], z = stance->r[2][i], factor = dual->stretch * stance->ease[i];
+        const WG_REAL a = factor * dual->images.slope[0][i], b = factor * dual->images.slope[1][i], c = factor * dual->images.slope[2][i];
+        const WG_REAL d = factor * dual->images.slope[3][i], e = factor * dual->images.slope[4][i], f = factor * dual->images.slope[5][i];
+        const WG_REAL xx = y * c - z * b, xy = y * e - z * d, xz = y * f - z * e, yx = z * a - x * c, yy = z * b - x * e;
+        const WG_REAL yz = z * c - x * f, zx = x * b - y * a, zy = x * d - y * b, zz = x * e - y * c;
+        four[0][lane] = a;
+        four[1][lane] = b;
+        four[2][lane] = c;
+        four[3][lane] = d;
+        four[4][lane] = e;
+        four[5][lane] = f;
+        four[6][lane] = xx;
+        four[7][lane] = xy;
+        four[8][lane] = xz;
+        four[9][lane] = yx;
+        four[10][lane] = yy;
+        four[11][lane] = yz;
+        four[12][lane] = zx;
+        four[13][lane] = zy;
+        four[14][lane] = zz;
+        four[15][lane] = y * xz - z * xy;
+        four[16][lane] = z * xx - x * xz;
+        four[17][lane] = x * xy - y * xx;
+        four[18][lane] = z * yx - x * yz;
+        four[19][lane] = x * yy - y * yx;
+        four[20][lane] = x * zy - y * zx;
+    }
+}
+
+WG_INLINE WG_REAL WG_NAME(wg_contact_four)(const WG_REAL four[4]) { return (four[0] + four[1]) + (four[2] + four[3]); }
+
 /* Minus the second derivative; its diagonal raised by `damping` of that of A A'. */
 WG_CALLED void WG_NAME(wg_contact_curvature)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
-                                                 WG_REAL damping, struct WG_NAME(wg_contact_matrix) * H) {
-    int i, j, m;
-    for (j = 0; j < 6; ++j) {
-        const int diagonal = j == 0 || j == 3 || j == 5;
-        H->A[j] = diagonal ? (damping + dual->bound) * stance->mass : WG_C(0.0);
-        H->C[j] = (diagonal ? damping + dual->bound : dual->bound) * stance->inertia[j];
-        H->B[j / 3][j % 3] = H->B[2][j % 3] = WG_C(0.0);
-    }
-    for (i = 0; i < stance->feet; ++i) {
-        const WG_REAL r[3] = {stance->r[0][i], stance->r[1][i], stance->r[2][i]}, factor = dual->stretch * stance->ease[i];
-        const WG_REAL(*slope)[WALKGEN_MAX_FEET] = (const WG_REAL(*)[WALKGEN_MAX_FEET])dual->images.slope;
-        const WG_REAL P[3][3] = {{factor * slope[0][i], factor * slope[1][i], factor * slope[2][i]},
-                                 {factor * slope[1][i], factor * slope[3][i], factor * slope[4][i]},
-                                 {factor * slope[2][i], factor * slope[4][i], factor * slope[5][i]}};
-        WG_REAL B[3][3];
-        for (m = 0; m < 3; ++m) {
-            B[0][m] = r[1] * P[2][m] - r[2] * P[1][m];
-            B[1][m] = r[2] * P[0][m] - r[0] * P[2][m];
-            B[2][m] = r[0] * P[1][m] - r[1] * P[0][m];
+                                             WG_REAL damping, struct WG_NAME(wg_contact_matrix) * H) {
+    const WG_REAL raised = damping + dual->bound, mass = raised * stance->mass, *I = stance->inertia;
+    struct WG_NAME(wg_contact_matrix) sum = {
+        {mass, WG_C(0.0), WG_C(0.0), mass, WG_C(0.0), mass},
+        {{WG_C(0.0), WG_C(0.0), WG_C(0.0)}, {WG_C(0.0), WG_C(0.0), WG_C(0.0)}, {WG_C(0.0), WG_C(0.0), WG_C(0.0)}},
+        {raised * I[0], dual->bound * I[1], dual->bound * I[2], raised * I[3], dual->bound * I[4], raised * I[5]}};
+    WG_REAL four[21][4];
+    int i, j;
+    for (i = 0; i < stance->feet; i += 4) {
+        WG_NAME(wg_contact_bend)(stance, dual, i, four);
+        for (j = 0; j < 6; ++j) {
+            sum.A[j] += WG_NAME(wg_contact_four)(four[j]);
+            sum.C[j] += WG_NAME(wg_contact_four)(four[15 + j]);
         }
-        for (m = 0; m < 3; ++m) {
-            H->B[0][m] += B[0][m];
-            H->B[1][m] += B[1][m];
-            H->B[2][m] += B[2][m];
+        for (j = 0; j < 3; ++j) {
+            sum.B[0][j] += WG_NAME(wg_contact_four)(four[6 + j]);
+            sum.B[1][j] += WG_NAME(wg_contact_four)(four[9 + j]);
+            sum.B[2][j] += WG_NAME(wg_contact_four)(four[12 + j]);
         }
-        H->A[0] += P[0][0];
-        H->A[1] += P[0][1];
-        H->A[2] += P[0][2];
-        H->A[3] += P[1][1];
-        H->A[4] += P[1][2];
-        H->A[5] += P[2][2];
-        H->C[0] += r[1] * B[0][2] - r[2] * B[0][1];
-        H->C[1] += r[2] * B[0][0] - r[0] * B[0][2];
-        H->C[2] += r[0] * B[0][1] - r[1] * B[0][0];
-        H->C[3] += r[2] * B[1][0] - r[0] * B[1][2];
-        H->C[4] += r[0] * B[1][1] - r[1] * B[1][0];
-        H->C[5] += r[0] * B[2][1] - r[1] * B[2][0];
     }
+    *H = sum;
 }
 
 /* M^-1 of a symmetric matrix by its adjugate; its determinant over the cube of `size`. */

@@ -27,15 +27,6 @@ struct WG_NAME(wg_contact_edge) {
     int row[6]; /* which of the balances */
 };
 
-/* Whether interior points serve the stance: no bound on normal forces, no polygon. */
-static inline int WG_NAME(wg_contact_is_round)(const struct WG_NAME(wg_contact_stance) * stance) {
-    int i, round = stance->cones.facets == 0;
-    for (i = 0; i < stance->feet; ++i) {
-        round &= !(stance->cones.n_max[i] <= WG_HUGE);
-    }
-    return round;
-}
-
 /* Column c of the problem: what the foot's unit force along its normal, or mu times that along a tangent, gives. */
 static inline void WG_NAME(wg_contact_column)(const struct WG_NAME(wg_contact_stance) * stance, int i, const WG_REAL force[3], WG_REAL size,
                                               const struct WG_NAME(wg_contact_edge) * edge, WG_REAL column[6]) {
@@ -185,18 +176,18 @@ WG_CALLED int32_t WG_NAME(wg_contact_at_edge)(struct WG_NAME(wg_contact_search) 
         WG_NAME(wg_contact_evaluate)(stance, dual);
         (void)WG_NAME(wg_contact_ascend)(stance, 12, dual);
         WG_NAME(wg_contact_copy)(stance->feet, dual->images.f, search->f);
-        WG_NAME(wg_contact_polish)(stance, dual, search->f);
-        if (WG_NAME(wg_contact_deliver)(search, work, f, state, violation)) {
+        if (WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_polish)(stance, dual, search->f), work, f, state, violation)) {
             return WALKGEN_OK;
         }
         WG_NAME(wg_contact_exerted)(stance, &edge, search->f);
-        WG_NAME(wg_contact_polish)(stance, dual, search->f);
-        if (WG_NAME(wg_contact_deliver)(search, work, f, state, violation)) {
+        if (WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_polish)(stance, dual, search->f), work, f, state, violation)) {
             return WALKGEN_OK;
         }
     }
     WG_NAME(wg_contact_copy)(stance->feet, any, search->f);
-    return WG_NAME(wg_contact_deliver)(search, work, f, state, violation) ? WALKGEN_OK : WALKGEN_NO_CONVERGENCE;
+    return WG_NAME(wg_contact_deliver)(search, WG_NAME(wg_contact_imbalance)(stance, any), work, f, state, violation)
+               ? WALKGEN_OK
+               : WALKGEN_NO_CONVERGENCE;
 }
 
 #undef WG_SHARP

@@ -3,7 +3,7 @@
  * Feet are displaced by u = C f + e + (rigid motion delta of the first platform), f the ground's forces on them, e the misfit. Inside,
  * lengths are about the feet's centre in units of the stance's size, forces in units of the load's, compliances in units of C's own size.
  */
-#include "walkgen_math.h"
+#include "walkgen_power.h"
 #include "walkgen_status.h"
 
 #if !defined(WALKGEN_MAX_FEET)
@@ -13,13 +13,11 @@
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_CONTACT_ELASTIC_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_CONTACT_ELASTIC_F32))
 #if WG_REAL_BITS == 64
 #define WALKGEN_CONTACT_ELASTIC_F64
-#define WG_LIBM(name) name
 #define WG_UNIT WG_C(1e-9)
 #define WG_LEAST WG_C(1e-11)
 #define WG_SIZES 250
 #else
 #define WALKGEN_CONTACT_ELASTIC_F32
-#define WG_LIBM(name) name##f
 #define WG_UNIT WG_C(1e-5)
 #define WG_LEAST WG_C(1e-5)
 #define WG_SIZES 30
@@ -47,20 +45,20 @@ static inline void WG_NAME(wg_elastic_cross)(const WG_REAL a[3], const WG_REAL b
 
 static inline WG_REAL WG_NAME(wg_elastic_dot)(const WG_REAL a[3], const WG_REAL b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* A power of 2 near the largest of some numbers; 0 where they are 0, -1 where one is no number or beyond what can be scaled. */
+/* A power of 2 near the largest of some triples; 0 where they are 0, -1 where one is no number or beyond what can be scaled. */
 static inline WG_REAL WG_NAME(wg_elastic_size)(const WG_REAL *values, int32_t count) {
-    WG_REAL largest = WG_C(0.0);
-    int32_t i;
-    int exponent = 0, fine = 1;
-    for (i = 0; i < count; ++i) {
-        fine &= WG_ABS(values[i]) <= WG_HUGE;
-        largest = WG_MAX(largest, WG_ABS(values[i]));
+    WG_REAL largest = WG_C(0.0), sum = WG_C(0.0);
+    int32_t i, exponent;
+    for (i = 0; i < count; i += 3) { /* the largest passes over a NaN, the sum does not */
+        const WG_REAL a = WG_ABS(values[i]), b = WG_ABS(values[i + 1]), c = WG_ABS(values[i + 2]);
+        sum += a + b + c;
+        largest = WG_MAX(WG_MAX(a, b), WG_MAX(c, largest));
     }
-    if (!(largest > WG_C(0.0)) || !fine) {
-        return fine ? WG_C(0.0) : WG_C(-1.0);
+    if (!(largest > WG_C(0.0)) || !(sum <= WG_HUGE)) {
+        return sum <= WG_HUGE ? WG_C(0.0) : WG_C(-1.0);
     }
-    (void)WG_LIBM(frexp)(largest, &exponent);
-    return exponent > WG_SIZES || exponent < -WG_SIZES ? WG_C(-1.0) : WG_LIBM(ldexp)(WG_C(1.0), exponent);
+    exponent = WG_NAME(wg_exponent)(largest);
+    return exponent > WG_SIZES || exponent < -WG_SIZES ? WG_C(-1.0) : WG_NAME(wg_power)(exponent);
 }
 
 /* C's entry in row and column of two feet, scaled. */
@@ -71,14 +69,12 @@ static inline WG_REAL WG_NAME(wg_elastic_entry)(const struct WG_NAME(wg_contact_
     return stand->compliance[row * 3 * stand->feet + column] * stand->scale;
 }
 
-/* Points about their centre, normals, friction, misfit, load: the status, OK or BAD_INPUT. */
-static inline int32_t WG_NAME(wg_elastic_place)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
-                                                const WG_REAL *wrench, const WG_REAL *misfit,
-                                                struct WG_NAME(wg_contact_elastic) * stand) {
+/* Points about their centre, normals and friction: whether they are fine. */
+static inline int WG_NAME(wg_elastic_feet)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                           struct WG_NAME(wg_contact_elastic) * stand) {
     const WG_REAL each = WG_C(1.0) / (WG_REAL)k;
-    WG_REAL size, moment[3], shift, per_length, per_force;
-    int32_t i, j;
-    int fine = WG_NAME(wg_elastic_size)(points, 3 * k) >= WG_C(0.0) && WG_NAME(wg_elastic_size)(wrench, 6) >= WG_C(0.0);
+    int32_t i;
+    int j, fine = WG_NAME(wg_elastic_size)(points, 3 * k) >= WG_C(0.0);
     stand->feet = k;
     for (j = 0; j < 3; ++j) {
         stand->centre[j] = WG_C(0.0);
@@ -88,13 +84,23 @@ static inline int32_t WG_NAME(wg_elastic_place)(int32_t k, const WG_REAL *points
     }
     for (i = 0; i < k; ++i) {
         const WG_REAL unit = WG_NAME(wg_elastic_dot)(normals + 3 * i, normals + 3 * i) - WG_C(1.0);
-        fine &= WG_ABS(unit) <= WG_C(2.0) * WG_UNIT && mu[i] >= WG_C(0.0);
+        fine &= (WG_ABS(unit) <= WG_C(2.0) * WG_UNIT) & (mu[i] >= WG_C(0.0));
         stand->mu[i] = mu[i];
         for (j = 0; j < 3; ++j) {
             stand->r[i][j] = points[3 * i + j] - stand->centre[j];
             stand->n[i][j] = normals[3 * i + j];
         }
     }
+    return fine;
+}
+
+/* Feet, misfit and load: the status, OK or BAD_INPUT. */
+static inline int32_t WG_NAME(wg_elastic_place)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                                const WG_REAL *wrench, const WG_REAL *misfit,
+                                                struct WG_NAME(wg_contact_elastic) * stand) {
+    WG_REAL size, moment[3], shift, per_length, per_force;
+    int32_t i, j;
+    const int fine = WG_NAME(wg_elastic_feet)(k, points, normals, mu, stand) && WG_NAME(wg_elastic_size)(wrench, 6) >= WG_C(0.0);
     stand->length = WG_NAME(wg_elastic_size)(&stand->r[0][0], 3 * k);
     if (!fine || stand->length < WG_C(0.0)) {
         return WALKGEN_BAD_INPUT;
@@ -243,7 +249,6 @@ static inline void WG_NAME(wg_elastic_gather)(const WG_REAL r[3], const WG_REAL 
     }
 }
 
-#undef WG_LIBM
 #undef WG_UNIT
 #undef WG_LEAST
 #undef WG_SIZES

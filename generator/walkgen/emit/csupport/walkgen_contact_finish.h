@@ -36,18 +36,15 @@ static inline WG_REAL WG_NAME(wg_contact_imbalance)(const struct WG_NAME(wg_cont
     return WG_SQRT(WG_NAME(wg_contact_product)(rest, rest));
 }
 
-/* The forces of dual, moved least along their cones' boundaries as found until they balance: large multipliers do not blur them then. */
-WG_CALLED void WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
-                                              WG_REAL f[3][WALKGEN_MAX_FEET]) {
+/* The forces of dual, moved least along their cones' boundaries as found until they balance: large multipliers do not blur them then. What
+ * they lack of b in the end. */
+WG_CALLED WG_REAL WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_stance) * stance, const struct WG_NAME(wg_contact_dual) * dual,
+                                             WG_REAL f[3][WALKGEN_MAX_FEET]) {
     struct WG_NAME(wg_contact_matrix) H;
-    WG_REAL rest[6], step[6], z[3][WALKGEN_MAX_FEET], next[3][WALKGEN_MAX_FEET], least, now;
+    WG_REAL rest[6], step[6], z[3][WALKGEN_MAX_FEET], next[3][WALKGEN_MAX_FEET], least = WG_NAME(wg_contact_imbalance)(stance, f), now;
     int turn, i, j;
-    for (turn = 0; turn < 5; ++turn) {
+    for (turn = 0; turn < 5 && !(least <= (turn ? WG_SHARP : WG_ENOUGH)); ++turn) {
         WG_NAME(wg_contact_rest)(stance, f, rest);
-        least = WG_SQRT(WG_NAME(wg_contact_product)(rest, rest));
-        if (least <= (turn ? WG_SHARP : WG_ENOUGH)) {
-            return;
-        }
         WG_NAME(wg_contact_curvature)(stance, dual, WG_SHARP, &H);
         WG_NAME(wg_contact_solve)(stance, &H, rest, step);
         WG_NAME(wg_contact_pull)(stance, step, z);
@@ -67,33 +64,28 @@ WG_CALLED void WG_NAME(wg_contact_polish)(const struct WG_NAME(wg_contact_stance
         WG_NAME(wg_contact_into_cones)(stance, next);
         now = WG_NAME(wg_contact_imbalance)(stance, next);
         if (!(now < least)) {
-            return;
+            break;
         }
+        least = now;
         WG_NAME(wg_contact_copy)(stance->feet, next, f);
     }
+    return least;
 }
 
 /* Forces of the inside to the inputs' frame and unit. A foot slides if its force is inside its cone by no more than a few roundings. */
 WG_CALLED void WG_NAME(wg_contact_hand_over)(const struct WG_NAME(wg_contact_stance) * stance, WG_REAL f[3][WALKGEN_MAX_FEET],
-                                                 WG_REAL *out, int32_t *state) {
-    struct WG_NAME(wg_contact_images) images;
-    WG_REAL outwards[3][WALKGEN_MAX_FEET];
+                                             WG_REAL *out, int32_t *state) {
+    const struct WG_NAME(wg_contact_cones) *cones = &stance->cones;
     int i, j;
-    for (i = 0; i < ((stance->feet + 3) & ~3); ++i) {
-        const WG_REAL *const n[3] = {stance->cones.n[0], stance->cones.n[1], stance->cones.n[2]};
-        const WG_REAL N = n[0][i] * f[0][i] + n[1][i] * f[1][i] + n[2][i] * f[2][i];
-        for (j = 0; j < 3; ++j) {
-            outwards[j][i] = f[j][i] + WG_C(32.0) * WG_EPSILON * (f[j][i] - N * n[j][i]);
-        }
-    }
-    WG_NAME(wg_contact_nearest)(&stance->cones, outwards, &images);
     for (i = 0; i < stance->feet; ++i) {
-        const int bears = WG_ABS(f[0][i]) + WG_ABS(f[1][i]) + WG_ABS(f[2][i]) > WG_C(0.0);
-        state[i] = !bears ? WG_CONTACT_FREE : images.inside[i] > WG_C(0.0) ? WG_CONTACT_STICK : WG_CONTACT_SLIDE;
+        const WG_REAL g[3] = {f[0][i], f[1][i], f[2][i]}, N = cones->n[0][i] * g[0] + cones->n[1][i] * g[1] + cones->n[2][i] * g[2];
+        const WG_REAL width = (WG_C(1.0) + WG_C(32.0) * WG_EPSILON) * WG_NAME(wg_contact_width)(cones, i, g, N);
+        const int bears = WG_ABS(g[0]) + WG_ABS(g[1]) + WG_ABS(g[2]) > WG_C(0.0);
+        const int inside = width <= cones->mu[i] * WG_MIN(N, cones->n_max[i]);
+        state[i] = !bears ? WG_CONTACT_FREE : inside && cones->mu[i] > WG_C(0.0) ? WG_CONTACT_STICK : WG_CONTACT_SLIDE;
         for (j = 0; j < 3; ++j) {
             const WG_REAL(*axes)[3] = (const WG_REAL(*)[3])stance->axes;
-            const WG_REAL part = stance->turned ? axes[j][0] * f[0][i] + axes[j][1] * f[1][i] + axes[j][2] * f[2][i] : f[j][i];
-            out[3 * i + j] = part * stance->force_unit;
+            out[3 * i + j] = stance->force_unit * (stance->turned ? WG_NAME(wg_dot)(axes[j], g) : g[j]);
         }
     }
 }

@@ -41,10 +41,12 @@ WG_CALLED int WG_NAME(wg_contact_in_squares)(int32_t k, const WG_REAL *normals, 
     return fine;
 }
 
-/* The centre c of points and their second moments about it (xx, yy, zz, xy, xz, yz), by one pass about the first point. */
-static inline void WG_NAME(wg_contact_moments)(int32_t k, const WG_REAL *points, WG_REAL c[3], WG_REAL s[6]) {
+/* The centre c of points and their second moments about it (xx, yy, zz, xy, xz, yz), by one pass about the first point; the least friction
+ * too, which also keeps compilers from gathering feet in vectors here: as these sums are rounded in order, that only costs. */
+static inline void WG_NAME(wg_contact_moments)(int32_t k, const WG_REAL *points, const WG_REAL *mu, WG_REAL c[3], WG_REAL s[6],
+                                               WG_REAL *rub) {
     const WG_REAL each = WG_C(1.0) / (WG_REAL)k, px = points[0], py = points[1], pz = points[2];
-    WG_REAL ex = WG_C(0.0), ey = ex, ez = ex, xx = ex, yy = ex, zz = ex, xy = ex, xz = ex, yz = ex;
+    WG_REAL low = mu[0], ex = WG_C(0.0), ey = ex, ez = ex, xx = ex, yy = ex, zz = ex, xy = ex, xz = ex, yz = ex;
     int i;
     for (i = 1; i < k; ++i) {
         const WG_REAL x = points[3 * i] - px, y = points[3 * i + 1] - py, z = points[3 * i + 2] - pz;
@@ -57,7 +59,9 @@ static inline void WG_NAME(wg_contact_moments)(int32_t k, const WG_REAL *points,
         xy += x * y;
         xz += x * z;
         yz += y * z;
+        low = WG_MIN(mu[i], low);
     }
+    *rub = low;
     s[0] = xx - each * ex * ex;
     s[1] = yy - each * ey * ey;
     s[2] = zz - each * ez * ez;
@@ -69,38 +73,50 @@ static inline void WG_NAME(wg_contact_moments)(int32_t k, const WG_REAL *points,
     c[2] = pz + each * ez;
 }
 
-/* The forces a x r_i - wrench / k; whether they lie in the inside of all cones, and in `usual` whether the numbers are those that this way
- * is for. By sums, least and greatest values rather than by a comparison each: these weigh most here. No NaN passes: of n_max and weights it fails the
- * comparison, of all else that with the cone. */
+/* Whether normals, the sum of friction and weights are those that this way is for. Here and below by sums, least and greatest values rather
+ * than by a comparison for each foot, and in loops whose results fit into registers: these weigh most. A sum does not pass over a NaN. */
+static inline int WG_NAME(wg_contact_usual)(int32_t k, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *weight) {
+    WG_REAL light = weight[0], sum = WG_C(0.0), off = sum, unequal = sum;
+    int i;
+    for (i = 0; i < k; ++i) {
+        const WG_REAL *n = normals + 3 * i, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - WG_C(1.0), heavier = weight[i] - weight[0];
+        off += square * square;
+        unequal += heavier * heavier;
+        sum += mu[i];
+        light = WG_MIN(weight[i], light);
+    }
+    return (light > WG_C(0.0)) & (sum < WG_C(1.0) / WG_UNIT) & (off <= WG_UNIT * WG_UNIT) & (unequal <= WG_C(0.0)) &
+           (weight[0] <= WG_HUGE);
+}
+
+/* The forces a x r_i - wrench / k; whether all feet press, no more than they can. `outside`: how far these are outside their cones of
+ * |T| <= share mu N, by squares; `lacking`: of the load, added to what it holds. */
 static inline int WG_NAME(wg_contact_turned)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
-                                             const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, WG_REAL share,
-                                             const WG_REAL c[3], const WG_REAL a[3], WG_REAL *f, WG_REAL lacking[6], int *usual) {
+                                             const WG_REAL *wrench, const WG_REAL *n_max, WG_REAL share, const WG_REAL c[3],
+                                             const WG_REAL a[3], WG_REAL *f, WG_REAL lacking[6], WG_REAL *outside) {
     const WG_REAL each = WG_C(1.0) / (WG_REAL)k, ax = each * wrench[0], ay = each * wrench[1], az = each * wrench[2];
-    WG_REAL least = WG_INFINITY, low = mu[0], high = mu[0], unit = WG_C(0.0), unequal = WG_C(0.0);
-    int i, fine = 1, inside = 1;
+    const WG_REAL u = a[0], v = a[1], w = a[2];
+    WG_REAL least = WG_INFINITY, over = WG_C(0.0), worst = -least;
+    int i;
     for (i = 0; i < k; ++i) {
         const WG_REAL *n = normals + 3 * i, x = points[3 * i] - c[0], y = points[3 * i + 1] - c[1], z = points[3 * i + 2] - c[2];
-        const WG_REAL fx = a[1] * z - a[2] * y - ax, fy = a[2] * x - a[0] * z - ay, fz = a[0] * y - a[1] * x - az;
+        const WG_REAL fx = v * z - ax - w * y, fy = w * x - ay - u * z, fz = u * y - az - v * x;
         const WG_REAL N = fx * n[0] + fy * n[1] + fz * n[2], most = share * mu[i] * N;
-        inside &= fx * fx + fy * fy + fz * fz - N * N <= most * most;
-        fine &= N <= n_max[i];
+        worst = WG_MAX(fx * fx + fy * fy + fz * fz - N * N - most * most, worst);
+        over += N <= n_max[i] ? WG_C(0.0) : WG_C(1.0);
         least = WG_MIN(N, least);
-        low = WG_MIN(mu[i], low);
-        high = WG_MAX(mu[i], high);
-        unit = WG_MAX(WG_ABS(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - WG_C(1.0)), unit);
-        unequal += WG_ABS(weight[i] - weight[0]);
         f[3 * i] = fx;
         f[3 * i + 1] = fy;
         f[3 * i + 2] = fz;
         lacking[0] += fx;
         lacking[1] += fy;
         lacking[2] += fz;
-        lacking[3] += y * fz - z * fy;
-        lacking[4] += z * fx - x * fz;
-        lacking[5] += x * fy - y * fx;
+        lacking[3] = lacking[3] + y * fz - z * fy;
+        lacking[4] = lacking[4] + z * fx - x * fz;
+        lacking[5] = lacking[5] + x * fy - y * fx;
     }
-    *usual = fine & (least > WG_C(0.0)) & (low > WG_FLAT) & (high < WG_C(1.0) / WG_UNIT) & (unit <= WG_C(2.0) * WG_UNIT) & (unequal <= WG_C(0.0));
-    return inside;
+    *outside = worst;
+    return (least > WG_C(0.0)) & (over <= WG_C(0.0));
 }
 
 /* Forces in the inside of all cones with equal weights (of |T| <= share mu N, `square`: of squares whose half sides these are): whether
@@ -109,25 +125,27 @@ static inline int WG_NAME(wg_contact_inactive)(int32_t k, const WG_REAL *points,
                                                const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, WG_REAL share,
                                                int square,
                                                WG_REAL *f, WG_REAL *violation) {
-    WG_REAL c[3], s[6], m[3], a[3], lacking[6], worst = WG_C(0.0);
-    int j, inside, usual, fine;
-    WG_NAME(wg_contact_moments)(k, points, c, s);
+    WG_REAL c[3], s[6], m[3], a[3], lacking[6], worst = WG_C(0.0), rub, outside;
+    int j, fine;
+    WG_NAME(wg_contact_moments)(k, points, mu, c, s, &rub);
     WG_NAME(wg_cross)(c, wrench, m);
     for (j = 0; j < 3; ++j) {
         m[j] -= wrench[3 + j];
         lacking[j] = wrench[j];
         lacking[3 + j] = -m[j];
     }
-    fine = WG_NAME(wg_contact_turning)(s, m, a);
+    fine = WG_NAME(wg_contact_turning)(s, m, a) & WG_NAME(wg_contact_usual)(k, normals, mu, weight) & (rub > WG_FLAT);
     const WG_REAL length = s[0] + s[1] + s[2], load = WG_NAME(wg_dot)(wrench, wrench);
     fine &= (length > WG_C(1.0) / WG_SAFE) & (length < WG_SAFE) & (load > WG_C(1.0) / (WG_SAFE * WG_SAFE)) & (load < WG_SAFE * WG_SAFE);
-    inside = WG_NAME(wg_contact_turned)(k, points, normals, mu, wrench, weight, n_max, share, c, a, f, lacking, &usual);
+    fine &= WG_NAME(wg_contact_turned)(k, points, normals, mu, wrench, n_max, share, c, a, f, lacking, &outside);
+    if (!fine || !(outside <= WG_C(0.0) || (square && WG_NAME(wg_contact_in_squares)(k, normals, mu, f, share)))) {
+        return 0;
+    }
     for (j = 0; j < 3; ++j) {
         worst = WG_MAX(worst, WG_MAX(WG_ABS(lacking[j]), WG_ABS(lacking[3 + j])));
     }
     *violation = worst;
-    fine &= usual & (weight[0] > WG_C(0.0)) & (weight[0] <= WG_HUGE);
-    return fine && (inside || (square && WG_NAME(wg_contact_in_squares)(k, normals, mu, f, share)));
+    return 1;
 }
 
 #undef WG_UNIT

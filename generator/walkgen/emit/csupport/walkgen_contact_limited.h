@@ -63,7 +63,7 @@ static inline void WG_NAME(wg_contact_measure)(const struct WG_NAME(wg_contact_l
         largest = size <= WG_HUGE ? WG_MAX(largest, size) : largest;
     }
     stance->force_size = WG_NAME(wg_contact_size)(&largest, 1, 0);
-    stance->force_unit = WG_NAME(wg_contact_power)(stance->force_size);
+    stance->force_unit = WG_NAME(wg_power)(stance->force_size);
     for (i = 0; i < 6; ++i) {
         stance->b[i] = WG_C(0.0);
     }
@@ -78,7 +78,7 @@ static inline void WG_NAME(wg_contact_bind)(const WG_REAL *torque_rows, const WG
     const int32_t k = stance->feet;
     int r, i, j;
     for (r = 0; r < limits->rows; ++r) {
-        limits->size[r] = WG_NAME(wg_contact_power)(WG_NAME(wg_contact_size)(torque_rows + 3 * k * r, 3 * k, 0));
+        limits->size[r] = WG_NAME(wg_power)(WG_NAME(wg_contact_size)(torque_rows + 3 * k * r, 3 * k, 0));
     }
     if (!(WG_NAME(wg_contact_product)(stance->b, stance->b) > WG_C(0.0))) {
         WG_NAME(wg_contact_measure)(limits, torque_limits, n_max, stance);
@@ -223,9 +223,9 @@ WG_CALLED int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, co
                                                 WG_REAL *certificate, WG_REAL *multipliers, WG_REAL *violation) {
     struct WG_NAME(wg_contact_stance) stance;
     struct WG_NAME(wg_contact_limits) limits;
-    WG_REAL noise, y[6], lacking;
-    (void)WG_NAME(wg_contact_read)(k, points, normals, mu, wrench, weight, n_max, facets, &stance, &noise);
-    (void)WG_NAME(wg_contact_spread)(noise, &stance, y);
+    WG_REAL y[6], lacking;
+    (void)WG_NAME(wg_contact_read)(k, points, normals, mu, wrench, weight, n_max, facets, &stance);
+    (void)WG_NAME(wg_contact_spread)(&stance, y);
     limits.rows = rows;
     limits.dual.centre = NULL;
     WG_NAME(wg_contact_bind)(torque_rows, torque_limits, n_max, &stance, &limits);

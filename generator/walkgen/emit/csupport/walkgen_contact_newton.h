@@ -4,7 +4,7 @@
  * Where Newton on the multipliers ends without one, the least violation is sought, which always exists: the forces in cones widened by a
  * hair whose balance lacks least, by the method of multipliers. What is lacking proves that the load cannot be carried, unless it vanishes.
  */
-#include "walkgen_contact_dual.h"
+#include "walkgen_contact_proof.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_CONTACT_NEWTON_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_CONTACT_NEWTON_F32))
 #if WG_REAL_BITS == 64
@@ -32,67 +32,6 @@
 #define WG_CONTACT_OPEN 2
 #endif
 
-/* The most that z gains along a foot's forces of unit normal part; `strictly`: and what rounding could hide of it. */
-static inline WG_REAL WG_NAME(wg_contact_most)(const struct WG_NAME(wg_contact_cones) * cones, int i, WG_REAL z[3][WALKGEN_MAX_FEET],
-                                               WG_REAL strictly) {
-    WG_REAL N = WG_C(0.0), a = WG_C(0.0), b = WG_C(0.0), square = WG_C(0.0), part[3], most, c, s;
-    int j;
-    for (j = 0; j < 3; ++j) {
-        N += cones->n[j][i] * z[j][i];
-        a += cones->along[j][i] * z[j][i];
-        b += cones->aside[j][i] * z[j][i];
-        square += z[j][i] * z[j][i];
-    }
-    for (j = 0; j < 3; ++j) {
-        part[j] = z[j][i] - N * cones->n[j][i];
-    }
-    most = WG_NAME(wg_norm)(part);
-    if (cones->facets) {
-        WG_NAME(wg_contact_side)(cones->facets, a, b, &c, &s);
-        most = cones->side * (c * a + s * b) + cones->corner * WG_ABS(c * b - s * a);
-    }
-    return N + cones->mu[i] * most + strictly * WG_SQRT(square);
-}
-
-/* `whole`, what z gains of the load, less the most that bounded feet give. */
-static inline WG_REAL WG_NAME(wg_contact_worth)(const struct WG_NAME(wg_contact_cones) * cones, int32_t feet,
-                                                WG_REAL z[3][WALKGEN_MAX_FEET],
-                                                WG_REAL whole) {
-    int i;
-    for (i = 0; i < feet; ++i) {
-        const WG_REAL most = WG_NAME(wg_contact_most)(cones, i, z, WG_C(0.0));
-        whole -= cones->n_max[i] <= WG_HUGE && most > WG_C(0.0) ? cones->n_max[i] * most : WG_C(0.0);
-    }
-    return whole;
-}
-
-/* What multipliers prove whose products with the feet's forces are z and with the load `whole`: `whole` less the most that forces give, 0
- * where forces without bound give more than `allowed` of it. `strictly`: the more than rounding could hide. */
-static inline WG_REAL WG_NAME(wg_contact_excess)(const struct WG_NAME(wg_contact_cones) * cones, int32_t feet,
-                                                 WG_REAL z[3][WALKGEN_MAX_FEET],
-                                                 WG_REAL whole, WG_REAL strictly, WG_REAL allowed) {
-    WG_REAL gain = whole;
-    int i;
-    for (i = 0; i < feet; ++i) {
-        const WG_REAL most = WG_NAME(wg_contact_most)(cones, i, z, strictly);
-        if (cones->n_max[i] <= WG_HUGE) {
-            gain -= most > WG_C(0.0) ? cones->n_max[i] * most : WG_C(0.0);
-        } else if (most > allowed * whole) {
-            return WG_C(0.0);
-        }
-    }
-    return gain > allowed * whole ? gain : WG_C(0.0);
-}
-
-/* The same of y. */
-WG_CALLED WG_REAL WG_NAME(wg_contact_proof)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL y[6], WG_REAL strictly,
-                                                WG_REAL allowed) {
-    const WG_REAL whole = WG_NAME(wg_contact_product)(stance->b, y);
-    WG_REAL z[3][WALKGEN_MAX_FEET];
-    WG_NAME(wg_contact_pull)(stance, y, z);
-    return WG_NAME(wg_contact_excess)(&stance->cones, stance->feet, z, whole, strictly, allowed);
-}
-
 /* Whether dual's forces show that y may be a proof: all feet without bound are free, and rounding of y does not hide its gain. */
 static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_stance) * stance,
                                               const struct WG_NAME(wg_contact_dual) * dual) {
@@ -113,17 +52,18 @@ static inline int WG_NAME(wg_contact_refuted)(const struct WG_NAME(wg_contact_st
 WG_CALLED void WG_NAME(wg_contact_search)(const struct WG_NAME(wg_contact_stance) * stance, const WG_REAL step[6], int seeking,
                                               struct WG_NAME(wg_contact_dual) * dual) {
     const WG_REAL first = WG_NAME(wg_contact_product)(dual->slope, step);
-    WG_REAL from[6], low = WG_C(0.0), high = -WG_C(1.0), rising = first, falling = WG_C(0.0), t = WG_C(1.0), along;
+    WG_REAL from[6], way[6], low = WG_C(0.0), high = -WG_C(1.0), rising = first, falling = WG_C(0.0), t = WG_C(1.0), along;
     int turn, j;
     for (j = 0; j < 6; ++j) {
         from[j] = dual->y[j];
+        way[j] = step[j];
     }
     for (turn = 0; turn < 30; ++turn) {
         for (j = 0; j < 6; ++j) {
-            dual->y[j] = from[j] + t * step[j];
+            dual->y[j] = from[j] + t * way[j];
         }
         WG_NAME(wg_contact_evaluate)(stance, dual);
-        along = WG_NAME(wg_contact_product)(dual->slope, step);
+        along = WG_NAME(wg_contact_product)(dual->slope, way);
         if (!(WG_ABS(along) > WG_C(0.3) * first) || (seeking && WG_NAME(wg_contact_refuted)(stance, dual))) {
             return;
         }
@@ -176,8 +116,9 @@ WG_CALLED int WG_NAME(wg_contact_ascend)(const struct WG_NAME(wg_contact_stance)
         if (turn == most) {
             return WG_CONTACT_OPEN;
         }
-        WG_NAME(wg_contact_curvature)(stance, dual, WG_C(1e-3) * WG_MIN(lacking, WG_C(1.0)) + WG_DAMPED, &H);
+        WG_NAME(wg_contact_curvature)(stance, dual, WG_DAMPED, &H);
         if (!WG_NAME(wg_contact_solve_blocks)(&H, dual->slope, step)) {
+            WG_NAME(wg_contact_curvature)(stance, dual, WG_C(1e-3) * WG_MIN(lacking, WG_C(1.0)) + WG_DAMPED, &H);
             WG_NAME(wg_contact_solve)(stance, &H, dual->slope, step);
         }
         if (!(WG_NAME(wg_contact_product)(dual->slope, step) > WG_C(0.0))) {
@@ -255,7 +196,8 @@ WG_CALLED int WG_NAME(wg_contact_violate)(struct WG_NAME(wg_contact_stance) * st
         WG_NAME(wg_contact_recentre)(stance, dual, 1, centre);
         slack = WG_MAX(WG_C(0.1) * slack, WG_FIRM * size);
     }
-    if (answer == WG_CONTACT_OPEN && most >= 40 && WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_ENOUGH) > WG_C(0.0)) {
+    if (answer == WG_CONTACT_OPEN && !WG_NAME(wg_contact_is_unbounded)(stance) && /* else there are other ways to a better proof */
+        WG_NAME(wg_contact_proof)(stance, dual->y, WG_C(0.0), WG_ENOUGH) > WG_C(0.0)) {
         answer = WG_CONTACT_REFUTED;
     }
     dual->centre = NULL;

@@ -4,11 +4,9 @@
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_CONTACT_SEARCH_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_CONTACT_SEARCH_F32))
 #if WG_REAL_BITS == 64
 #define WALKGEN_CONTACT_SEARCH_F64
-#define WG_LIBM(name) name
 #define WG_FAIR WG_C(1e-10)
 #else
 #define WALKGEN_CONTACT_SEARCH_F32
-#define WG_LIBM(name) name##f
 #define WG_FAIR WG_C(5e-5)
 #endif
 
@@ -19,56 +17,67 @@ struct WG_NAME(wg_contact_search) {
     WG_REAL f[3][WALKGEN_MAX_FEET];
 };
 
-/* The stance inside; 0 where an input is bad. */
-WG_CALLED int WG_NAME(wg_contact_read)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
-                                           const WG_REAL *weight, const WG_REAL *n_max, int32_t facets,
-                                           struct WG_NAME(wg_contact_stance) * stance, WG_REAL *noise) {
+/* The feet's cones. */
+static inline void WG_NAME(wg_contact_shape)(const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *n_max, int32_t facets,
+                                             struct WG_NAME(wg_contact_stance) * stance) {
     struct WG_NAME(wg_contact_cones) *cones = &stance->cones;
-    const WG_REAL angle = WG_PI / (WG_REAL)(facets > 0 ? facets : 1);
-    WG_REAL unit;
-    int i, j;
-    if (!WG_NAME(wg_contact_fine)(k, points, normals, mu, wrench, weight, n_max, facets)) {
-        return 0;
-    }
-    stance->feet = cones->rows = k;
-    stance->turned = stance->lost[0] = stance->lost[1] = stance->lost[2] = 0;
-    WG_NAME(wg_contact_place)(points, weight, stance);
-    *noise = WG_NAME(wg_contact_load)(wrench, stance);
-    WG_NAME(wg_contact_inertia)(stance);
-    unit = WG_C(1.0) / stance->force_unit;
+    const WG_REAL angle = WG_PI / (WG_REAL)(facets > 0 ? facets : 1), unit = WG_C(1.0) / stance->force_unit;
+    const int32_t rows = (stance->feet + 3) & ~3;
+    int i;
+    cones->rows = stance->feet;
     cones->facets = facets;
     cones->side = cones->corner = WG_C(0.7071067811865476);
     if (facets != 0 && facets != 4) {
         cones->side = WG_COS(angle);
         cones->corner = WG_SIN(angle);
     }
-    for (i = 0; i < ((k + 3) & ~3); ++i) {
-        const int foot = i < k;
-        for (j = 0; j < 3; ++j) {
-            cones->n[j][i] = foot ? normals[3 * i + j] : WG_C(0.0);
-            cones->along[j][i] = cones->aside[j][i] = WG_C(0.0);
-            stance->r[j][i] = foot ? stance->r[j][i] : WG_C(0.0);
-        }
-        stance->ease[i] = foot ? stance->ease[i] : WG_C(0.0);
-        cones->n_max[i] = foot ? unit * n_max[i] : WG_C(0.0);
-        WG_NAME(wg_contact_rub)(foot ? mu[i] : WG_C(0.0), i, cones);
-        if (foot && facets) {
-            WG_NAME(wg_contact_aim)(i, cones);
-        }
+    WG_NAME(wg_contact_fill)(cones->n[0] + rows - 4);
+    WG_NAME(wg_contact_fill)(cones->n[1] + rows - 4);
+    WG_NAME(wg_contact_fill)(cones->n[2] + rows - 4);
+    WG_NAME(wg_contact_fill)(cones->n_max + rows - 4);
+    WG_NAME(wg_contact_fill)(cones->mu + rows - 4);
+    for (i = 0; i < stance->feet; ++i) {
+        cones->n[0][i] = normals[3 * i];
+        cones->n[1][i] = normals[3 * i + 1];
+        cones->n[2][i] = normals[3 * i + 2];
+        cones->n_max[i] = unit * n_max[i];
+        cones->mu[i] = mu[i];
     }
-    return WG_NAME(wg_contact_finite)(stance->b, 6);
+    for (i = 0; i < rows; ++i) {
+        WG_NAME(wg_contact_rub)(cones->mu[i], i, cones);
+    }
+    if (facets) {
+        WG_NAME(wg_contact_aim)(cones);
+    }
+}
+
+/* The stance inside; 0 where an input is bad: what is no number makes one of r or b. */
+WG_CALLED int WG_NAME(wg_contact_read)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu, const WG_REAL *wrench,
+                                           const WG_REAL *weight, const WG_REAL *n_max, int32_t facets,
+                                           struct WG_NAME(wg_contact_stance) * stance) {
+    if (k < 1 || k > WALKGEN_MAX_FEET || !(facets == 0 || (facets >= 3 && facets <= 1024)) ||
+        !WG_NAME(wg_contact_fine)(k, normals, mu, weight, n_max)) {
+        return 0;
+    }
+    stance->feet = k;
+    stance->turned = stance->lost[0] = stance->lost[1] = stance->lost[2] = 0;
+    WG_NAME(wg_contact_place)(points, weight, stance);
+    WG_NAME(wg_contact_load)(wrench, stance);
+    WG_NAME(wg_contact_inertia)(stance);
+    WG_NAME(wg_contact_shape)(normals, mu, n_max, facets, stance);
+    return WG_NAME(wg_contact_product)(stance->b, stance->b) + stance->inertia[0] + stance->inertia[3] + stance->inertia[5] <= WG_HUGE;
 }
 
 /* Multipliers of the forces without cones in dual->y. Where the feet are not spread well, the principal axes; the axis of a moment that
  * cannot be carried, or -1. */
-static inline int WG_NAME(wg_contact_spread)(WG_REAL noise, struct WG_NAME(wg_contact_stance) * stance, WG_REAL y[6]) {
+static inline int WG_NAME(wg_contact_spread)(struct WG_NAME(wg_contact_stance) * stance, WG_REAL y[6]) {
     const WG_REAL *J = stance->inertia, trace = J[0] + J[3] + J[5], inverse = WG_C(1.0) / stance->mass;
     WG_REAL turning[6];
     int i, axis = -1;
     if (WG_NAME(wg_contact_invert)(J, trace, turning) > WG_C(1e-5)) {
         WG_NAME(wg_contact_apply)(turning, stance->b + 3, y + 3);
     } else {
-        (void)WG_NAME(wg_contact_principal)(noise, stance, &axis);
+        (void)WG_NAME(wg_contact_principal)(stance, &axis);
         for (i = 0; i < 3; ++i) {
             y[3 + i] = stance->lost[i] ? WG_C(0.0) : stance->b[3 + i] / J[i == 0 ? 0 : 2 * i + 1];
         }
@@ -92,7 +101,7 @@ static inline int WG_NAME(wg_contact_start)(const struct WG_NAME(walkgen_contact
     least = WG_NAME(wg_contact_product)(dual->slope, dual->slope);
     for (i = 0; i < 6; ++i) {
         first[i] = dual->y[i];
-        dual->y[i] = WG_LIBM(ldexp)(work->start[i], i < 3 ? -stance->force_size : stance->length_size - stance->force_size);
+        dual->y[i] = WG_NAME(wg_power)(i < 3 ? -stance->force_size : stance->length_size - stance->force_size) * work->start[i];
     }
     WG_NAME(wg_contact_evaluate)(stance, dual);
     if (WG_NAME(wg_contact_product)(dual->slope, dual->slope) < least) {
@@ -115,36 +124,38 @@ static inline WG_REAL WG_NAME(wg_contact_greatest)(const struct WG_NAME(wg_conta
     return greatest;
 }
 
-/* search->f handed over if they balance: whether they do. To 1e-10 of the load, or, as forces of more than 1e5 loads cannot balance better,
- * to rounding of the forces, at most 1e-9. */
-static inline int WG_NAME(wg_contact_deliver)(struct WG_NAME(wg_contact_search) * search, struct WG_NAME(walkgen_contact_work) * work,
-                                              WG_REAL *f, int32_t *state, WG_REAL *violation) {
+/* search->f, which lack so much of the load, handed over if they balance: whether they do. To 1e-10 of the load, or, as forces of more than
+ * 1e5 loads cannot balance better, to rounding of the forces, at most 1e-9. */
+static inline int WG_NAME(wg_contact_deliver)(struct WG_NAME(wg_contact_search) * search, WG_REAL lacking,
+                                              struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *state, WG_REAL *violation) {
     const struct WG_NAME(wg_contact_stance) *stance = &search->stance;
-    const WG_REAL lacking = WG_NAME(wg_contact_imbalance)(stance, search->f);
-    const WG_REAL rounding = WG_C(2.0) * WG_EPSILON * WG_NAME(wg_contact_greatest)(stance, search->f);
+    WG_REAL by_force, by_moment;
     int i;
-    if (!(lacking <= WG_MAX(WG_FAIR, WG_MIN(rounding, WG_C(10.0) * WG_FAIR)))) {
+    if (!(lacking <= WG_FAIR) && !(lacking <= WG_C(10.0) * WG_FAIR &&
+                                   lacking <= WG_C(2.0) * WG_EPSILON * WG_NAME(wg_contact_greatest)(stance, search->f))) {
         return 0;
     }
     WG_NAME(wg_contact_hand_over)(stance, search->f, f, state);
     *violation = lacking * stance->force_unit;
+    by_force = WG_NAME(wg_power)(stance->force_size);
+    by_moment = WG_NAME(wg_power)(stance->force_size - stance->length_size);
     work->feet = stance->turned ? 0 : stance->feet;
-    for (i = 0; i < 6; ++i) {
-        work->start[i] = WG_LIBM(ldexp)(search->dual.y[i], i < 3 ? stance->force_size : stance->force_size - stance->length_size);
+    for (i = 0; i < 3; ++i) {
+        work->start[i] = by_force * search->dual.y[i];
+        work->start[3 + i] = by_moment * search->dual.y[3 + i];
     }
     return 1;
 }
 
-/* Newton from dual's multipliers: forces in search->f where it finds them. */
-WG_CALLED int WG_NAME(wg_contact_climb)(struct WG_NAME(wg_contact_search) * search) {
+/* Newton from dual's multipliers: forces in search->f, and what they lack, where it finds them. */
+WG_CALLED int WG_NAME(wg_contact_climb)(struct WG_NAME(wg_contact_search) * search, WG_REAL *lacking) {
     const int answer = WG_NAME(wg_contact_ascend)(&search->stance, 12, &search->dual);
     if (answer == WG_CONTACT_FOUND) {
         WG_NAME(wg_contact_copy)(search->stance.feet, search->dual.images.f, search->f);
-        WG_NAME(wg_contact_polish)(&search->stance, &search->dual, search->f);
+        *lacking = WG_NAME(wg_contact_polish)(&search->stance, &search->dual, search->f);
     }
     return answer;
 }
 
-#undef WG_LIBM
 #undef WG_FAIR
 #endif
