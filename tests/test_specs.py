@@ -21,6 +21,7 @@ FOLDER = Path(__file__).parents[1] / "specs"
 NAMES = (
     "ambler_rpp",
     "ambler_rrp",
+    "balanced_leg_two_springs",
     "bessonov",
     "garrec",
     "hydraulic_leg",

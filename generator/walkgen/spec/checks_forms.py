@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+from walkgen.spec.checks_balance import check_balances
 from walkgen.spec.checks_linkage import check_linkages
 from walkgen.spec.checks_springs import check_springs
 from walkgen.spec.evaluate import Numbers
@@ -17,7 +18,7 @@ _BARS = ("ground", "crank", "coupler", "rocker")
 
 
 def check_forms(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
-    """Every leg design with a linkage, in the short form or the long one."""
+    """Every leg design, its linkage in the short form or the long one, and what balances it."""
     whole: dict[str, LegDesign] = {}
     for name, design in spec.leg_designs.items():
         found = list(_design(("leg_designs", name), design, numbers))
@@ -27,6 +28,7 @@ def check_forms(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
     long = spec.model_copy(update={"leg_designs": whole})
     for finding in (*check_linkages(long, numbers), *check_springs(long)):
         yield _located(finding, spec)
+    yield from check_balances(long, numbers)
 
 
 def _located(finding: Finding, spec: RobotSpec) -> Finding:

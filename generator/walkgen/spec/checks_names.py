@@ -50,7 +50,7 @@ def check_texts(spec: RobotSpec) -> Iterator[Finding]:
 
 def _named(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     yield ("robot", "name"), spec.robot.name
-    for key in ("parameters", "leg_designs", "chain_designs", "sections"):
+    for key in ("parameters", "leg_designs", "chain_designs", "sections", "balance"):
         yield from (((key, name), name) for name in getattr(spec, key))
     for key in ("platforms", "legs", "terrain"):
         yield from (((key, index, "name"), entry.name) for index, entry in enumerate(getattr(spec, key)))

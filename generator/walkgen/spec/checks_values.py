@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations
 
+from walkgen.spec.balance import BalanceSpec, RangeWeights
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.gait import GaitSpec
@@ -43,11 +44,13 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     TerrainPatch: ("mu",),
     FiveBar: ("ground",),
     GaitSpec: ("lift", "lift_mm"),
+    BalanceSpec: ("load",),
+    RangeWeights: ("support", "transfer"),
     SpringSpec: ("free_length", "free_length_mm", "initial_tension"),
     EndMasses: ("at_first", "at_second"),
     AdaptSpec: ("limit_weight", "normal_weight", "clearance_weight"),
 }
-_PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")
+_PAIRS = ("limits", "limits_deg", "limits_mm", "bounds", "stretch")
 _DIRECTIONS: Mapping[type[Table], str] = {JointRow: "axis", TerrainPatch: "normal"}
 Value = Fraction | float
 

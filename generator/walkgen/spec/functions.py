@@ -97,7 +97,7 @@ SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_
 LINKAGE_FUNCTIONS: Final = ("assembly_status", "transmission_angles", "driving_forces", "power", "joint_reactions")
 """Of legs that end in a linkage."""
 
-SPRING_FUNCTIONS: Final = ("spring_length", "spring_tension", "spring_energy", "spring_moment")
+SPRING_FUNCTIONS: Final = ("spring_length", "spring_tension", "spring_energy", "spring_moment", "unbalance_moment")
 """Of legs with springs."""
 
 LEG_FUNCTIONS: Final = (

@@ -5,6 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 
+from walkgen.spec.balance import BalanceSpec
 from walkgen.spec.gait import TAGS as GAIT_TAGS
 from walkgen.spec.gait import Gaits
 from walkgen.spec.joint_tables import JointRow, Pose
@@ -277,6 +278,8 @@ class RobotSpec(Table):
     adapt: AdaptSpec = AdaptSpec()
     gait: Gaits | None = None
     """One gait, or several under names of their own: [gait.tripod], [gait.wave]."""
+    balance: dict[str, BalanceSpec] = Field(default_factory=dict, max_length=_MOST_LIMBS)
+    """What `walkgen design --balance NAME` searches for."""
 
 
 def schema_json() -> str:

@@ -6,12 +6,14 @@ from typing import Any
 import sympy
 
 from walkgen.symbolic.tape import Tape
+from walkgen.symbolic.tape_values import lines_behind
 
 
 def compiled(tape: Tape, inputs: Sequence[sympy.Symbol], outputs: Sequence[sympy.Expr]) -> Callable[..., list[Any]]:
     """The outputs by NumPy, for numbers or arrays of the inputs."""
-    plain = {symbol: sympy.Symbol(f"v{number}") for number, symbol in enumerate((*inputs, *(symbol for symbol, _ in tape.lines)))}
-    lines = [(plain[symbol], definition.xreplace(plain)) for symbol, definition in tape.lines]
+    needed = lines_behind(tape, [sympy.sympify(output) for output in outputs])
+    plain = {symbol: sympy.Symbol(f"v{number}") for number, symbol in enumerate((*inputs, *(symbol for symbol, _ in needed)))}
+    lines = [(plain[symbol], definition.xreplace(plain)) for symbol, definition in needed]
     given, wanted = [plain[symbol] for symbol in inputs], [sympy.sympify(output).xreplace(plain) for output in outputs]
     found: Callable[..., list[Any]] = sympy.lambdify(given, wanted, "numpy", cse=lambda expressions: (lines, expressions))
     return found

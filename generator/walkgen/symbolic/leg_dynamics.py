@@ -207,3 +207,4 @@ def dynamics_ports(joints: Sequence[Joint]) -> Iterator[Port]:
     yield from (joint_port("q", joints), joint_port("qd", joints, "/s"), joint_port("qdd", joints, "/s^2"))
     yield Port("tau", (len(joints),), effort_unit(joints))
     yield Port("f", (3,), "N", default=(0.0, 0.0, 0.0))
+    yield Port("load", (), "kg")

@@ -29,7 +29,7 @@ from walkgen.symbolic.linked_tree import spread_leg
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.regroup import regrouped
 from walkgen.symbolic.spread import Spread
-from walkgen.symbolic.spring_functions import spring_energy, spring_length, spring_moment, spring_tension
+from walkgen.symbolic.spring_functions import spring_energy, spring_length, spring_moment, spring_tension, unbalance_moment
 from walkgen.symbolic.tape import Tape, symbols_of
 from walkgen.symbolic.tree import Tree
 from walkgen.symbolic.triangular import SingularMatrixError
@@ -177,6 +177,14 @@ SPRUNG: dict[str, Entry] = {
         spring_moment,
         "What every spring does to every joint, positive where it drives q on: minus the slope of its energy. Rows: {springs}.",
         "eq. (21) of the chapter as corrected: M = T BF sin(angle between BF and the spring)",
+    ),
+    "unbalance_moment": Entry(
+        ("q", "load"),
+        _one("moment", 1, effort_unit),
+        unbalance_moment,
+        "What springs and gravity, of the leg and of a load that the foot carries, do to every joint at rest: positive where they drive q "
+        f"on, 0 where the leg is balanced; {_HELD}.",
+        "eq. (21) of the chapter as corrected",
     ),
 }
 """Functions of legs with springs."""

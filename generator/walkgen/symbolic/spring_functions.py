@@ -1,4 +1,4 @@
-"""What the functions of a leg's springs compute: one leg has one set of springs."""
+"""What the functions of a leg's springs compute, and what they leave unbalanced: one leg has one set of springs."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,6 +6,7 @@ import sympy
 
 from walkgen.symbolic.leg_dynamics import LegDynamics
 from walkgen.symbolic.springs import Springs
+from walkgen.symbolic.tape import scaled
 
 Exprs = Sequence[sympy.Expr]
 
@@ -33,6 +34,12 @@ def spring_energy(leg: LegDynamics) -> Exprs:
 def spring_moment(leg: LegDynamics) -> Exprs:
     """What every spring does to every joint, row-major."""
     return tuple(-effort for row in _held(leg) for effort in row)
+
+
+def unbalance_moment(leg: LegDynamics) -> Exprs:
+    """On every joint, of all that acts at rest while the foot carries a load."""
+    (load,) = leg.symbols["load"]
+    return tuple(-effort for effort in leg.efforts(leg.still, leg.still, scaled(-load, leg.gravity)))
 
 
 def _held(leg: LegDynamics) -> Iterator[Exprs]:
