@@ -21,6 +21,7 @@ FOLDER = Path(__file__).parents[1] / "specs"
 NAMES = (
     "ambler_rpp",
     "ambler_rrp",
+    "balanced_leg_total",
     "balanced_leg_two_springs",
     "bessonov",
     "garrec",
@@ -38,7 +39,15 @@ NAMES = (
     "solo12",
     "terrain_demo",
 )
-LINKAGES = {"bessonov", "garrec", "hydraulic_leg", "minitaur", "odex", "pantograph"}  # closed: tests/linkages places them
+LINKAGES = {
+    "balanced_leg_total",
+    "bessonov",
+    "garrec",
+    "hydraulic_leg",
+    "minitaur",
+    "odex",
+    "pantograph",
+}  # closed: tests/linkages places them
 SERIAL = [name for name in NAMES if name not in LINKAGES]
 MERO_FEET = ["front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right"]
 

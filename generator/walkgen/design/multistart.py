@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares, minimize
 
+from walkgen.design.blocks import blocks_of
 from walkgen.design.problem import Problem, Reals, Values
 
 Progress = Callable[[str], None]
@@ -42,7 +43,7 @@ class Found:
 
 
 def solved(problem: Problem, starts: int, seed: int = 0, progress: Progress = lambda _: None) -> Found:
-    """The best answer from the problem's own start and from random ones; the same for the same seed.
+    """The best answer from the problem's own start and from random ones, part by part where it falls apart; the same for the same seed.
 
     Args:
         problem: with exact slopes.
@@ -50,6 +51,14 @@ def solved(problem: Problem, starts: int, seed: int = 0, progress: Progress = la
         seed: of the starts.
         progress: is told after every start.
     """
+    names = [variable.name for variable in problem.variables]
+    x = problem.start
+    for part in blocks_of(problem, seed):
+        x[[names.index(variable.name) for variable in part.variables]] = _solved(part, starts, seed, progress).x
+    return Found(x, problem.cost(x), problem.violation(x))
+
+
+def _solved(problem: Problem, starts: int, seed: int, progress: Progress) -> Found:
     unit = _Unit(problem)
     rough: list[tuple[float, Reals]] = []
     for number, y in enumerate(_starts(problem, starts, seed), 1):
