@@ -21,6 +21,8 @@ FOLDER = Path(__file__).parents[1] / "specs"
 NAMES = (
     "ambler_rpp",
     "ambler_rrp",
+    "balanced_leg_cam1",
+    "balanced_leg_cam2",
     "balanced_leg_total",
     "balanced_leg_two_springs",
     "bessonov",

@@ -1,5 +1,6 @@
 """From a spec to a design, with what only designs need loaded when it is wanted; and its files."""
 
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,56 +9,75 @@ from walkgen.errors import Problem, SpecError, ToolchainError
 from walkgen.spec.problems import shown
 
 if TYPE_CHECKING:
+    from walkgen.design.cam_search import CamDesigned
     from walkgen.design.search import Designed
 
-SUFFIXES = (".html", ".png")
+SUFFIXES, CAM_SUFFIXES = (".html", ".png"), (".csv", ".svg", ".dxf")
 
 
-def designed(path: Path, balance: str, starts: int | None, seed: int, progress: Any) -> "Designed":
-    """Search the springs of a spec's balance.
+def designed(path: Path, balance: str, starts: int | None, seed: int, progress: Any) -> "Designed | CamDesigned":
+    """Search the springs of a spec's balance, or compute its cam.
 
     Raises:
-        SpecError: the spec is not a robot, has no such balance, or no springs within the bounds only pull and fit.
+        SpecError: the spec is not a robot, has no such balance, or nothing that balances it.
         ToolchainError: scipy, which searches, is not installed.
     """
     search = _module("search")
     if starts is not None and starts < 1:
         raise SpecError(Problem("WG219", f"{starts} starts", "one start at least: --starts 24"))
-    found: Designed = search.designed(path, search.Wanted(balance, starts, seed), progress)
+    found: Designed | CamDesigned = search.designed(path, search.Wanted(balance, starts, seed), progress)
     return found
 
 
-def reported(found: "Designed") -> str:
+def reported(found: "Designed | CamDesigned") -> str:
     """For the terminal."""
     text: str = _module("report").report(found)
     return text
 
 
-def spec_text(path: Path, found: "Designed") -> str:
-    """The spec with the values that were found."""
-    text: str = _module("rewrite").rewritten(path, found.values)
-    return text
-
-
-def check_suffix(output: Path | None) -> None:
+def check_suffixes(plot: Path | None, cam: Path | None) -> None:
     """Before anything is searched for.
 
     Raises:
-        SpecError: a plot with another suffix than .html and .png.
+        SpecError: a plot or cam with another suffix than they may have.
     """
-    if output is not None and output.suffix not in SUFFIXES:
-        message = f"{shown(output.name)}: a plot is written as {' or '.join(SUFFIXES)}"
-        raise SpecError(Problem("WG219", message, "name a file with one of them"))
+    for what, output, suffixes in (("plot", plot, SUFFIXES), ("cam", cam, CAM_SUFFIXES)):
+        if output is not None and output.suffix not in suffixes:
+            message = f"{shown(output.name)}: a {what} is written as {' or '.join(suffixes)}"
+            raise SpecError(Problem("WG219", message, "name a file with one of them"))
 
 
-def plotted(found: "Designed", output: Path) -> str | bytes:
-    """The plot, by its file's suffix.
+def files(
+    path: Path, found: "Designed | CamDesigned", output: Path | None, plot: Path | None, cam: Path | None
+) -> Iterator[tuple[Path, str | bytes]]:
+    """What is to be written: the spec with the values that were found, the plot, the cam.
 
     Raises:
-        ToolchainError: plotly or matplotlib, which draw it, is not installed.
+        SpecError: a cam is asked for where springs balance.
+        ToolchainError: a library that draws them is not installed.
     """
+    if output is not None:
+        yield output, _module("rewrite").rewritten(path, found.values)
+    if plot is not None:
+        yield plot, _plotted(found, plot)
+    if cam is not None:
+        yield cam, _cam_text(found, cam)
+
+
+def _plotted(found: "Designed | CamDesigned", output: Path) -> str | bytes:
+    """By the file's suffix."""
     drawn: str | bytes = _module("page").page(found) if output.suffix == ".html" else _module("picture").picture(found)
     return drawn
+
+
+def _cam_text(found: "Designed | CamDesigned", output: Path) -> str:
+    """By the file's suffix."""
+    cut = getattr(found, "profile", None)
+    if cut is None:
+        raise SpecError(Problem("WG219", f"{shown(output.name)}: the balance has springs, no cam", "leave --cam out"))
+    module = _module("cam_dxf" if output.suffix == ".dxf" else "cam_files")
+    text: str = getattr(module, output.suffix[1:])(cut)
+    return text
 
 
 def _module(name: str) -> Any:

@@ -83,6 +83,16 @@ def test_a_slack_spring_of_a_linkage_is_refused(tmp_path):
         generate(written(tmp_path, LINKED.replace("free_length = 0.1", "free_length = 0.9")))
 
 
+def test_show_lists_springs(tmp_path):
+    from typer.testing import CliRunner
+
+    from walkgen.cli import app
+
+    for text, wanted in ((TEXT, "spring pull  mount to thigh, 900 N/m"), (LINKED, "spring pull  frame to thigh, 900 N/m")):
+        answer = CliRunner().invoke(app, ["show", str(written(tmp_path, text)), "--stage", "mechanism"])
+        assert wanted in answer.output
+
+
 def test_what_never_goes_slack_is_built(tmp_path):
     """As is what nobody can know: joints without limits."""
     options = BuildOptions(functions=("spring_length",))

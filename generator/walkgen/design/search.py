@@ -1,4 +1,4 @@
-"""From a spec to its best springs: every choice of the catalogue solved, the best one kept and put into the spec's words."""
+"""From a spec to what balances it: its cam, or its best springs, every choice of the catalogue solved and the best one kept."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from walkgen.design.balance import Balance, Residue
+from walkgen.design.cam_search import CamDesigned, cam_designed
 from walkgen.design.fitting import limits_of
 from walkgen.design.multistart import Found, Progress, solved
 from walkgen.design.problem import Reals
 from walkgen.errors import Problem, SpecError
+from walkgen.spec.checks_balance import CAMS
 from walkgen.spec.problems import did_you_mean, shown
 from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
@@ -51,15 +53,26 @@ class Designed:
     lengths: Reals
 
 
-def designed(path: Path, wanted: Wanted = Wanted(), progress: Progress = lambda _: None) -> Designed:
-    """Search the springs of a spec's balance.
+def designed(path: Path, wanted: Wanted = Wanted(), progress: Progress = lambda _: None) -> Designed | CamDesigned:
+    """The springs or the cam of a spec's balance.
 
     Raises:
-        SpecError: the spec is not a robot, has no such balance, or no springs within the bounds only pull and fit.
+        SpecError: the spec is not a robot, has no such balance; as `springs_designed` and `cam_designed`.
     """
     progress("read")
     spec = read(path)
     name = _chosen(spec, wanted.balance, path)
+    if spec.balance[name].device in CAMS:
+        return cam_designed(spec, name, path, progress)
+    return springs_designed(spec, name, path, wanted, progress)
+
+
+def springs_designed(spec: RobotSpec, name: str, path: Path, wanted: Wanted = Wanted(), progress: Progress = lambda _: None) -> Designed:
+    """Search the springs of a spec's balance.
+
+    Raises:
+        SpecError: joints that are to be balanced each by itself are not apart, or no springs within the bounds only pull and fit.
+    """
     starts = spec.balance[name].starts if wanted.starts is None else wanted.starts
     given = Balance(spec, name, path.parent)
     check_apart(given)

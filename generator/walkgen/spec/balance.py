@@ -22,13 +22,50 @@ class RangeWeights(Table):
     """Without load; 1 where left out."""
 
 
+class CamMasses(Table):
+    """Of what a cam moves, and of its spring, lumped at its ends (kg); 0 where left out."""
+
+    spring_at_link: Number | None = None
+    """cam_on_link: the spring's end on the link."""
+    spring_at_follower: Number | None = None
+    """The spring's end on the follower."""
+    follower: Number | None = None
+    roller: Number | None = None
+
+
+class CamSpec(Table):
+    """A cam with a roller, which a spring presses on it; lengths in m."""
+
+    start: Number
+    """From the hip to the roller's centre, where the joint has the least value of its range."""
+    roller: Number
+    """The roller's radius."""
+    stiffness: Number
+    """Of the spring (N/m)."""
+    free_length: Number
+    """Where it begins to stretch."""
+    initial_tension: Number | None = None
+    """What stretches it at all (N); 0 where left out."""
+    arm: Number | None = None
+    """cam_on_link: from the hip to the spring's end on the link, along its x."""
+    anchor: Number | None = None
+    """cam_on_frame: from the hip up to the spring's end on the frame."""
+    reach: Number
+    """From the roller's centre to the spring's end on the follower: down the guide (cam_on_link), out along the link (cam_on_frame)."""
+    centre: Number | None = None
+    """cam_on_frame: from the roller's centre outwards to the follower's centre of mass; 0 where left out."""
+    masses: CamMasses = CamMasses()
+    points: StrictInt = Field(default=1801, ge=5, le=100_001)
+    """Of the profile, ends included."""
+
+
 class BalanceSpec(Table):
-    """Springs of one leg that hold its weight, and what it carries, without its drives."""
+    """What holds a leg's weight, and what it carries, without its drives: springs or a cam."""
 
     ANGLES: ClassVar[frozenset[str]] = frozenset({"support", "transfer", "held"})
 
-    device: Literal["two_springs", "total"]
-    """two_springs: at one joint; total: at two joints or more, whose moments do not depend on each other."""
+    device: Literal["two_springs", "total", "cam_on_link", "cam_on_frame"]
+    """two_springs: at one joint; total: at two joints or more, whose moments do not depend on each other; a cam at one joint."""
     leg: StrictStr
     load: Number
     """What the foot carries while it supports (kg)."""
@@ -59,6 +96,8 @@ class BalanceSpec(Table):
     catalogue: tuple[dict[StrictStr, Number], ...] = Field(default=(), max_length=_MOST_ROWS)
     """Springs that can be bought: of each what parameters called SPRING_KEY are worth when SPRING is one of these."""
     weights: RangeWeights = RangeWeights()
+    cam: CamSpec | None = None
+    """Of a balance by a cam."""
     nodes: StrictInt = Field(default=12, ge=2, le=200)
     """Gauss nodes of every range."""
     starts: StrictInt = Field(default=12, ge=1, le=10_000)

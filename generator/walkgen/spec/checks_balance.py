@@ -13,6 +13,8 @@ from walkgen.spec.table import Path
 from walkgen.spec.tree import design_of
 
 _UNITS = ("", "_deg", "_mm")
+CAMS = {"cam_on_link": "arm", "cam_on_frame": "anchor"}
+"""Devices that are cams, and the length that each has alone."""
 
 
 def check_balances(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
@@ -35,19 +37,40 @@ def _leg(path: Path, balance: BalanceSpec, design: LegDesign, numbers: Numbers) 
             for joint in getattr(balance, key + unit) or {}:
                 yield from _joint((*path, key + unit, joint), joint, unit, joints)
     yield from _crossed(path, balance, numbers)
-    ranged = balance.supported.keys() | balance.transferred.keys()
-    wanted = "one joint" if balance.device == "two_springs" else "two joints or more"
-    if len(ranged) < 1 + (balance.device == "total") or (balance.device == "two_springs" and len(ranged) > 1):
-        message = f"the device {balance.device} relieves {wanted}, and {len(ranged)} have a range"
-        yield Finding("WG211", path, message, "write support_deg = { hip = [-50, 40] } for each, or choose the other device")
+    yield from _relieved(path, balance)
     for joint in balance.supported.keys() & balance.transferred.keys():
         yield from _apart(path, joint, balance, numbers)
-    if not design.springs:
+    if not design.springs and balance.device not in CAMS:
         yield Finding("WG212", (*path, "leg"), "the leg has no springs", "describe them: [[leg_designs.NAME.springs]]")
     known = (MOUNT, *(row.name for row in design.joints), *design.links)
     for link in balance.boxes:
         if link not in known:
             yield Finding("WG201", (*path, "boxes", link), f'there is no link "{shown(link)}"', did_you_mean(link, known, "links"))
+
+
+def _relieved(path: Path, balance: BalanceSpec) -> Iterator[Finding]:
+    """As many joints as the device takes, and what belongs to it."""
+    ranged = balance.supported.keys() | balance.transferred.keys()
+    if len(ranged) < 1 + (balance.device == "total") or (balance.device != "total" and len(ranged) > 1):
+        wanted = "two joints or more" if balance.device == "total" else "one joint"
+        message = f"the device {balance.device} relieves {wanted}, and {len(ranged)} have a range"
+        yield Finding("WG211", path, message, "write support_deg = { hip = [-50, 40] } for each, or choose another device")
+    needed = CAMS.get(balance.device)
+    if (needed is None) != (balance.cam is None):
+        cure = "remove the table cam" if needed is None else "write [balance.NAME.cam] with start, roller, stiffness, free_length and reach"
+        yield Finding("WG221", (*path, "device"), f"the device {balance.device} and the table cam do not fit", cure)
+    elif needed is not None and balance.cam is not None:
+        if balance.transferred:
+            message = "a cam balances one load: it has no range without it"
+            yield Finding("WG221", path, message, "leave transfer out, or balance by springs")
+        if getattr(balance.cam, needed) is None:
+            message = f'missing key "{needed}" of the device {balance.device}'
+            yield Finding("WG111", (*path, "cam", needed), message, f"write {needed} = 0.12 (m)")
+        other = next(key for device, key in CAMS.items() if device != balance.device)
+        if getattr(balance.cam, other) is not None:
+            yield Finding(
+                "WG221", (*path, "cam", other), f"{other} belongs to the other cam", f"remove {other}, or choose the other device"
+            )
 
 
 def driven(design: LegDesign) -> Iterator[tuple[str, str]]:
@@ -112,7 +135,7 @@ def _parameters(path: Path, balance: BalanceSpec, spec: RobotSpec) -> Iterator[F
             cure = f"write {name} = {{ value = ..., bounds = [low, high] }}"
             yield Finding("WG214", here, f"the parameter {name} has no bounds to vary between", cure)
     yield from _catalogue(path, balance, spec)
-    if balance.vary is None and not any(entry.bounds for entry in spec.parameters.values()):
+    if balance.device not in CAMS and balance.vary is None and not any(entry.bounds for entry in spec.parameters.values()):
         yield Finding(
             "WG214", (*path, "vary"), "no parameter has bounds to vary between", "write x = { value = 0.1, bounds = [0.05, 0.2] }"
         )

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations
 
-from walkgen.spec.balance import BalanceSpec, RangeWeights
+from walkgen.spec.balance import BalanceSpec, CamMasses, CamSpec, RangeWeights
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.gait import GaitSpec
@@ -34,6 +34,7 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     **dict.fromkeys((DriveSpec, PinSpec, SliderSpec, CylinderSpec), ("max_speed", "max_effort")),
     PinFriction: ("radius",),
     SpringSpec: ("stiffness",),
+    CamSpec: ("start", "roller", "stiffness", "arm", "anchor"),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Link: ("mass",),
@@ -46,6 +47,8 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     GaitSpec: ("lift", "lift_mm"),
     BalanceSpec: ("load",),
     RangeWeights: ("support", "transfer"),
+    CamSpec: ("free_length", "initial_tension"),
+    CamMasses: ("spring_at_link", "spring_at_follower", "follower", "roller"),
     SpringSpec: ("free_length", "free_length_mm", "initial_tension"),
     EndMasses: ("at_first", "at_second"),
     AdaptSpec: ("limit_weight", "normal_weight", "clearance_weight"),
