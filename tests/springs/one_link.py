@@ -6,6 +6,7 @@ name = "link"
 gravity = [0.0, 0.0, -9.80665]
 [generate]
 functions = ["spring_length", "spring_tension", "spring_energy", "spring_moment", "unbalance_moment", "potential_energy", "foot_position"]
+targets = {targets}
 [[platforms]]
 name = "body"
 [[legs]]
@@ -33,6 +34,10 @@ masses = {{ at_second = {mass!r} }}
 """
 
 
-def text_of(*springs, aside=0.01):
+def text_of(*springs, aside=0.01, targets=("numpy",)):
     """Of springs with H, F, k, free, pull and mass; the link's centre of mass is at (0.18, aside)."""
-    return HEAD + LINK.format(aside=aside) + "".join(SPRING.format(number=number, **spring) for number, spring in enumerate(springs))
+    return (
+        HEAD.replace("{targets}", str(list(targets)))
+        + LINK.format(aside=aside)
+        + "".join(SPRING.format(number=number, **spring) for number, spring in enumerate(springs))
+    )

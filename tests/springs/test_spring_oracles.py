@@ -19,7 +19,7 @@ BACKENDS = ["c", "numpy", "casadi"]
 
 @pytest.fixture
 def made(built):
-    return built(text_of(FIRST, SECOND))
+    return built(text_of(FIRST, SECOND, targets=BACKENDS))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

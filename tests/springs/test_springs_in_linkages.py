@@ -30,6 +30,7 @@ BETWEEN = {
     "slider_crank": (("rod.P", "block.S"), ("frame.A", "block.C"), ("rod.P", "frame.A")),
     "hydraulic": (("frame.I", "shank.P"), ("thigh.G", "shank.L")),
 }
+MARKED = [pytest.param(name, marks=pytest.mark.nightly if name == "hydraulic" else ()) for name in BETWEEN]
 FRICTION = {"four_bar": {"b": "coulomb = 1, mu = 0.2, radius = 0.03", "c": "mu = 0.1, radius = 0.04"}}
 
 
@@ -69,7 +70,7 @@ def pulls(motion):
     return found
 
 
-@pytest.mark.parametrize("name", BETWEEN)
+@pytest.mark.parametrize("name", MARKED)
 def test_drives_and_pairs_beside_free_bodies(name, tmp_path):
     friction = FRICTION.get(name, {})
     text = with_springs(name, BETWEEN[name], friction)
@@ -87,7 +88,7 @@ def test_drives_and_pairs_beside_free_bodies(name, tmp_path):
         assert np.abs(code["leg_driving_forces"](q, qd, qdd, f, dimensions) - bodies.unknowns[bodies.drives]).max() < 1e-6 * scale
 
 
-@pytest.mark.parametrize("name", BETWEEN)
+@pytest.mark.parametrize("name", MARKED)
 def test_drives_hold_the_slope_of_the_potential(name, tmp_path):
     text = with_springs(name, BETWEEN[name])
     code = code_of(text, (*SMOOTH, *LOADED), tmp_path)

@@ -21,17 +21,18 @@ M4, M6 = 3.0, 1.5
 GENERAL = ORACLES["fig14_general"]
 POINTS = {key: complex(*GENERAL[key]) for key in "CEDP"}
 Q = np.array([-0.3, -1.9])
+ALL = ("c", "numpy", "casadi")
 ROWS = ("front on frame", "front on link3", "rear on frame", "rear on link5", "c on link3", "c on link4", "e on link5", "e on link6")
 
 
 @pytest.fixture
 def general(built):
-    return built(text_of(**POINTS, G4=0.33 - 0.3j, G6=0.14 - 0.27j))
+    return built(text_of(**POINTS, G4=0.33 - 0.3j, G6=0.14 - 0.27j, targets=ALL))
 
 
 @pytest.fixture
 def parallel(built):
-    return built(pantograph())
+    return built(pantograph(targets=ALL))
 
 
 def reactions(made, q=Q, backend="numpy"):

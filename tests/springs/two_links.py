@@ -7,7 +7,8 @@ HEAD = """walkgen = 1
 name = "fig14"
 gravity = [0.0, -9.80665, 0.0]
 [generate]
-functions = ["unbalance_moment", "joint_reactions", "potential_energy", "foot_position", "spring_moment", "spring_length"]
+functions = ["unbalance_moment", "joint_reactions", "potential_energy", "foot_position", "spring_moment"]
+targets = {targets}
 [[platforms]]
 name = "body"
 [[legs]]
@@ -66,7 +67,7 @@ def _entries(z):
     return f"[{float(np.real(z))!r}, {float(np.imag(z))!r}]"
 
 
-def text_of(C, E, D, P, G4, G6, springs=(SLACK,), m2=0.0):
+def text_of(C, E, D, P, G4, G6, springs=(SLACK,), m2=0.0, targets=("numpy",)):
     """A leg that has these points (complex) at link 3's and 5's angles; links 4 and 6 have axes along the frame's there.
 
     Springs have a name, a link (3 or 5), H on the frame, F in the link's axes, k, free and pull.
@@ -81,6 +82,7 @@ def text_of(C, E, D, P, G4, G6, springs=(SLACK,), m2=0.0):
     head = HEAD.format(
         side=side,
         m2=m2,
+        targets=list(targets),
         anchors=hooks("H", (3, 5)),
         on3=hooks("F", (3,)),
         on5=hooks("F", (5,)),
