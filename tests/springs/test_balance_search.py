@@ -14,7 +14,7 @@ from walkgen.design.picture import picture
 from walkgen.design.problem import Constraint, Objective, Problem, Values, Variable
 from walkgen.design.rewrite import rewritten
 from walkgen.design.search import Wanted, designed
-from walkgen.errors import SpecError
+from walkgen.errors import SpecError, UnsupportedMechanism
 from walkgen.spec.read import read
 
 SPEC = Path(__file__).parents[2] / "specs" / "balanced_leg_two_springs.toml"
@@ -224,6 +224,7 @@ BAD = {
     "unit": ("WG123", "support_deg", "support_mm", "turns"),
     "no range": ("WG211", "support_deg = { hip = [-50, 40] }\n", "", "one joint"),
     "one joint in total": ("WG211", '"two_springs"', '"total"', "two joints or more"),
+    "two units for one joint": ("WG122", "support_deg", "support = { hip = [-0.5, 0.4] }\nsupport_deg", "gives the same quantity already"),
     "overlap": ("WG213", "stretch =", "transfer_deg = { hip = [20, 60] }\nstretch =", "overlap from 0.3491 to 0.6981"),
     "crossed": ("WG160", "stretch = [1.02, 1.9]", "stretch = [1.9, 1.02]", "crossed"),
     "crossed range": ("WG160", "[-50, 40] }", "[40, -50] }", "crossed"),
@@ -270,6 +271,37 @@ def test_the_command_refuses(call, code):
 def test_a_spec_without_balance_is_refused():
     with pytest.raises(SpecError, match="WG215"):
         designed(SPEC.parent / "mero_leg.toml")
+
+
+def test_ranges_in_radians_and_of_joints_of_both_kinds(tmp_path):
+    """Radians, degrees and mm beside each other, each for joints of its own."""
+    slide = '[[leg_designs.link.joints]]\nname = "slide"\ntype = "prismatic"\nxyz = [0, 0, 0]\naxis = [1, 0, 0]\nlimits = [0.0, 0.1]\n'
+    text = TEXT.replace("[[leg_designs.link.springs]]", f"{slide}\n[[leg_designs.link.springs]]", 1).replace('"two_springs"', '"total"')
+    own = "support = { hip = [-0.5, 0.4] }\nsupport_mm = { slide = [20, 60] }"
+    found = read(written(tmp_path, text.replace("support_deg = { hip = [-50, 40] }", own))).balance["stance"].supported
+    assert {name: [float(entry.value) for entry in span] for name, span in found.items()} == {"hip": [-0.5, 0.4], "slide": [0.02, 0.06]}
+
+
+def test_a_leg_with_triads_is_not_searched(tmp_path):
+    text = """
+walkgen = 1
+robot = { name = "triad", gravity = [0, -9.81, 0] }
+parameters = { k = { value = 100.0, bounds = [50.0, 200.0] } }
+platforms = [{ name = "body" }]
+legs = [{ name = "one", design = "leg", platform = "body" }]
+balance = { held = { device = "two_springs", leg = "one", load = 1.0, support = { one = [0.5, 0.6] } } }
+[leg_designs.leg]
+foot = "plate.A"
+links = { frame = { points = { A = [0, 0], B = [1, 0], C = [0.5, 1] } }, plate = { points = { A = [0, 0], B = [0.2, 0], C = [0.1, 0.2] } } }
+springs = [{ name = "s", between = ["frame.A", "plate.B"], stiffness = "k", free_length = 0.1 }]
+cylinders = [
+    { name = "one", between = ["frame.A", "plate.A"], driven = true },
+    { name = "two", between = ["frame.B", "plate.B"], driven = true },
+    { name = "three", between = ["frame.C", "plate.C"], driven = true },
+]
+"""
+    with pytest.raises(UnsupportedMechanism, match=r"WG150.*triads"):
+        designed(written(tmp_path, text))
 
 
 def test_too_many_choices_are_refused(tmp_path):

@@ -162,6 +162,27 @@ def test_a_leg_that_is_no_parallelogram_is_refused_with_the_angle(tmp_path):
         designed(path, Wanted(starts=1))
 
 
+def test_a_range_where_the_leg_does_not_assemble_is_refused_with_the_angle(tmp_path):
+    text = SPEC.read_text(encoding="utf-8").replace("D = [0.20, 0.0], P", "D = [0.03, 0.0], P")
+    path = tmp_path / "spec.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(SpecError, match=r"WG225.*does not assemble at front = \S+ rad"):
+        designed(path, Wanted(starts=1))
+
+
+def test_lengths_of_links_may_vary_even_to_where_nothing_assembles(tmp_path):
+    """As large or small as the bounds of CD allow, most of them no leg at all; the one that assembles is found."""
+    text = SPEC.read_text(encoding="utf-8").replace('"total"', '"two_springs"').replace("D = [0.20, 0.0], P", 'D = ["cd", 0.0], P')
+    text = text.replace("[parameters] ", "[parameters]\ncd = { value = 0.2, bounds = [0.02, 0.22] } ")
+    text = text.replace(
+        "support_deg = { front = [-40, 20], rear = [-140, -90] }", "support_deg = { front = [-40, 20] }\nheld_deg = { rear = -110 }"
+    )
+    path, more = tmp_path / "spec.toml", 'leg = "leg"\nstretch = [0.01, 100]\nvary = ["cd", "s7_lever", "s7_angle"]'
+    path.write_text(text.replace('leg = "leg"', more), encoding="utf-8")
+    found = designed(path, Wanted(starts=4))
+    assert found.after[0].rms < found.given[0].rms
+
+
 def test_the_slack_spring_of_these_tests_pulls_nothing(parallel):
     assert SLACK["k"] < 1e-11
     assert np.abs(parallel.call("numpy", "leg", "spring_moment", Q[None])).max() < 1e-12

@@ -14,6 +14,8 @@ from walkgen.design.problem import Values as Valued
 from walkgen.design.ranges import SUPPORT, TRANSFER, Range, ranges_of
 from walkgen.design.sampled import Sampled
 from walkgen.design.statics import Numbers, Statics
+from walkgen.errors import Problem as Wrong
+from walkgen.errors import UnsupportedMechanism
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.values import Values
@@ -69,6 +71,9 @@ class Balance:
         name: of the balance.
         folder: the spec's.
         settings: parameters that have other values than the spec's, and are not varied.
+
+    Raises:
+        UnsupportedMechanism: the leg has triads.
     """
 
     def __init__(self, spec: RobotSpec, name: str, folder: Path, settings: Mapping[str, float] | None = None) -> None:
@@ -81,6 +86,9 @@ class Balance:
         self._values, self.mechanism = Values.of(freed.parameters), assemble(freed, folder)
         self.leg = _leg(self.mechanism, self.table.leg)
         self.ranges = ranges_of(self.table, self.leg, self._values)
+        if self.leg.linkage is not None and self.leg.linkage.forward.triads:
+            message = f"balance {name}: the leg {self.leg.name} has triads, and springs are searched for legs in closed form alone"
+            raise UnsupportedMechanism(Wrong("WG150", message, "describe a leg of dyads, or choose its springs by hand"))
 
     @property
     def variables(self) -> tuple[Variable, ...]:
@@ -120,7 +128,7 @@ class Balance:
 
     def stretches(self, x: Reals) -> tuple[Reals, Reals]:
         """Least and largest length of every spring over all ranges (m), on a dense grid."""
-        lengths = np.concatenate([self.lengths_over(each, x)[1] for each in self.ranges])
+        lengths = np.concatenate([self._statics.at(*each.loaded(each.dense(DENSE)), x).lengths for each in self.ranges])
         return lengths.min(0), lengths.max(0)
 
     def lengths_over(self, each: Range, x: Reals) -> tuple[Reals, Reals]:

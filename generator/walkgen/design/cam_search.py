@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from walkgen.design.apart import check_apart
 from walkgen.design.balance import Balance, Residue
 from walkgen.design.cam import Cam, CamError, OnFrame, OnLink, Profile, Spring, Weight, profile, residual
 from walkgen.design.chapter import zero_free_length
@@ -41,6 +42,7 @@ def cam_designed(spec: RobotSpec, name: str, path: Path, progress: Progress) -> 
     """
     progress("cam")
     balance = Balance(spec, name, path.parent)
+    check_apart(balance)
     table, (span,), (bare,) = balance.table.cam, balance.ranges, balance.bare
     assert table is not None
     cam, phi = _cam(balance, table, bare), np.linspace(span.low, span.high, table.points)

@@ -16,6 +16,8 @@ _STEPS = 40
 _POLISHED = 4
 _POLISH_STEPS = 300
 _FEASIBLE = 1e-7
+_BAD = 10.0
+"""A residual or a broken constraint where there is none: a linkage that does not assemble."""
 _SAME = 1e-3
 """Two answers nearer than this in all variables, as shares of their bounds, are one."""
 
@@ -30,8 +32,8 @@ class Found:
 
     @property
     def feasible(self) -> bool:
-        """Whether no constraint is broken by more than rounding."""
-        return self.violation <= _FEASIBLE
+        """Whether no constraint is broken by more than rounding, and all residuals exist."""
+        return self.violation <= _FEASIBLE and bool(np.isfinite(self.cost))
 
     @property
     def _order(self) -> tuple[bool, float]:
@@ -107,11 +109,12 @@ class _Unit:
         key = y.tobytes()
         if self._last is None or self._last[0] != key:
             x = self.x(y)
-            residuals, margins = (
-                Values(part.values, part.slopes * self._span) for part in (self._problem.residuals(x), self._problem.margins(x))
-            )
-            self._last = (key, residuals, margins)
+            self._last = (key, self._finite(self._problem.residuals(x), _BAD), self._finite(self._problem.margins(x), -_BAD))
         return self._last[1], self._last[2]
+
+    def _finite(self, part: Values, bad: float) -> Values:
+        """With slopes by shares of the bounds; what does not exist is bad."""
+        return Values(np.nan_to_num(part.values, nan=bad), np.nan_to_num(part.slopes * self._span))
 
     def rough(self, y: Reals) -> tuple[float, Reals]:
         """Least squares with broken constraints as residuals, softly and then hard."""

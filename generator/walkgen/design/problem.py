@@ -86,8 +86,9 @@ class Problem:
         return float(0.5 * np.sum(self.residuals(x).values ** 2))
 
     def violation(self, x: Reals) -> float:
-        """By how much the worst constraint is broken; 0 where none is."""
-        return float(max(0.0, -np.min(self.margins(x).values, initial=0.0)))
+        """By how much the worst constraint is broken; 0 where none is, infinite where one cannot be told."""
+        worst = float(np.min(self.margins(x).values, initial=0.0))
+        return -worst if np.isfinite(worst) else np.inf
 
 
 def _stacked(parts: list[Values], variables: int) -> Values:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from walkgen.design.apart import check_apart
 from walkgen.design.balance import Balance, Residue
 from walkgen.design.cam_search import CamDesigned, cam_designed
 from walkgen.design.fitting import limits_of
@@ -106,26 +107,6 @@ def _choices(balance: Balance, path: Path) -> Iterator[dict[str, float]]:
         return
     for choice in product(rows, repeat=len(springs)):
         yield {f"{spring}_{key}": balance.number(value) for spring, row in zip(springs, choice, strict=True) for key, value in row.items()}
-
-
-def check_apart(balance: Balance) -> None:
-    """The moment of every relieved joint, without springs, is the same wherever the other relieved joints are.
-
-    Raises:
-        SpecError: WG217 it is not, with the joint's value where it differs most.
-    """
-    problems = []
-    for residue in balance.bare:
-        if residue.apart > 1e-9 * balance.size:
-            place = int(residue.differences.argmax())
-            at = f"{residue.range.name} = {residue.values[place]:.4g} {residue.range.unit}"
-            message = (
-                f"balance {balance.name}: at {at} the moment of {residue.range.name} changes by {residue.apart:.4g} N m with the other"
-            )
-            message += " joints: two of its links are no parallelogram"
-            problems.append(Problem("WG217", message, "make opposite links equally long, or balance one joint with the others held"))
-    if problems:
-        raise SpecError(*problems)
 
 
 def _rounded(given: Balance, found: Found, balance: Balance) -> Designed:

@@ -1,6 +1,6 @@
 """The tables of static balancing: what relieves which joints, over which ranges and under which load, and what may be varied for it."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from pydantic import Field, StrictInt, StrictStr
 
@@ -61,8 +61,6 @@ class CamSpec(Table):
 
 class BalanceSpec(Table):
     """What holds a leg's weight, and what it carries, without its drives: springs or a cam."""
-
-    ANGLES: ClassVar[frozenset[str]] = frozenset({"support", "transfer", "held"})
 
     device: Literal["two_springs", "total", "cam_on_link", "cam_on_frame"]
     """two_springs: at one joint; total: at two joints or more, whose moments do not depend on each other; a cam at one joint."""
