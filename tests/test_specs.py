@@ -21,6 +21,10 @@ FOLDER = Path(__file__).parents[1] / "specs"
 NAMES = (
     "ambler_rpp",
     "ambler_rrp",
+    "balanced_leg_cam1",
+    "balanced_leg_cam2",
+    "balanced_leg_total",
+    "balanced_leg_two_springs",
     "bessonov",
     "garrec",
     "hydraulic_leg",
@@ -37,7 +41,15 @@ NAMES = (
     "solo12",
     "terrain_demo",
 )
-LINKAGES = {"bessonov", "garrec", "hydraulic_leg", "minitaur", "odex", "pantograph"}  # closed: tests/linkages places them
+LINKAGES = {
+    "balanced_leg_total",
+    "bessonov",
+    "garrec",
+    "hydraulic_leg",
+    "minitaur",
+    "odex",
+    "pantograph",
+}  # closed: tests/linkages places them
 SERIAL = [name for name in NAMES if name not in LINKAGES]
 MERO_FEET = ["front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right"]
 

@@ -1,4 +1,4 @@
-"""What the linkages of a good spec do within the limits of their drives, told before any code is written: refusals and notices."""
+"""What the linkages and springs of a good spec do within the limits of the joints, told before any code is written: refusals, notices."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -11,6 +11,7 @@ from walkgen.runtime.solves.triads import close_triads
 from walkgen.spec.document import open_document
 from walkgen.spec.positions import Positions
 from walkgen.spec.schema import RobotSpec
+from walkgen.symbolic.slack import Slack, slack
 
 
 def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem, ...]:
@@ -18,11 +19,11 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
 
     Raises:
         SpecError: WG189 a linkage assembles nowhere within them, so that its code would give nothing but NaN; WG191 it has other freedoms
-            than the count says wherever it does.
+            than the count says wherever it does; WG203 a spring goes slack within the limits of the leg's joints.
     """
     legs = {leg.name: leg for leg in mechanism.legs}
     users = {leg.design: legs[leg.name] for leg in spec.legs if leg.design is not None}
-    if not any(leg.linkage for leg in users.values()):
+    if not any(leg.linkage or leg.springs for leg in users.values()):
         return ()
     positions = Positions(open_document(path))
     problems: list[Problem] = []
@@ -32,6 +33,9 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
             place, found = positions.place(("leg_designs", design)), coverage_of(mechanism, leg, leg.linkage)
             problems += _refused(f"leg_designs.{design}", place, found, leg.linkage)
             notices += _partial(f"leg_designs.{design}", place, found, leg, leg.linkage)
+        for short in slack(mechanism, leg):
+            place = positions.place(("leg_designs", design, "springs", short.spring))
+            problems.append(_slack(f"leg_designs.{design}", place, short, leg))
     if problems:
         raise SpecError(*problems)
     return tuple(notices)
@@ -68,6 +72,12 @@ def _refused(design: str, place: Place, found: Coverage, linkage: Linkage) -> It
         message = f"the linkage has {count} degrees of freedom by count, {found.mobility.freedoms} by the rank of its pairs' equations"
         pairs = f"{', '.join(found.mobility.pairs)} say one thing twice wherever it closes"
         yield Problem("WG191", f"{design}: {message}: {pairs}", "change lengths that keep these pairs at a dead point", place)
+
+
+def _slack(design: str, place: Place, found: Slack, leg: Limb) -> Problem:
+    message = f"{design}.springs[{found.spring}]: the spring {leg.springs[found.spring].name} would have to push: it is"
+    message += f" {found.length:.4g} m long at {drives_text(leg.joints, found.q)}, less than its free length of {found.free:.4g} m"
+    return Problem("WG203", message, "give it a shorter free length, move its ends, or narrow the joints' limits", place)
 
 
 def _partial(design: str, place: Place, found: Coverage, leg: Limb, linkage: Linkage) -> Iterator[Problem]:

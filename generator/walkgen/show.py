@@ -13,9 +13,11 @@ from walkgen.model.classify import inverse_class
 from walkgen.model.gait import Gait, Schedule
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Transform
+from walkgen.model.springs import Spring
 from walkgen.show_code import chosen, equations, listing
 from walkgen.spec.assur import SIDES, Triad
 from walkgen.spec.scalar import Apply, Exact, Name, Pi, Scalar
+from walkgen.spec.springs import MOUNT
 from walkgen.symbolic.starts import start_of
 
 _INFIX = {"add": " + ", "sub": " - ", "mul": "*", "div": "/", "pow": "**"}
@@ -146,8 +148,15 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
     yield f"    {'plane' if limb.linkage else 'tip'}  {_transform(limb.tip)}"
     if limb.linkage is not None:
         yield from _linkage(limb.joints[len(limb.serial) :], limb.linkage)
+    yield from (f"    spring {spring.name}  {_ends(limb, spring)}, {scalar_text(spring.stiffness)} N/m" for spring in limb.springs)
     if limb.sole:
         yield f"    sole  {scalar_text(limb.sole.length)} by {scalar_text(limb.sole.width)}, {_transform(limb.sole.turn)}"
+
+
+def _ends(limb: Limb, spring: Spring) -> str:
+    """What it joins: links of the linkage, joints that move the others, the mount."""
+    serial, planar = (MOUNT, *(joint.name for joint in limb.serial)), limb.linkage.structure.names if limb.linkage else ()
+    return " to ".join((planar if end.planar else serial)[end.link] for end in spring.ends)
 
 
 def _linkage(drives: Sequence[Joint], linkage: Linkage) -> Iterator[str]:

@@ -8,14 +8,14 @@ from linkages.newton_euler import Bodies
 class Rubbed:
     """Every friction of a motion, pair by pair: pins, each further link against the first, sliders, cylinders without a drive.
 
-    `steady` is the motion without acceleration of its drives. `efforts` are what each pair takes, `rates` how fast it moves, `drives`
-    whether it is driven. `loads` [links, 3] are what undriven ones do to the links, about the origin; `given` the same by the ends of
-    pins, driven cylinders, sliders, then cylinders without a drive, about each end.
+    `steady` is the motion without acceleration of its drives, `pulls` are what springs do to the links then. `efforts` are what each pair
+    takes, `rates` how fast it moves, `drives` whether it is driven. `loads` [links, 3] are what undriven ones do to the links, about the
+    origin; `given` the same by the ends of pins, driven cylinders, sliders, then cylinders without a drive, about each end.
     """
 
-    def __init__(self, motion, steady, gravity, load):
+    def __init__(self, motion, steady, gravity, load, pulls=0.0):
         self.motion, self.closure = motion, motion.closure
-        self._carried = Bodies(steady, gravity, load).reactions
+        self._carried = Bodies(steady, gravity, load, pulls).reactions
         free = [cylinder for cylinder in self._tables("cylinders") if not cylinder.get("driven")]
         self.given = np.zeros((len(self._carried) + 2 * len(free), 3))
         self.loads = np.zeros((len(self.closure.links), 3))

@@ -6,7 +6,10 @@ from walkgen.model.gaits import gaits
 from walkgen.model.ground import ground
 from walkgen.model.limbs import body_of, chain_limb, leg_limb, mirrored_limb
 from walkgen.model.linkage_limb import linkage_limb
+from walkgen.model.lumping import Lump, with_lumps
 from walkgen.model.mechanism import Limb, Mechanism, Parameter, Platform, Section
+from walkgen.model.springs import lumps
+from walkgen.model.transform import carried
 from walkgen.model.values import Values
 from walkgen.spec.scalar import ZERO, Scalar, exact
 from walkgen.spec.schema import LegSpec, PlatformSpec, RobotSpec
@@ -25,13 +28,14 @@ def assemble(spec: RobotSpec, folder: Path = Path()) -> Mechanism:
     values = Values.of(spec.parameters)
     names = [platform.name for platform in spec.platforms]
     children = [platform for platform in spec.platforms if platform.parent]
+    legs = _legs(spec, names, values)
     return Mechanism(
         name=spec.robot.name,
         description=spec.robot.description,
         gravity=values.vector(spec.robot.si("gravity")),
-        platforms=tuple(_platform(platform, children, values) for platform in spec.platforms),
+        platforms=tuple(_platform(platform, children, _hung(legs, index), values) for index, platform in enumerate(spec.platforms)),
         chains=tuple(_chain(spec, platform, names, values) for platform in children),
-        legs=_legs(spec, names, values),
+        legs=legs,
         parameters=_parameters(spec, values),
         sections=_sections(spec, values),
         adapt_weights=_adapt_weights(spec, values),
@@ -40,9 +44,16 @@ def assemble(spec: RobotSpec, folder: Path = Path()) -> Mechanism:
     )
 
 
-def _platform(platform: PlatformSpec, children: list[PlatformSpec], values: Values) -> Platform:
+def _platform(platform: PlatformSpec, children: list[PlatformSpec], hung: tuple[Lump, ...], values: Values) -> Platform:
     body = body_of(platform.mass, platform.si("com"), platform.inertia, values) if platform.mass is not None else None
-    return Platform(platform.name, children.index(platform) if platform.parent else None, body)
+    return Platform(platform.name, children.index(platform) if platform.parent else None, with_lumps(body, hung))
+
+
+def _hung(legs: tuple[Limb, ...], platform: int) -> tuple[Lump, ...]:
+    """What springs weigh at the mounts of a platform's legs."""
+    return tuple(
+        (mass, carried(leg.mount, at)) for leg in legs if leg.platform == platform for mass, at in lumps(leg.springs, 0, planar=False)
+    )
 
 
 def _chain(spec: RobotSpec, platform: PlatformSpec, names: list[str], values: Values) -> Limb:

@@ -115,13 +115,14 @@ def _known(linkage: Linkage, values: tuple[tuple[str, Any], ...]) -> deque[Postu
 
 def _followed(before: Posture, linkage: Linkage, values: Mapping[str, Any], drives: Sequence[float]) -> Posture | None:
     """The posture that the drives lead to from another, should it be on the spec's sides."""
-    x: list[float] | None = [float(entry) for entry in before.x]
+    x = [float(entry) for entry in before.x]
     start = [float(drive) for drive in before.loops.drives]
     for part in range(1, _PARTS + 1):
         between = [a + (b - a) * part / _PARTS for a, b in zip(start, drives, strict=True)]
-        x = _descended(DrivenLoops(linkage, values, between, float), x)
-        if x is None:
+        arrived = _descended(DrivenLoops(linkage, values, between, float), x)
+        if arrived is None:
             return None
+        x = arrived
     posture = _exact(linkage, values, drives, x)
     return posture if posture and posture.as_stated else None
 

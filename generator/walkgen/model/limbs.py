@@ -5,7 +5,9 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Literal, cast
 
+from walkgen.model.lumping import with_lumps
 from walkgen.model.mechanism import Body, Joint, Limb, Sole, Transform
+from walkgen.model.springs import Spring, lumps, mirrored_springs, springs_of
 from walkgen.model.transform import HALF_TURN, X, Z, align, inverse, mirrored, origin, rotation, translation
 from walkgen.model.values import Values
 from walkgen.spec.joint_tables import JointRow, Link, Pose, Rotor
@@ -24,7 +26,8 @@ def pose_transform(pose: Pose | None, values: Values) -> Transform:
 
 def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> Limb:
     """A design mounted as one leg."""
-    joints = joints_of(leg, design, values)
+    springs = springs_of(design, values)
+    joints = weighted(joints_of(leg, design, values), springs)
     mount, tip = pose_transform(leg.mount, values), pose_transform(cast(Pose | None, design.foot), values)
     return Limb(
         *(leg.name, platform, mount, joints, tip),
@@ -32,6 +35,14 @@ def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> 
         senses=_signs(leg, design),
         branches=design.branches or (),
         sole=sole_of(leg.sole or design.sole, values),
+        springs=springs,
+    )
+
+
+def weighted(joints: Sequence[Joint], springs: Sequence[Spring]) -> tuple[Joint, ...]:
+    """Joints in series, with what springs weigh at their ends as part of what the joints move."""
+    return tuple(
+        replace(joint, body=with_lumps(joint.body, tuple(lumps(springs, number, planar=False)))) for number, joint in enumerate(joints, 1)
     )
 
 
@@ -64,7 +75,8 @@ def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> 
     senses = tuple(-sense if index == 0 else sense for index, sense in enumerate(limb.senses))
     tip = mirrored(limb.tip) + (rotation(X, HALF_TURN) if limb.linkage else ())
     sole = replace(limb.sole, turn=mirrored(limb.sole.turn)) if limb.sole else None
-    return replace(limb, name=name, mount=mirrored(limb.mount), joints=(*joints, *drives), tip=tip, senses=senses, sole=sole)
+    mount, springs = mirrored(limb.mount), mirrored_springs(limb.springs)
+    return replace(limb, name=name, mount=mount, joints=(*joints, *drives), tip=tip, senses=senses, sole=sole, springs=springs)
 
 
 def _mirrored_joint(joint: Joint) -> Joint:

@@ -6,10 +6,11 @@ from decimal import Decimal
 from math import hypot
 
 from walkgen.model.pair_friction import PairFriction, frictions_of
+from walkgen.model.springs import Spring, lumps
 from walkgen.model.values import Values
 from walkgen.spec.assur import SIDES, Group, Order, Structure, Triad, order
 from walkgen.spec.planar import End, joined_pairs, link_names, structure_of
-from walkgen.spec.scalar import ZERO, Scalar, add, div, exact, mul, power, sub
+from walkgen.spec.scalar import ZERO, Scalar, add, div, exact, mul, power, sub, total
 from walkgen.spec.schema import LegDesign
 
 Point = tuple[Scalar, Scalar]
@@ -42,9 +43,10 @@ class Linkage:
 
     `points` are those of every pair of the structure, one a body, in the body's axes, None for a bar's far end; a slider's are the
     sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). q is in the order of the
-    structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders lump at its points. `sides` name
-    how dyads are assembled, the first side where they are silent; `start` says how triads are, none where there is none. `size` (m) is
-    that of the longest link, to two digits. `frictions` are those of the pairs that have any.
+    structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders and
+    springs lump at its points; a link at which springs pull has one even where it weighs nothing. `sides` name how dyads are assembled, the
+    first side where they are silent; `start` says how triads are, none where there is none. `size` (m) is that of the longest link, to two
+    digits. `frictions` are those of the pairs that have any.
     """
 
     structure: Structure
@@ -69,7 +71,7 @@ class Linkage:
 
     @property
     def heavy(self) -> tuple[tuple[int, PlanarBody], ...]:
-        """The links that have mass and move."""
+        """The links that have mass, or springs, and move."""
         return tuple((body, mass) for body, mass in enumerate(self.masses) if mass and body)
 
     @property
@@ -87,8 +89,8 @@ class Linkage:
         return -1 if dict(self.sides).get(group.name) in SIDES[group.kind][1:] else 1
 
 
-def linkage_of(design: LegDesign, values: Values) -> Linkage:
-    """The linkage of a leg design, whose references and mobility were checked."""
+def linkage_of(design: LegDesign, values: Values, springs: Sequence[Spring] = ()) -> Linkage:
+    """The linkage of a leg design, whose references and mobility were checked, with its springs."""
     structure = structure_of(design)
     names = link_names(design)
     link, _, point = str(design.foot).partition(".")
@@ -100,7 +102,7 @@ def linkage_of(design: LegDesign, values: Values) -> Linkage:
         points,
         (*(ZERO,) * (len(structure.pairs) - len(angles)), *angles),
         (names.index(link), foot),
-        tuple(_whole(tuple(_masses(name, design, values))) for name in names),
+        tuple(_mass(body, design, springs, values) for body in range(len(names))),
         tuple(design.assembly.items()),
         _size([*(end for ends in points for end in ends if end is not None), foot], values),
         _start(design, names, values),
@@ -131,6 +133,12 @@ def _end(end: End, values: Values) -> Point | None:
     return None if end is None else values.point(end)
 
 
+def _mass(body: int, design: LegDesign, springs: Sequence[Spring], values: Values) -> PlanarBody | None:
+    """All that a link weighs."""
+    name = link_names(design)[body]
+    return _whole((*_masses(name, design, values), *_lumped(body, springs))) or _pulled(body, springs)
+
+
 def _masses(name: str, design: LegDesign, values: Values) -> Iterator[PlanarBody]:
     """The link's own, then what cylinders lump at its points."""
     link = design.links[name]
@@ -143,18 +151,23 @@ def _masses(name: str, design: LegDesign, values: Values) -> Iterator[PlanarBody
                 yield PlanarBody(values.resolve(mass), values.point(link.points[point]), ZERO)
 
 
+def _lumped(body: int, springs: Sequence[Spring]) -> Iterator[PlanarBody]:
+    """What springs weigh at a link's points."""
+    for mass, (x, y, _) in lumps(springs, body, planar=True):
+        yield PlanarBody(mass, (x, y), ZERO)
+
+
+def _pulled(body: int, springs: Sequence[Spring]) -> PlanarBody | None:
+    """A place for forces, where springs pull at a link that weighs nothing."""
+    pulled = body and any(end.planar and end.link == body for spring in springs for end in spring.ends)
+    return PlanarBody(ZERO, (ZERO, ZERO), ZERO) if pulled else None
+
+
 def _whole(parts: Sequence[PlanarBody]) -> PlanarBody | None:
     """All as one body."""
     if len(parts) < 2:
         return parts[0] if parts else None
-    mass = _sum(part.mass for part in parts)
-    x, y = (div(_sum(mul(part.mass, part.com[axis]) for part in parts), mass) for axis in range(2))
+    mass = total(part.mass for part in parts)
+    x, y = (div(total(mul(part.mass, part.com[axis]) for part in parts), mass) for axis in range(2))
     spans = (add(power(sub(part.com[0], x), exact(2)), power(sub(part.com[1], y), exact(2))) for part in parts)
-    return PlanarBody(mass, (x, y), _sum(add(part.inertia, mul(part.mass, span)) for part, span in zip(parts, spans, strict=True)))
-
-
-def _sum(scalars: Iterable[Scalar]) -> Scalar:
-    total: Scalar = ZERO
-    for scalar in scalars:
-        total = add(total, scalar)
-    return total
+    return PlanarBody(mass, (x, y), total(add(part.inertia, mul(part.mass, span)) for part, span in zip(parts, spans, strict=True)))

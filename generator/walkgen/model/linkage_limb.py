@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 
-from walkgen.model.limbs import actuated, damping_of, joints_of, pose_transform, sole_of
+from walkgen.model.limbs import actuated, damping_of, joints_of, pose_transform, sole_of, weighted
 from walkgen.model.linkage import linkage_of
 from walkgen.model.mechanism import Joint, Limb
+from walkgen.model.springs import springs_of
 from walkgen.model.values import Values
 from walkgen.spec.linkage import CylinderSpec, SliderSpec
 from walkgen.spec.planar import pin_name
@@ -14,12 +15,20 @@ from walkgen.spec.schema import LegDesign, LegSpec
 
 def linkage_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> Limb:
     """A design with a linkage, mounted as one leg."""
-    linkage = linkage_of(design, values)
-    joints = (*joints_of(leg, design, values), *_drives(design, values))
+    springs = springs_of(design, values)
+    linkage = linkage_of(design, values, springs)
+    joints = (*weighted(joints_of(leg, design, values), springs), *_drives(design, values))
     mount, plane = pose_transform(leg.mount, values), pose_transform(design.plane, values)
     damping = damping_of(design, min(values.number(linkage.size), 1.0), values)
     sole = sole_of(leg.sole or design.sole, values)
-    return Limb(leg.name, platform, mount, joints, plane, damping=damping, linkage=linkage, branches=design.branches or (), sole=sole)
+    return Limb(
+        *(leg.name, platform, mount, joints, plane),
+        damping=damping,
+        linkage=linkage,
+        branches=design.branches or (),
+        sole=sole,
+        springs=springs,
+    )
 
 
 def _drives(design: LegDesign, values: Values) -> Iterator[Joint]:

@@ -5,6 +5,7 @@ from typing import Literal
 
 from walkgen.model.gait import Gait, Schedule
 from walkgen.model.linkage import Linkage
+from walkgen.model.springs import Spring
 from walkgen.model.terrain import Terrain
 from walkgen.spec.scalar import ZERO, Scalar, Vector
 
@@ -106,7 +107,7 @@ class Limb:
     their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
     `branches` are the spec's names of them, empty where it gives none. A leg without `sole` stands on its foot point.
     A leg that ends in a planar linkage has it in `linkage`: `tip` is then the linkage's plane, X and Y its first two axes, and the
-    last joints are the linkage's drives.
+    last joints are the linkage's drives. `springs` pull at its links; what they weigh is part of these, at the mount of the platform.
     """
 
     name: str
@@ -120,6 +121,7 @@ class Limb:
     branches: tuple[str, ...] = ()
     linkage: Linkage | None = None
     sole: Sole | None = None
+    springs: tuple[Spring, ...] = ()
 
     @property
     def serial(self) -> tuple[Joint, ...]:

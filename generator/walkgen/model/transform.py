@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Literal
 
 from walkgen.model.mechanism import Motion, Transform
-from walkgen.spec.scalar import Exact, Pi, Scalar, Vector, apply, is_zero, mul, names, neg
+from walkgen.spec.scalar import Exact, Pi, Scalar, Vector, add, apply, is_zero, mul, names, neg, sub
 
 X, Y, Z = 0, 1, 2
 QUARTER_TURN = mul(Exact(Fraction(1, 2)), Pi())
@@ -49,6 +49,22 @@ def align(axis: Vector, size: Callable[[Scalar], float]) -> tuple[Transform, Lit
 def inverse(transform: Transform) -> Transform:
     """The inverse motion: reversed order, opposite amounts."""
     return tuple(replace(motion, amount=neg(motion.amount)) for motion in reversed(transform))
+
+
+def carried(transform: Transform, point: Vector) -> Vector:
+    """A point of the frame that the transform leads to, in the frame where it begins."""
+    x, y, z = point
+    for motion in reversed(transform):
+        entries = [x, y, z]
+        if motion.kind == "translate":
+            entries[motion.axis] = add(entries[motion.axis], motion.amount)
+        else:
+            cosine, sine = apply("cos", motion.amount), apply("sin", motion.amount)
+            first, second = (motion.axis + 1) % 3, (motion.axis + 2) % 3
+            a, b = entries[first], entries[second]
+            entries[first], entries[second] = sub(mul(cosine, a), mul(sine, b)), add(mul(sine, a), mul(cosine, b))
+        x, y, z = entries
+    return (x, y, z)
 
 
 def mirrored(transform: Transform) -> Transform:

@@ -1,10 +1,12 @@
-"""Rules of the short forms of linkages, and the rules of linkages on what they stand for, told where the short form is."""
+"""Rules of the short forms of linkages, and the rules of linkages and springs on what they stand for, told where the short form is."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+from walkgen.spec.checks_balance import check_balances
 from walkgen.spec.checks_linkage import check_linkages
+from walkgen.spec.checks_springs import check_springs
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.expand import expanded
 from walkgen.spec.linkage_forms import POINTS_OF, FiveBar, FourBar, LinkageForm, Parallelogram, SixBar, Stephenson, hung_points, tables_of
@@ -16,15 +18,17 @@ _BARS = ("ground", "crank", "coupler", "rocker")
 
 
 def check_forms(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
-    """Every leg design with a linkage, in the short form or the long one."""
+    """Every leg design, its linkage in the short form or the long one, and what balances it."""
     whole: dict[str, LegDesign] = {}
     for name, design in spec.leg_designs.items():
         found = list(_design(("leg_designs", name), design, numbers))
         yield from found
         if not found:
             whole[name] = expanded(design)
-    for finding in check_linkages(spec.model_copy(update={"leg_designs": whole}), numbers):
+    long = spec.model_copy(update={"leg_designs": whole})
+    for finding in (*check_linkages(long, numbers), *check_springs(long)):
         yield _located(finding, spec)
+    yield from check_balances(long, numbers)
 
 
 def _located(finding: Finding, spec: RobotSpec) -> Finding:
@@ -37,7 +41,7 @@ def _located(finding: Finding, spec: RobotSpec) -> Finding:
 
 def _place(path: Path, design: LegDesign, form: Path, pins: int) -> Path:
     match path[2:]:
-        case ("assembly" | "start" | "cylinders" | "sliders" | "plane", *_):
+        case ("assembly" | "start" | "cylinders" | "sliders" | "plane" | "springs", *_):
             return path
         case ("pins", int(index), *rest) if index >= pins:
             return (*path[:3], index - pins, *rest)

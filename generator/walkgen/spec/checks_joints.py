@@ -106,10 +106,16 @@ def _units_of_kind(path: Path, joint: JointRow) -> Iterator[Finding]:
 def _two_units(path: Path, table: Table) -> Iterator[Finding]:
     for quantity in type(table).model_fields:
         keys = _given(table, (quantity,))
-        if len(keys) > 1:
+        if len(keys) > 1 and not _of_different_names([getattr(table, key) for key in keys]):
             yield Finding(
                 "WG122", (*path, keys[1]), f"{keys[1]}: {keys[0]} gives the same quantity already", f"remove {keys[0]} or {keys[1]}"
             )
+
+
+def _of_different_names(values: list[object]) -> bool:
+    """Whether all are tables by name, and no name stands in two of them."""
+    names = [name for value in values if isinstance(value, dict) for name in value]
+    return all(isinstance(value, dict) for value in values) and len(set(names)) == len(names)
 
 
 def _angles(path: Path, table: Table, numbers: Numbers) -> Iterator[Finding]:

@@ -60,14 +60,14 @@ def _references(path: Path, design: LegDesign) -> Iterator[Finding]:
     if not isinstance(design.foot, str):
         yield Finding("WG180", (*path, "foot"), "the foot of a linkage is one of its points", 'write foot = "link.point"')
     else:
-        yield from _point((*path, "foot"), design.foot, design)
+        yield from point_findings((*path, "foot"), design.foot, design)
     for index, pin in enumerate(design.pins):
         for place, text in enumerate(pin.joins):
-            yield from _point((*path, "pins", index, "joins", place), text, design)
+            yield from point_findings((*path, "pins", index, "joins", place), text, design)
         yield from _pin((*path, "pins", index), pin.joins, pin.driven)
     for index, slider in enumerate(design.sliders):
         here = (*path, "sliders", index)
-        yield from _point((*here, "link"), slider.link, design)
+        yield from point_findings((*here, "link"), slider.link, design)
         if slider.guide.link not in design.links:
             cure = did_you_mean(slider.guide.link, design.links, "links")
             yield Finding("WG180", (*here, "guide", "link"), f'there is no link "{shown(slider.guide.link)}"', cure)
@@ -75,7 +75,7 @@ def _references(path: Path, design: LegDesign) -> Iterator[Finding]:
             yield Finding("WG181", (*here, "guide", "link"), "the slider joins a link to itself", "name the guide of another link")
     for index, cylinder in enumerate(design.cylinders):
         for place, text in enumerate(cylinder.between):
-            yield from _point((*path, "cylinders", index, "between", place), text, design)
+            yield from point_findings((*path, "cylinders", index, "between", place), text, design)
     yield from _start((*path, "start"), design)
 
 
@@ -84,7 +84,7 @@ def _start(path: Path, design: LegDesign) -> Iterator[Finding]:
     if design.start is None:
         return
     for text in design.start.points:
-        yield from _point((*path, "points", text), text, design)
+        yield from point_findings((*path, "points", text), text, design)
     for key in ("angles", "angles_deg"):
         for link in getattr(design.start, key) or ():
             if link not in design.links:
@@ -92,7 +92,8 @@ def _start(path: Path, design: LegDesign) -> Iterator[Finding]:
                 yield Finding("WG180", (*path, key, link), f'there is no link "{shown(link)}"', cure)
 
 
-def _point(path: Path, text: str, design: LegDesign) -> Iterator[Finding]:
+def point_findings(path: Path, text: str, design: LegDesign) -> Iterator[Finding]:
+    """What keeps a text from naming a point of the linkage."""
     link, dot, point = text.partition(".")
     if not dot:
         yield Finding("WG180", path, f'"{shown(text)}" is not a point', "write link.point, such as thigh.K")

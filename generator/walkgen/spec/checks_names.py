@@ -11,6 +11,7 @@ from walkgen.spec.names import PATTERN, RESERVED, is_own_prefix, suggestion
 from walkgen.spec.problems import Finding, shown
 from walkgen.spec.schema import ChainDesign, Design, LegDesign, LegSpec, PlatformSpec, RobotSpec
 from walkgen.spec.shapes import STAND_IN_NAME
+from walkgen.spec.springs import SpringSpec
 from walkgen.spec.table import Path, entries
 from walkgen.spec.tree import design_of, platform_of
 
@@ -49,7 +50,7 @@ def check_texts(spec: RobotSpec) -> Iterator[Finding]:
 
 def _named(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     yield ("robot", "name"), spec.robot.name
-    for key in ("parameters", "leg_designs", "chain_designs", "sections"):
+    for key in ("parameters", "leg_designs", "chain_designs", "sections", "balance"):
         yield from (((key, name), name) for name in getattr(spec, key))
     for key in ("platforms", "legs", "terrain"):
         yield from (((key, index, "name"), entry.name) for index, entry in enumerate(getattr(spec, key)))
@@ -66,10 +67,10 @@ def _branch_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
 
 
 def _pair_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
-    """Of linkages: pairs, and the drives of short forms."""
+    """Of linkages: pairs, and the drives of short forms; of springs."""
     for key, design in spec.leg_designs.items():
         for path, table in entries(design, ("leg_designs", key)):
-            if isinstance(table, PairSpec | DriveSpec) and (name := getattr(table, "name", None)) is not None:
+            if isinstance(table, PairSpec | DriveSpec | SpringSpec) and (name := getattr(table, "name", None)) is not None:
                 yield (*path, "name"), name
 
 
@@ -93,7 +94,7 @@ def _groups(spec: RobotSpec) -> Iterator[list[tuple[Path, str]]]:
     for key in ("platforms", "legs", "terrain"):
         yield [(path, name) for path, name in named if path[0] == key]
     for path, _ in _designs(spec):
-        for key in ("joints", "branches"):
+        for key in ("joints", "branches", "springs"):
             yield [(place, name) for place, name in named if place[:3] == (*path, key)]
 
 

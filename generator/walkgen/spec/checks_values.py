@@ -4,15 +4,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations
 
+from walkgen.spec.balance import BalanceSpec, CamMasses, CamSpec, RangeWeights
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.gait import GaitSpec
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
-from walkgen.spec.linkage import CylinderSpec, PinFriction, PinSpec, SliderFriction, SliderSpec
+from walkgen.spec.linkage import CylinderSpec, EndMasses, PinFriction, PinSpec, SliderFriction, SliderSpec
 from walkgen.spec.linkage_forms import DriveSpec, FiveBar, FourBar, Parallelogram, Stephenson, Watt
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import Scalar, names
 from walkgen.spec.schema import AdaptSpec, Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec, SoleSpec
+from walkgen.spec.springs import SpringSpec
 from walkgen.spec.table import Path, Table, entries, is_scalar
 from walkgen.spec.terrain import Domain, TerrainPatch
 
@@ -31,6 +33,8 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     FiveBar: ("cranks", "couplers"),
     **dict.fromkeys((DriveSpec, PinSpec, SliderSpec, CylinderSpec), ("max_speed", "max_effort")),
     PinFriction: ("radius",),
+    SpringSpec: ("stiffness",),
+    CamSpec: ("start", "roller", "stiffness", "arm", "anchor"),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Link: ("mass",),
@@ -41,9 +45,15 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     TerrainPatch: ("mu",),
     FiveBar: ("ground",),
     GaitSpec: ("lift", "lift_mm"),
+    BalanceSpec: ("load",),
+    RangeWeights: ("support", "transfer"),
+    CamSpec: ("free_length", "initial_tension"),
+    CamMasses: ("spring_at_link", "spring_at_follower", "follower", "roller"),
+    SpringSpec: ("free_length", "free_length_mm", "initial_tension"),
+    EndMasses: ("at_first", "at_second"),
     AdaptSpec: ("limit_weight", "normal_weight", "clearance_weight"),
 }
-_PAIRS = ("limits", "limits_deg", "limits_mm", "bounds")
+_PAIRS = ("limits", "limits_deg", "limits_mm", "bounds", "stretch")
 _DIRECTIONS: Mapping[type[Table], str] = {JointRow: "axis", TerrainPatch: "normal"}
 Value = Fraction | float
 

@@ -97,7 +97,18 @@ SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_
 LINKAGE_FUNCTIONS: Final = ("assembly_status", "transmission_angles", "pair_positions", "driving_forces", "power", "joint_reactions")
 """Of legs that end in a linkage."""
 
-LEG_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *DYNAMICS_FUNCTIONS, *LINKAGE_FUNCTIONS, "foot_compliance", *SOLE_FUNCTIONS)
+SPRING_FUNCTIONS: Final = ("spring_length", "spring_tension", "spring_energy", "spring_moment", "unbalance_moment")
+"""Of legs with springs."""
+
+LEG_FUNCTIONS: Final = (
+    *FORWARD_FUNCTIONS,
+    *INVERSE_FUNCTIONS,
+    *DYNAMICS_FUNCTIONS,
+    *SPRING_FUNCTIONS,
+    *LINKAGE_FUNCTIONS,
+    "foot_compliance",
+    *SOLE_FUNCTIONS,
+)
 """`foot_compliance` where the links have sections."""
 
 CHAIN_FUNCTIONS: Final = ("pose", "jacobian", "frames")

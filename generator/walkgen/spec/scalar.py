@@ -2,7 +2,7 @@
 
 import ast
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -75,6 +75,14 @@ def add(left: Scalar, right: Scalar) -> Scalar:
 def sub(left: Scalar, right: Scalar) -> Scalar:
     """Left - right, folded where both are rational."""
     return left if is_zero(right) else _fold("sub", left, right)
+
+
+def total(scalars: Iterable[Scalar]) -> Scalar:
+    """The sum of all, 0 of none."""
+    found: Scalar = ZERO
+    for scalar in scalars:
+        found = add(found, scalar)
+    return found
 
 
 def mul(left: Scalar, right: Scalar) -> Scalar:

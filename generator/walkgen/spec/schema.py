@@ -5,11 +5,14 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 
+from walkgen.spec.balance import BalanceSpec
 from walkgen.spec.gait import TAGS as GAIT_TAGS
 from walkgen.spec.gait import Gaits
 from walkgen.spec.joint_tables import JointRow, Pose
 from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec, StartSpec
 from walkgen.spec.linkage_forms import FiveBar, FourBar, LinkageForm, Parallelogram, Stephenson, Watt
+from walkgen.spec.springs import TAGS as SPRING_TAGS
+from walkgen.spec.springs import SpringSpec
 from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
 from walkgen.spec.terrain import TerrainPatch
 
@@ -83,6 +86,8 @@ class LegDesign(Design):
     damping: Damping | None = None
     branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_NAMES)
     """Names of the inverse's branches, in their fixed order."""
+    springs: tuple[SpringSpec, ...] = Field(default=(), max_length=_MOST_LINKS)
+    """Between its links, or a link and the mount."""
 
     links: dict[StrictStr, PlanarLinkSpec] = Field(default_factory=dict, max_length=_MOST_LINKS)
     """Of a planar linkage that follows the joints; the link "frame" does not move in its plane."""
@@ -228,7 +233,7 @@ Functions = Annotated[
     Annotated[Literal["all"], Tag("functions:word")] | Annotated[tuple[StrictStr, ...], Tag("functions:list")],
     Discriminator(_functions_kind),
 ]
-TAGS = frozenset({"end:word", "end:pose", "foot:point", "foot:pose", "functions:word", "functions:list"}) | GAIT_TAGS
+TAGS = frozenset({"end:word", "end:pose", "foot:point", "foot:pose", "functions:word", "functions:list"}) | GAIT_TAGS | SPRING_TAGS
 """Parts of pydantic's error places that are no keys."""
 
 
@@ -273,6 +278,8 @@ class RobotSpec(Table):
     adapt: AdaptSpec = AdaptSpec()
     gait: Gaits | None = None
     """One gait, or several under names of their own: [gait.tripod], [gait.wave]."""
+    balance: dict[str, BalanceSpec] = Field(default_factory=dict, max_length=_MOST_LIMBS)
+    """What `walkgen design --balance NAME` searches for."""
 
 
 def schema_json() -> str:

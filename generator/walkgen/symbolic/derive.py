@@ -17,7 +17,7 @@ from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.gait import gait_functions
 from walkgen.symbolic.held_inverse import held_inverse
 from walkgen.symbolic.inverse import inverse, inverse_branch
-from walkgen.symbolic.leg_functions import DYNAMICS, LegFunctions
+from walkgen.symbolic.leg_functions import DYNAMICS, SPRUNG, LegFunctions
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
 from walkgen.symbolic.linkage_functions import LINKAGE, linkage_function
 from walkgen.symbolic.linkage_inverse import linkage_inverse
@@ -107,7 +107,7 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
 
 def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
     """Dynamics, and the compliance of a leg of joints in series."""
-    yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS, wanted)
+    yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS | SPRUNG, wanted)
     yield from (build() for name, build in SoleFunctions(mechanism, leg).functions().items() if wanted(name))
     if leg.linkage is not None:
         yield from (linkage_function(mechanism, leg, name) for name in LINKAGE if wanted(name))

@@ -24,7 +24,7 @@ from walkgen.symbolic.ports import joint_port
 from walkgen.symbolic.regressor import PARAMETERS, regressor_of
 from walkgen.symbolic.spread import Spread
 from walkgen.symbolic.tangents import tangents
-from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, constant_vector, dot, scaled, symbols_of
+from walkgen.symbolic.tape import Tape, Vec, constant_vector, dot, scaled, symbols_of
 from walkgen.symbolic.tree import Tree
 from walkgen.symbolic.triangular import solved
 from walkgen.symbolic.turning import Turning
@@ -61,27 +61,30 @@ class LegDynamics:
         """Elements of a joint port, each with a name."""
         return [(f"{port}_{joint.name}", symbol) for joint, symbol in zip(self.leg.joints, self.symbols[port], strict=True)]
 
-    def efforts(self, rates: Exprs, accelerations: Exprs, gravity: Vec, force: Exprs = ()) -> Exprs:
-        """Of the links alone."""
-        base = Motion(origin=scaled(sympy.S.NegativeOne, gravity))
-        return self.spread.borne(self._pushed(rates, accelerations, base, _forces(force)).efforts)
+    def efforts(self, rates: Exprs, accelerations: Exprs, force: Exprs = ()) -> Exprs:
+        """Of links and springs."""
+        return self.spread.borne(self.virtual_efforts(rates, accelerations, force))
+
+    def inertial(self, rates: Exprs) -> Exprs:
+        """Of the links, without gravity and without acceleration."""
+        return self.spread.borne(self._pushed(rates, self.still, Motion()).efforts)
 
     def _pushed(self, rates: Exprs, accelerations: Exprs, base: Motion, forces: Sequence[Vec] = ()) -> NewtonEuler:
         return NewtonEuler(self.turning, self.spread.rates(rates), self.spread.accelerations(rates, accelerations), base, forces)
 
     def virtual_efforts(self, rates: Exprs, accelerations: Exprs, force: Exprs = ()) -> Exprs:
-        """Of the tree's own coordinates, with the ground's force on the foot."""
+        """Of the tree's own coordinates, against springs and with the ground's force on the foot."""
         base = Motion(origin=scaled(sympy.S.NegativeOne, self.gravity))
-        return self._pushed(rates, accelerations, base, _forces(force)).efforts
+        return self.spread.sprung(self._pushed(rates, accelerations, base, _forces(force)).efforts)
 
     def rubbed(self, rates: Exprs, force: Exprs = ()) -> Exprs:
         """Efforts against friction in pairs of a linkage, but for that of the drives' own joints."""
         return self.spread.rubbed(rates, lambda: self.virtual_efforts(rates, self.still, force))
 
     def held(self, turning: Turning, base: Motion) -> Exprs:
-        """Efforts that keep links at rest on an accelerated base."""
+        """Efforts that keep links at rest on an accelerated base, against springs."""
         still = (_ZERO,) * len(turning.links)
-        return self.spread.borne(NewtonEuler(turning, still, still, base).efforts)
+        return self.spread.borne(self.spread.sprung(NewtonEuler(turning, still, still, base).efforts))
 
     def moving(self) -> NewtonEuler:
         """At qd and qdd."""
@@ -89,8 +92,8 @@ class LegDynamics:
         return self._pushed(self.symbols["qd"], self.symbols["qdd"], base)
 
     def newton_euler(self, rates: Exprs, accelerations: Exprs, force: Exprs = ()) -> Exprs:
-        """Efforts of the joints, friction and rotors included."""
-        efforts = self.efforts(rates, accelerations, self.gravity, force)
+        """Efforts of the joints, springs, friction and rotors included."""
+        efforts = self.efforts(rates, accelerations, force)
         own = (drive.effort(*pair) for drive, pair in zip(self.drives, zip(rates, accelerations, strict=True), strict=True))
         return tuple(map(sympy.Add, efforts, own, self.rubbed(rates, force)))
 
@@ -143,7 +146,7 @@ def coriolis_matrix(leg: LegDynamics) -> Exprs:
     """Half the slope of C qd by qd where that is cheaper: Christoffel's symbols are symmetric."""
     if leg.leg.linkage is None and len(leg.still) > _DIFFERENTIATED_JOINTS:
         return _matrix(Coriolis(leg.velocities()).entries(), len(leg.still))
-    slopes = tangents(leg.tape, leg.efforts(leg.symbols["qd"], leg.still, ZERO_VECTOR), leg.named("qd"))
+    slopes = tangents(leg.tape, leg.inertial(leg.symbols["qd"]), leg.named("qd"))
     return tuple(slope / 2 for slope in chain.from_iterable(slopes))
 
 
@@ -161,14 +164,15 @@ def kinetic_energy(leg: LegDynamics) -> Exprs:
 
 
 def potential_energy(leg: LegDynamics) -> Exprs:
-    """Of gravity."""
-    return (-dot(leg.gravity, FirstMoments(leg.turning).moment),)
+    """Of gravity and springs."""
+    stored = (energy for springs in leg.spread.springs for energy in springs.energies())
+    return (sympy.Add(-dot(leg.gravity, FirstMoments(leg.turning).moment), *stored),)
 
 
 def inverse_dynamics_derivatives(leg: LegDynamics) -> Exprs:
     """By q, then by qd; a rotor's share depends on neither, of a joint's friction the viscous part on qd."""
     qd = leg.symbols["qd"]
-    efforts = tuple(map(sympy.Add, leg.efforts(qd, leg.symbols["qdd"], leg.gravity), leg.rubbed(qd)))
+    efforts = tuple(map(sympy.Add, leg.efforts(qd, leg.symbols["qdd"]), leg.rubbed(qd)))
     slopes = tangents(leg.tape, efforts, [*leg.named("q"), *leg.named("qd")])
     count = len(efforts)
     by_q, by_qd = [row[:count] for row in slopes], [row[count:] for row in slopes]
@@ -203,3 +207,4 @@ def dynamics_ports(joints: Sequence[Joint]) -> Iterator[Port]:
     yield from (joint_port("q", joints), joint_port("qd", joints, "/s"), joint_port("qdd", joints, "/s^2"))
     yield Port("tau", (len(joints),), effort_unit(joints))
     yield Port("f", (3,), "N", default=(0.0, 0.0, 0.0))
+    yield Port("load", (), "kg")

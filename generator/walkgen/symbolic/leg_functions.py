@@ -29,6 +29,7 @@ from walkgen.symbolic.linked_tree import spread_leg
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.regroup import regrouped
 from walkgen.symbolic.spread import Spread
+from walkgen.symbolic.spring_functions import spring_energy, spring_length, spring_moment, spring_tension, unbalance_moment
 from walkgen.symbolic.tape import Tape, symbols_of
 from walkgen.symbolic.tree import Tree
 from walkgen.symbolic.triangular import SingularMatrixError
@@ -61,6 +62,11 @@ def _mass_unit(joints: Sequence[Joint]) -> str:
 def _one(name: str, rank: int, unit: Callable[[Sequence[Joint]], str]) -> Ports:
     """A number, vector or matrix over the joints."""
     return lambda joints, _: (Port(name, (len(joints),) * rank, unit(joints)),)
+
+
+def _each(name: str, unit: str) -> Ports:
+    """A number for every spring."""
+    return lambda _, elements: (Port(name, (elements,), unit),)
 
 
 _PER_PARAMETER = "effort per unit of the parameter"
@@ -146,6 +152,51 @@ DYNAMICS: dict[str, Entry] = {
     ),
 }
 
+SPRUNG: dict[str, Entry] = {
+    "spring_length": Entry(
+        ("q",), _each("length", "m"), spring_length, "Length of every spring. In order: {springs}.", "the distance of its ends"
+    ),
+    "spring_tension": Entry(
+        ("q",),
+        _each("tension", "N"),
+        spring_tension,
+        "What every spring pulls its ends together with: initial tension + stiffness (length - free length), which below the free length "
+        "is not what a real one does. In order: {springs}.",
+        "T = F0 + k (l - l0)",
+    ),
+    "spring_energy": Entry(
+        ("q",),
+        _each("U", "J"),
+        spring_energy,
+        "Energy in every spring, 0 at its free length. In order: {springs}.",
+        "U = F0 (l - l0) + k (l - l0)^2 / 2",
+    ),
+    "spring_moment": Entry(
+        ("q",),
+        lambda joints, elements: (Port("moment", (elements // len(joints), len(joints)), effort_unit(joints)),),
+        spring_moment,
+        "What every spring does to every joint, positive where it drives q on: minus the slope of its energy. Rows: {springs}.",
+        "eq. (21) of the chapter as corrected: M = T BF sin(angle between BF and the spring)",
+    ),
+    "unbalance_moment": Entry(
+        ("q", "load"),
+        _one("moment", 1, effort_unit),
+        unbalance_moment,
+        "What springs and gravity, of the leg and of a load that the foot carries, do to every joint at rest: positive where they drive q "
+        f"on, 0 where the leg is balanced; {_HELD}.",
+        "eq. (21) of the chapter as corrected",
+    ),
+}
+"""Functions of legs with springs."""
+
+_OF_SPRINGS = {
+    **dict.fromkeys(("inverse_dynamics", "forward_dynamics", "bias", "gravity_torque"), " Its springs pull."),
+    "inverse_dynamics_derivatives": " Its springs pull.",
+    "potential_energy": " Springs count, 0 at their free lengths.",
+    **dict.fromkeys(("regressor", "base_parameters"), " Springs are left out, but for what they weigh."),
+}
+"""What there is to say of dynamics where the leg has springs."""
+
 IDENTIFIED = {
     "regressor": " Links: one a joint before the linkage, the last with the linkage's frame on it, then those of the linkage in the "
     "spec's order, each about the origin of its own axes, z the plane's normal.",
@@ -169,10 +220,15 @@ class LegFunctions:
         return regrouped(self._described[0], self._tape, floating=False)
 
     def function(self, name: str) -> Function | None:
-        """One of `DYNAMICS`; None where it does not exist: accelerations of a leg that can move without moving mass, fewest parameters of
-        one that never assembles.
+        """One of `DYNAMICS` and `SPRUNG`; None where it does not exist: accelerations of a leg that can move without moving mass, fewest
+        parameters of one that never assembles, springs of one that has none.
         """
-        entry, joints, doc = DYNAMICS[name], self._leg.joints, DYNAMICS[name].doc
+        if name in SPRUNG and not self._leg.springs:
+            return None
+        entry, joints = (DYNAMICS | SPRUNG)[name], self._leg.joints
+        doc = entry.doc
+        if self._leg.springs:
+            doc = doc.format(springs=", ".join(spring.name for spring in self._leg.springs)) + _OF_SPRINGS.get(name, "")
         if self._leg.linkage is not None and name in IDENTIFIED:
             leg, doc = self._whole(), doc + IDENTIFIED[name]
         else:

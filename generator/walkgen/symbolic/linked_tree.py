@@ -5,7 +5,7 @@ only where the centre is matters in space, and how fast the link turns.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
@@ -16,11 +16,13 @@ from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.driven import planar_joints
 from walkgen.symbolic.frames import Frame, frame_of, parameter_symbols
 from walkgen.symbolic.inertia import inertia_of
+from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
 from walkgen.symbolic.robot import joint_indices
 from walkgen.symbolic.rubbing import rubbing_of
 from walkgen.symbolic.spread import Spread
+from walkgen.symbolic.springs import Place, Springs
 from walkgen.symbolic.tape import Tape
 from walkgen.symbolic.tree import BASE, Attachment, Foot, Growth, Tree
 
@@ -73,11 +75,16 @@ def grow_leg(
     growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str, *, whole: bool = False
 ) -> None:
     """Add a leg with its foot; `indices` are its joints' in the robot's q."""
+    springs = Springs(leg, growth.parameters, spread.values, len(spread.values), growth.tape)
     place = _grow_series(growth, spread, leg, start, q, indices, prefix)
     if leg.linkage is not None:
         drives = indices[len(leg.serial) :]
         parts = _whole_parts(leg.linkage) if whole else _parts(leg.linkage)
-        place = _grow_linkage(growth, spread, leg, place, q, drives, prefix, parts)
+        placing = forward_placing(leg, [q[index] for index in drives], growth.parameters, growth.tape)
+        springs = replace(springs, placing=placing, places=_places(parts, len(spread.values)))
+        place = _grow_linkage(growth, spread, leg, place, q, drives, prefix, parts, placing)
+    if leg.springs:
+        spread.springs.append(springs)
     origin = growth.tape.vector(f"{prefix}foot", place.frame.origin) if prefix else place.frame.origin
     growth.feet.append(Foot(place.link, origin))
 
@@ -102,6 +109,12 @@ def _whole_parts(linkage: Linkage) -> list[Part]:
     return [Part(body, (ZERO, ZERO), None, _plate(mass) if mass else None) for body, mass in enumerate(linkage.masses) if body]
 
 
+def _places(parts: Sequence[Part], start: int) -> dict[int, Place]:
+    """Where the coordinates of the parts are, the first one's from `start` on."""
+    size = len(planar_joints())
+    return {part.body: Place(start + size * number, (*part.point, ZERO)) for number, part in enumerate(parts)}
+
+
 def _grow_linkage(
     growth: Growth,
     spread: Spread,
@@ -111,6 +124,7 @@ def _grow_linkage(
     indices: Sequence[int],
     prefix: str,
     parts: Sequence[Part],
+    placing: Placing,
 ) -> Attachment:
     """Add links, and the foot point without mass; where the foot is. The frame's mass is the last serial joint's."""
     linkage = leg.linkage
@@ -118,7 +132,6 @@ def _grow_linkage(
     if linkage.masses[0]:
         growth.carry(place, inertia_of(_plate(linkage.masses[0]), growth.parameters, growth.tape, f"{prefix}frame"), f"{prefix}frame")
     drives = [q[index] for index in indices]
-    placing = forward_placing(leg, drives, growth.parameters, growth.tape)
     names = [f"{prefix}{linkage.structure.names[part.body]}" for part in parts]
     coordinates: list[Coordinate] = []
     for name, part in zip(names, parts, strict=True):

@@ -120,8 +120,8 @@ def _inverse_dynamics(robot: FloatingDynamics) -> Exprs:
     motion = robot.newton_euler(robot.gravity, local)
     rates, accelerations = robot.symbols["v"][6:], robot.symbols["a"][6:]
     own = (drive.effort(*pair) for drive, pair in zip(robot.drives, zip(rates, accelerations, strict=True), strict=True))
-    rubbed = robot.spread.rubbed(rates, lambda: robot.steady(robot.gravity, local).efforts)
-    efforts = map(sympy.Add, robot.spread.borne(motion.efforts), own, rubbed)
+    rubbed = robot.spread.rubbed(rates, lambda: robot.spread.sprung(robot.steady(robot.gravity, local).efforts))
+    efforts = map(sympy.Add, robot.spread.borne(robot.spread.sprung(motion.efforts)), own, rubbed)
     return (*motion.base_wrench.force, *motion.base_wrench.moment, *efforts)
 
 

@@ -11,6 +11,7 @@ import sympy
 
 from walkgen.symbolic.planar_motion import PlanarMotion
 from walkgen.symbolic.rubbing import Rubbing
+from walkgen.symbolic.springs import Springs
 from walkgen.symbolic.tape import Tape
 
 Exprs = Sequence[sympy.Expr]
@@ -20,7 +21,7 @@ _ONE = sympy.S.One
 @dataclass
 class Spread:
     """`values` are the tree's coordinates; `slopes` the entries of S by coordinate, then by q; `motions` whose coordinates start where,
-    and which q drive them; `rubbings` the friction of linkages that have any.
+    and which q drive them; `rubbings` the friction of linkages that have any, `springs` those of legs that have any.
     """
 
     count: int
@@ -29,11 +30,13 @@ class Spread:
     slopes: list[Mapping[int, sympy.Expr]] = field(default_factory=list)
     motions: list[tuple[int, Sequence[int], PlanarMotion]] = field(default_factory=list)
     rubbings: list[Rubbing] = field(default_factory=list)
+    springs: list[Springs] = field(default_factory=list)
 
     def on(self, tape: Tape) -> "Spread":
         """The same, written on a tape that began as this one's."""
         motions = [(start, drives, motion.on(tape)) for start, drives, motion in self.motions]
-        return replace(self, tape=tape, motions=motions, rubbings=[rubbing.on(tape) for rubbing in self.rubbings])
+        rubbings, springs = [rubbing.on(tape) for rubbing in self.rubbings], [each.on(tape) for each in self.springs]
+        return replace(self, tape=tape, motions=motions, rubbings=rubbings, springs=springs)
 
     def joint(self, index: int, value: sympy.Expr) -> int:
         """A coordinate that is a q; its number."""
@@ -70,6 +73,15 @@ class Spread:
         for row, effort in zip(self.slopes, efforts, strict=True):
             for index, slope in row.items():
                 found[index].append(slope * effort)
+        return tuple(sympy.Add(*terms) for terms in found)
+
+    def sprung(self, efforts: Exprs) -> tuple[sympy.Expr, ...]:
+        """Efforts on the tree's coordinates with those that hold against all springs."""
+        found = [[effort] for effort in efforts]
+        for springs in self.springs:
+            for spring in range(len(springs.leg.springs)):
+                for number, effort in springs.efforts(spring):
+                    found[number].append(effort)
         return tuple(sympy.Add(*terms) for terms in found)
 
     def rubbed(self, qd: Exprs, steady: Callable[[], Exprs]) -> tuple[sympy.Expr, ...]:

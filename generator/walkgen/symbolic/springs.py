@@ -1,0 +1,142 @@
+"""A leg's springs: how long they are, and what they do to the coordinates of the leg's links.
+
+A spring between frames of joints in series sees no joint but those between them, one between links of a linkage only the plane.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import sympy
+
+from walkgen.model.mechanism import Joint, Limb, Transform
+from walkgen.model.springs import End, Spring
+from walkgen.model.transform import X, Y, Z, translation
+from walkgen.spec.scalar import ZERO, Vector, sub
+from walkgen.symbolic.driven import planar_joints
+from walkgen.symbolic.frames import Parameters, expression
+from walkgen.symbolic.path import Kinematics, path_of
+from walkgen.symbolic.placing import Placing
+from walkgen.symbolic.planar import difference, named, outer
+from walkgen.symbolic.tape import Tape, dot, minus
+
+Exprs = Sequence[sympy.Expr]
+_FLAT = 3
+"""Coordinates of a link in its plane: where it is along X and along Y, and its angle."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A link of a linkage among the tree's coordinates: where its three begin, and the point of it that they follow."""
+
+    start: int
+    point: Vector
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A spring's length, and half the slopes of its square by the tree's coordinates."""
+
+    length: sympy.Expr
+    slopes: Mapping[int, sympy.Expr]
+
+
+@dataclass(frozen=True)
+class Springs:
+    """Of one leg, in `values` of the tree's coordinates; `start` is the first one of its joints in series, `places` are its linkage's."""
+
+    leg: Limb
+    parameters: Parameters
+    values: Exprs
+    start: int
+    tape: Tape
+    placing: Placing | None = None
+    places: Mapping[int, Place] = field(default_factory=dict)
+
+    def on(self, tape: Tape) -> "Springs":
+        """The same, written on a tape that began as this one's."""
+        return replace(self, tape=tape)
+
+    @cached_property
+    def stretches(self) -> tuple[Stretch, ...]:
+        """Of every spring."""
+        return tuple(self._stretch(spring) for spring in self.leg.springs)
+
+    def tensions(self) -> Iterator[sympy.Expr]:
+        """What every spring pulls with (N)."""
+        for spring, stretch in zip(self.leg.springs, self.stretches, strict=True):
+            stiffness, constant = self._coefficients(spring)
+            yield constant + stiffness * stretch.length
+
+    def energies(self) -> Iterator[sympy.Expr]:
+        """What every spring has stored since it began to stretch (J)."""
+        for spring, stretch in zip(self.leg.springs, self.stretches, strict=True):
+            more = self.tape.let(f"{spring.name}_stretch", stretch.length - self._number(spring, "free_length"))
+            yield more * (self._number(spring, "tension") + self._number(spring, "stiffness") * more / 2)
+
+    def efforts(self, spring: int) -> Iterator[tuple[int, sympy.Expr]]:
+        """On the tree's coordinates, by number: what holds against a spring, dU/dy."""
+        own, stretch = self.leg.springs[spring], self.stretches[spring]
+        stiffness, constant = self._coefficients(own)
+        rate = self.tape.let(f"{own.name}_rate", stiffness + constant / stretch.length)
+        yield from ((number, rate * slope) for number, slope in stretch.slopes.items())
+
+    def _number(self, spring: Spring, key: str) -> sympy.Expr:
+        return self.tape.let(f"{spring.name}_{key}", expression(getattr(spring, key), self.parameters))
+
+    def _coefficients(self, spring: Spring) -> tuple[sympy.Expr, sympy.Expr]:
+        """k, and c of the tension c + k length."""
+        stiffness = self._number(spring, "stiffness")
+        constant = self._number(spring, "tension") - stiffness * self._number(spring, "free_length")
+        return stiffness, self.tape.let(f"{spring.name}_constant", constant)
+
+    def _stretch(self, spring: Spring) -> Stretch:
+        way, slopes = self._in_plane(spring) if all(end.planar for end in spring.ends) else self._in_space(spring)
+        square = self.tape.let(f"{spring.name}_square", dot(way, way))
+        named = {number: self.tape.let(f"{spring.name}_slope", slope) for number, slope in slopes.items()}
+        return Stretch(self.tape.let(f"{spring.name}_length", sympy.sqrt(square)), named)
+
+    def _in_plane(self, spring: Spring) -> tuple[Exprs, dict[int, sympy.Expr]]:
+        """From the first end to the second, and its products with its slopes."""
+        placing = self.placing
+        assert placing is not None
+        points = [placing.point(end.link, placing.planar(end.at[:2])) for end in spring.ends]
+        dx, dy = named(self.tape, f"{spring.name}_way", difference(points[1], points[0]))
+        slopes: dict[int, sympy.Expr] = {}
+        for sign, end, point in zip((-1, 1), spring.ends, points, strict=True):
+            if end.link:
+                place = self.places[end.link]
+                lever = difference(point, placing.point(end.link, placing.planar(place.point[:2])))
+                entries = (sign * dx, sign * dy, sign * outer(lever, (dx, dy)))
+                slopes |= dict(zip(range(place.start, place.start + _FLAT), entries, strict=True))
+        return (dx, dy), slopes
+
+    def _in_space(self, spring: Spring) -> tuple[Exprs, dict[int, sympy.Expr]]:
+        """The same in the axes of the frame that is nearer to the mount."""
+        near, far = sorted(spring.ends, key=lambda end: (end.planar, end.link))
+        path, numbers = self._between(near.link, far)
+        q = [self.values[number] for number in numbers]
+        kinematics = Kinematics(path_of((path,), q, self.parameters), self.tape)
+        x, y, z = (expression(entry, self.parameters) for entry in near.at)
+        way = self.tape.vector(f"{spring.name}_way", minus(kinematics.position, (x, y, z)))
+        return way, {number: dot(way, column) for number, column in zip(numbers, kinematics.jacobian, strict=True)}
+
+    def _between(self, near: int, far: End) -> tuple[Limb, list[int]]:
+        """The joints from one frame to a point, with the numbers of their coordinates."""
+        joints: tuple[Joint, ...] = self.leg.serial[near:] if far.planar else self.leg.serial[near : far.link]
+        numbers = list(range(self.start + near, self.start + near + len(joints)))
+        plane = self.leg.tip if far.planar else ()
+        if not far.planar or far.link == 0:
+            return self._limb(joints, plane + _shift(far.at)), numbers
+        place = self.places[far.link]
+        along, up, turn = planar_joints()
+        joints = (*joints, replace(along, before=plane + along.before), up, turn)
+        own = tuple(sub(entry, origin) for entry, origin in zip(far.at, place.point, strict=True))
+        return self._limb(joints, _shift((own[0], own[1], ZERO))), [*numbers, *range(place.start, place.start + _FLAT)]
+
+    def _limb(self, joints: tuple[Joint, ...], tip: Transform) -> Limb:
+        return Limb(self.leg.name, self.leg.platform, (), joints, tip)
+
+
+def _shift(at: Vector) -> Transform:
+    return sum((translation(axis, at[axis]) for axis in (X, Y, Z)), ())
