@@ -50,7 +50,7 @@ name = "knee"
 driven = true
 limits_deg = [-40, 20]
 """
-FUNCTIONS = ("foot_position", "assembly_status", "inverse", "inverse_near")
+FUNCTIONS = ("foot_position", "assembly_status", "inverse", "inverse_near", "inverse_distance")
 OK, UNREACHABLE, BAD_INPUT, INFEASIBLE = 0, 1, 2, 5
 
 
@@ -152,7 +152,8 @@ def test_two_drives(tmp_path, name):
     assert np.isfinite(rows).all()
     good, reaching = status == OK, (status == OK) | (status == INFEASIBLE)
     feet = code["leg_foot_position"](rows, np.tile(many[:, None], (1, rows.shape[1], 1)))
-    misses = np.abs(feet - target[:, None]).max(-1)
+    misses = np.linalg.norm(feet - target[:, None], axis=-1)
+    assert code["leg_inverse_distance"](target, many) == pytest.approx(misses, abs=1e-14, nan_ok=True)
     assert misses[good].max() < 1e-12
     assert not (misses[status == INFEASIBLE] < 1e-6).any()
     away = np.where(good, np.abs(angle(rows - q[:, None])).max(-1), np.inf).min(-1)

@@ -131,6 +131,14 @@ class Order:
     placements: tuple[Placement, ...]
     clusters: tuple[frozenset[int], ...]
 
+    def rigid_before(self, triad: Triad, body: int) -> frozenset[int]:
+        """The bodies that move with one before a triad is placed."""
+        found = frozenset({body})
+        before = self.placements[: self.placements.index(triad)]
+        while grown := [set(joined) for each in before if found & (joined := _joined_by(each)) and not joined <= found]:
+            found = found.union(*grown)
+        return found
+
     @property
     def groups(self) -> tuple[Group | Triad, ...]:
         """All but the drives."""
@@ -145,6 +153,10 @@ class Order:
     def triads(self) -> tuple[Triad, ...]:
         """Each with two unknowns."""
         return tuple(placement for placement in self.placements if isinstance(placement, Triad))
+
+
+def _joined_by(placement: Placement) -> frozenset[int]:
+    return frozenset((placement.base, placement.moved) if isinstance(placement, Drive) else placement.bodies)
 
 
 def order(structure: Structure) -> Order:

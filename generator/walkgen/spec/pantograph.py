@@ -33,7 +33,7 @@ def _loops(pairs: Sequence[Pair], foot_link: int) -> Iterator[tuple[int, int, in
     """Pins K, link a, pins T and B on a, E on the foot's link, I that joins the links at B and E."""
     pins = [index for index, pair in enumerate(pairs) if pair.kind == "R"]
     of_foot = [pin for pin in pins if foot_link in pairs[pin].bodies]
-    for elbow, arm in ((elbow, arm) for elbow in of_foot for arm in pairs[elbow].bodies if arm != foot_link):
+    for elbow, arm in [(pin, body) for pin in of_foot for body in pairs[pin].bodies if body != foot_link]:
         of_arm = [pin for pin in pins if arm in pairs[pin].bodies and pin != elbow]
         for (top, upper), lower, middle in product(permutations(of_arm, 2), of_foot, pins):
             if lower != elbow and _joined(pairs, upper, middle, arm) and _joined(pairs, lower, middle, foot_link):
