@@ -20,19 +20,20 @@ class Drawn:
         self.dimensions, drives = self.topology.draw(random, count)
         self.drives = np.tile(drives[0], (count, 1))  # whole turns are taken off about the start's drives, which are in the code
         self._folder = folder
-        self._look(None)
+        modes, given = self._modes(None)
+        first = next(row for row, z in enumerate(given) if modes.at(z))
+        modes, self._z = self._modes(self.dimensions[first])
+        self.assemblies = [modes.at(z) for z in self._z]
         self.closes = np.array([bool(found) for found in self.assemblies])
-        self._look(self.dimensions[np.flatnonzero(self.closes)[0]])
 
-    def _look(self, values):
-        """Find all assemblies; ways of sliders are in units of what the values make the linkage's size."""
+    def _modes(self, values):
+        """What finds all assemblies, and what it takes; ways of sliders are in units of what the values make the linkage's size."""
         path = self._folder / "drawn.toml"
         path.write_text(spec(self.name, (), values=values), encoding="utf-8")
         mechanism = assemble(read(path), self._folder)
         found = Starts(mechanism, mechanism.legs[0])
         known = [self.topology.parameters.index(parameter) for parameter in found.names]
-        self._z = np.concatenate([self.drives, self.dimensions[:, known]], -1)
-        self.assemblies = [found.modes.at(row) for row in self._z]
+        return found.modes, np.concatenate([self.drives, self.dimensions[:, known]], -1)
 
     def code(self, functions, friction=MappingProxyType({})):
         """Generated from the first set that assembles; `friction` as for `spec`."""
