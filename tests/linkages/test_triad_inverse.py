@@ -51,6 +51,7 @@ driven = true
 limits_deg = [-40, 20]
 """
 FUNCTIONS = ("foot_position", "assembly_status", "inverse", "inverse_near", "inverse_distance")
+TWO_DRIVES = ("two_cranks", *(pytest.param(name, marks=pytest.mark.nightly) for name in ("coupler_knee", "hung_triad")))
 OK, UNREACHABLE, BAD_INPUT, INFEASIBLE = 0, 1, 2, 5
 
 
@@ -142,7 +143,7 @@ def drawn(name, folder):
     return path.read_text(encoding="utf-8"), code, values, q, random
 
 
-@pytest.mark.parametrize("name", ["two_cranks", *(pytest.param(name, marks=pytest.mark.nightly) for name in ("coupler_knee", "hung_triad"))])
+@pytest.mark.parametrize("name", TWO_DRIVES)
 def test_two_drives(tmp_path, name):
     """The drives that the foot came from are found, on most straight ways; scipy closes the linkage of every row with its foot there."""
     text, code, values, q, random = drawn(name, tmp_path)
