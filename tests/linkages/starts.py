@@ -68,6 +68,14 @@ def apart(one, other):
     return np.abs(away).max(-1)
 
 
+def _stride(one, other):
+    """The largest turn, or way in sizes of where things are."""
+    away = np.abs(one - other)
+    away[:, 2::3] = np.abs(np.angle(np.exp(1j * (one - other)[:, 2::3])))
+    ways = np.delete(away, np.s_[2::3], 1) / np.maximum(1, np.abs(np.delete(one, np.s_[2::3], 1)).max(-1))[:, None]
+    return np.maximum(away[:, 2::3].max(-1), ways.max(-1))
+
+
 def moved(text, dimensions, x, start, end, parts):
     """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point and nothing runs off to
     infinity: all links' equations at once, the guess from the last two poses.
@@ -82,7 +90,7 @@ def moved(text, dimensions, x, start, end, parts):
             slope[~alive], value[~alive] = np.eye(closure.size), 0
             x = x - np.linalg.solve(slope, value[..., None])[..., 0]
         value, slope = closure.equations(x)
-        alive &= (np.abs(value).max(-1) < 1e-6) & (np.sign(np.linalg.det(slope)) == sense) & (apart(x, before) < 0.3)
+        alive &= (np.abs(value).max(-1) < 1e-6) & (np.sign(np.linalg.det(slope)) == sense) & (_stride(x, before) < 0.3)
         x = np.where(alive[:, None], x, before)
         slow = np.where(alive[:, None], x - before, 0)
     return x, alive
