@@ -20,19 +20,20 @@ class Drawn:
         self.dimensions, drives = self.topology.draw(random, count)
         self.drives = np.tile(drives[0], (count, 1))  # whole turns are taken off about the start's drives, which are in the code
         self._folder = folder
-        self._look(None)
+        modes, given = self._modes(None)
+        first = next(row for row, z in enumerate(given) if modes.at(z))
+        modes, self._z = self._modes(self.dimensions[first])
+        self.assemblies = [modes.at(z) for z in self._z]
         self.closes = np.array([bool(found) for found in self.assemblies])
-        self._look(self.dimensions[np.flatnonzero(self.closes)[0]])
 
-    def _look(self, values):
-        """Find all assemblies; ways of sliders are in units of what the values make the linkage's size."""
+    def _modes(self, values):
+        """What finds all assemblies, and what it takes; ways of sliders are in units of what the values make the linkage's size."""
         path = self._folder / "drawn.toml"
         path.write_text(spec(self.name, (), values=values), encoding="utf-8")
         mechanism = assemble(read(path), self._folder)
         found = Starts(mechanism, mechanism.legs[0])
         known = [self.topology.parameters.index(parameter) for parameter in found.names]
-        self._z = np.concatenate([self.drives, self.dimensions[:, known]], -1)
-        self.assemblies = [found.modes.at(row) for row in self._z]
+        return found.modes, np.concatenate([self.drives, self.dimensions[:, known]], -1)
 
     def code(self, functions, friction=MappingProxyType({})):
         """Generated from the first set that assembles; `friction` as for `spec`."""
@@ -67,6 +68,14 @@ def apart(one, other):
     return np.abs(away).max(-1)
 
 
+def _stride(one, other):
+    """The largest turn, or way in sizes of where things are."""
+    away = np.abs(one - other)
+    away[:, 2::3] = np.abs(np.angle(np.exp(1j * (one - other)[:, 2::3])))
+    ways = np.delete(away, np.s_[2::3], 1) / np.maximum(1, np.abs(np.delete(one, np.s_[2::3], 1)).max(-1))[:, None]
+    return np.maximum(away[:, 2::3].max(-1), ways.max(-1))
+
+
 def moved(text, dimensions, x, start, end, parts):
     """Where poses get to while the drives go slowly from start to end, and whether they pass no dead point and nothing runs off to
     infinity: all links' equations at once, the guess from the last two poses.
@@ -81,7 +90,7 @@ def moved(text, dimensions, x, start, end, parts):
             slope[~alive], value[~alive] = np.eye(closure.size), 0
             x = x - np.linalg.solve(slope, value[..., None])[..., 0]
         value, slope = closure.equations(x)
-        alive &= (np.abs(value).max(-1) < 1e-6) & (np.sign(np.linalg.det(slope)) == sense) & (apart(x, before) < 0.3)
+        alive &= (np.abs(value).max(-1) < 1e-6) & (np.sign(np.linalg.det(slope)) == sense) & (_stride(x, before) < 0.3)
         x = np.where(alive[:, None], x, before)
         slow = np.where(alive[:, None], x - before, 0)
     return x, alive

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import casadi
 import numpy as np
 import pytest
 
@@ -31,7 +32,7 @@ def garrec(built):
     start, stop = TEXT.index("[generate]"), TEXT.index("[leg_designs.garrec]")
     wanted = ", ".join(f'"{name}"' for name in FUNCTIONS)
     legs = '[[legs]]\nname = "middle_left"', '[[legs]]\nname = "front_right"', '[[legs]]\nname = "middle_right"'
-    text = TEXT[:start] + f'[generate]\nfunctions = [{wanted}]\ntargets = ["c", "numpy"]\n' + TEXT[stop:]
+    text = TEXT[:start] + f'[generate]\nfunctions = [{wanted}]\ntargets = ["c", "numpy", "casadi"]\n' + TEXT[stop:]
     middle, right, after = map(text.index, legs)
     return built(text[:middle] + text[right:after])
 
@@ -97,6 +98,25 @@ def test_backends_agree(garrec):
     foot = garrec.c.legs["front_left"].foot_position
     far, near = (np.linalg.norm(foot(rows) - target[:, None], axis=-1) for rows in (in_c, numpy))
     assert np.abs(far - near).max() <= 1e-13
+
+
+def test_near_a_seed_in_casadi(garrec):
+    """Steps from the seed come to the row of C, with the slopes that the foot's Jacobian has the other way round."""
+    robot, leg = garrec.c, garrec.c.legs["front_left"]
+    function = robot.casadi("front_left_inverse_near")
+    p, seed = casadi.SX.sym("p", 3), casadi.SX.sym("seed", 2)
+    q, status = function(p, seed)
+    slope = casadi.Function("slope", [p, seed], [q, status, casadi.jacobian(q, p)])
+    for own in np.random.default_rng(11).uniform(-np.pi, np.pi, (6, 2)):
+        target = leg.foot_position(own)
+        near, one = leg.inverse_near(target, own + 0.02)
+        found, state, J = (np.array(each) for each in slope(target, own + 0.02))
+        assert (int(state.item()), one) == (OK, OK)
+        assert np.abs(angle(found.ravel() - near)).max() < 1e-9
+        step = np.array([0, 1e-6])
+        moved = (leg.foot_position(own + step) - leg.foot_position(own - step)) / 2e-6
+        assert J @ moved == pytest.approx([0, 1], abs=1e-6)
+    assert int(slope(target + np.array([0, 0, 0.3]), own)[1]) == UNREACHABLE
 
 
 def test_what_is_no_number(garrec):

@@ -1,6 +1,7 @@
 """Freedoms by rank beside those by count: equal in general, different for dimensions that make pairs repeat each other."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from walkgen.examine import coverage_of
 from walkgen.model.assemble import assemble
 from walkgen.pipeline import BuildOptions, generate, mechanism_of
 from walkgen.show import show
+from walkgen.spec.assur import order
 from walkgen.spec.mobility import free_linkage
 from walkgen.spec.read import read
 
@@ -133,3 +135,12 @@ def test_pins_that_coincide_leave_no_pose_to_count_at(tmp_path):
     assert coverage_of(mechanism, leg, leg.linkage).mobility is None
     assert "by the rank" not in show(path, "mechanism", "")
     generate(path, BuildOptions(targets=("c",)))
+
+
+def test_a_pin_called_foot_holds_none():
+    """Only what pins the foot to the frame lets a pantograph place two sliders at once."""
+    path = SPECS / "pantograph.toml"
+    linkage = assemble(read(path), path.parent).legs[0].linkage
+    free = tuple(replace(pair, name="foot", driven=False) for pair in linkage.structure.pairs)
+    assert "pantograph" in {group.kind for group in linkage.inverse.groups}
+    assert "pantograph" not in {group.kind for group in order(replace(linkage.structure, pairs=free)).groups}

@@ -9,7 +9,7 @@ from linkages.closure import Closure, assembled
 from linkages.placed import as_unknowns, code_of
 from linkages.topologies import TOPOLOGIES, spec
 
-FUNCTIONS = ("foot_position", "foot_jacobian", "assembly_status", "transmission_angles", "inverse")
+FUNCTIONS = ("foot_position", "foot_jacobian", "assembly_status", "transmission_angles", "inverse", "inverse_distance")
 OK, UNREACHABLE, INFEASIBLE, DUPLICATE = 0, 1, 5, 6
 ASSEMBLED = {
     "four_bar": (31, 738),
@@ -128,6 +128,9 @@ def test_any_target_has_a_status(code, name):
     off = misses(leg, rows, dimensions, target)
     assert off[status == OK].max() < BACK
     assert not (off[np.isin(status, (UNREACHABLE, INFEASIBLE))] < BACK).any()  # with the spec's sides they lie elsewhere
+    distance = leg["leg_inverse_distance"](target, dimensions)
+    feet = leg["leg_foot_position"](rows, np.repeat(dimensions[:, None], rows.shape[1], 1))
+    assert distance == pytest.approx(np.linalg.norm(feet - target[:, None], axis=-1), abs=1e-14, nan_ok=True)
     out = np.c_[target[:, :2], np.full(1000, 1e-3)]
     assert (leg["leg_inverse"](out, dimensions)[1] == UNREACHABLE).all()
 

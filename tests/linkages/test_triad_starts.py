@@ -17,6 +17,7 @@ FOUND = {
     "plate_on_sliders": ("plate", "frame plate", "block shoe sled"),
     "cross_slide": ("plate", "frame plate", "cross rod bar"),
     "cross_slide_loop": ("coupler", "coupler rocker", "frame cross near"),
+    "two_cranks": ("plate", "frame plate", "one two tie"),
     "hung_triad": ("hand", "arm hand", "near tie far"),
 }
 """Name, ends and struts."""

@@ -34,6 +34,7 @@ ASSEMBLED = {
     "plate_on_sliders": 5,
     "cross_slide": 4,
     "cross_slide_loop": 1,
+    "two_cranks": 3,
     "hung_triad": 2,
 }
 """How many assemble of six random sets."""

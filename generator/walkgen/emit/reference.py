@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from walkgen.model.closing import Posture, closed
+from walkgen.model.closing import KnownStart, Posture, closed
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import CORNERS, Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, Matrix, along, defaults, limb_frames, moved, number
@@ -27,10 +27,11 @@ class Sample:
     qd: tuple[Any, ...]
     qdd: tuple[Any, ...]
     f: tuple[Any, ...]
+    start: KnownStart | None = None
 
     @cached_property
     def _walked(self) -> "Walk":
-        return _walk(self.mechanism, self.limbs, self.q)
+        return _walk(self.mechanism, self.limbs, self.q, self.start)
 
     @property
     def poses(self) -> list[Matrix]:
@@ -60,7 +61,7 @@ class Sample:
 
     def _change(self, rates: Sequence[Any]) -> list[Numbers]:
         """Of every column [6] while q moves at these rates, by central differences."""
-        ahead, behind = (_walk(self.mechanism, self.limbs, self._moved(side * _STEP, rates)).columns for side in (1, -1))
+        ahead, behind = (_walk(self.mechanism, self.limbs, self._moved(side * _STEP, rates), self.start).columns for side in (1, -1))
         return [
             [(a - b) / (2 * _STEP) for a, b in zip(_six(*new), _six(*old), strict=True)] for new, old in zip(ahead, behind, strict=True)
         ]
@@ -73,7 +74,7 @@ class Sample:
         """Of the leg's linkage."""
         leg = self.limbs[-1]
         assert leg.linkage is not None
-        return _closed(leg.linkage, self.q[len(self.q) - leg.linkage.drive_count :], self.mechanism)
+        return _closed(leg.linkage, self.q[len(self.q) - leg.linkage.drive_count :], self.mechanism, self.start)
 
     @property
     def pairs(self) -> list[Numbers]:
@@ -102,27 +103,27 @@ class Walk:
     columns: list[tuple[Numbers, Numbers]]
 
 
-def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any]) -> Walk:
+def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any], start: KnownStart | None) -> Walk:
     """Poses along the path, then the column of every joint about or along its frame's z axis."""
     values = defaults(mechanism)
-    base, start = CONTEXT.eye(4), 0
+    base, place = CONTEXT.eye(4), 0
     poses: list[Matrix] = []
     axes: list[tuple[Joint, Matrix]] = []
     for limb in limbs:
-        stop = start + len(limb.serial)
-        local = limb_frames(mechanism, replace(limb, joints=limb.serial, linkage=None), q[start:stop], values, base)
+        stop = place + len(limb.serial)
+        local = limb_frames(mechanism, replace(limb, joints=limb.serial, linkage=None), q[place:stop], values, base)
         poses += local[1:-1] if poses else local[:-1]
         axes += [(joint, along(frame, joint.before, values)) for joint, frame in zip(limb.serial, local, strict=False)]
-        base, start = local[-1], stop
+        base, place = local[-1], stop
     linkage = limbs[-1].linkage
     if linkage is None:
         return Walk(base, [*poses, base], _columns(base, axes))
-    links, columns = _driven(_closed(linkage, q[start:], mechanism), base)
+    links, columns = _driven(_closed(linkage, q[place:], mechanism, start), base)
     return Walk(base, [*poses, *links], _columns(links[-1], axes) + columns)
 
 
-def _closed(linkage: Linkage, drives: Sequence[Any], mechanism: Mechanism) -> Posture:
-    found = closed(linkage, defaults(mechanism), drives)
+def _closed(linkage: Linkage, drives: Sequence[Any], mechanism: Mechanism, start: KnownStart | None) -> Posture:
+    found = closed(linkage, defaults(mechanism), drives, start)
     assert found is not None
     return found
 

@@ -1,11 +1,11 @@
 """Where the self-test looks: fixed joint values that are exact in a double, of linkages those that assemble."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import islice
 from typing import Any
 
 from walkgen.emit.reference import Numbers, Sample
-from walkgen.model.closing import closed
+from walkgen.model.closing import KnownStart, closed
 from walkgen.model.drive_ranges import drive_ranges, reach
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism
@@ -17,22 +17,25 @@ _TRIES, _LEAST_SINE, _FAR = 24, CONTEXT.mpf("0.1"), 8
 _GRAIN = 1024
 
 
-def samples_of(robot: Mechanism, path: tuple[Limb, ...]) -> list[Sample]:
-    """Of limbs end to end; fewer than `SAMPLES` where a linkage assembles for few of the values that are tried."""
+def samples_of(robot: Mechanism, path: tuple[Limb, ...], start: KnownStart | None = None) -> list[Sample]:
+    """Of limbs end to end, the last with this start if it has triads.
+
+    Fewer than `SAMPLES` where a linkage assembles for few of the values that are tried.
+    """
     joints, serial = [joint for limb in path for joint in limb.joints], [joint for limb in path for joint in limb.serial]
-    drives = islice(_assembled(robot, path[-1]), SAMPLES)
+    drives = islice(_assembled(robot, path[-1], start), SAMPLES)
     samples = []
     for index, driven in enumerate(drives):
         q = (*(_value(joint, place, index, 0) for place, joint in enumerate(serial)), *driven)
         qd, qdd = (tuple(_value(joint, place, index, salt) for place, joint in enumerate(joints)) for salt in (1, 2))
         force = tuple(CONTEXT.mpf(value) / 4 for value in (3 - index, 5, index - 7))
-        samples.append(Sample(robot, path, q, qd, qdd, force))
+        samples.append(Sample(robot, path, q, qd, qdd, force, start))
     return samples
 
 
-def robot_rows(robot: Mechanism) -> list[Numbers]:
+def robot_rows(robot: Mechanism, starts: Mapping[str, KnownStart]) -> list[Numbers]:
     """Joint values of the whole robot; none where a leg's linkage has no sample."""
-    found = [samples_of(robot, (limb,)) for limb in robot.limbs]
+    found = [samples_of(robot, (limb,), starts.get(limb.name)) for limb in robot.limbs]
     if not all(found):
         return []
     turns = ([(samples, index + place) for place, samples in enumerate(found)] for index in range(SAMPLES))
@@ -40,9 +43,11 @@ def robot_rows(robot: Mechanism) -> list[Numbers]:
 
 
 def apart(sample: Sample) -> tuple[Any, ...] | None:
-    """The sample's q with sliding drives so far out that the linkage does not assemble; None where it still does."""
+    """The sample's q with sliding drives so far out that the linkage does not assemble; None where it still does, or triads run away."""
     leg = sample.limbs[-1]
     assert leg.linkage is not None
+    if leg.linkage.forward.triads:
+        return None
     serial, drives = sample.q[: len(leg.serial)], leg.joints[len(leg.serial) :]
     far = _rounded(_FAR * reach(sample.mechanism, leg.linkage))
     driven = [far if joint.kind == "prismatic" else q for joint, q in zip(drives, sample.q[len(serial) :], strict=True)]
@@ -68,14 +73,14 @@ def _unit(column: Numbers) -> Numbers:
     return [entry / size for entry in column]
 
 
-def _assembled(robot: Mechanism, leg: Limb) -> Iterator[list[Any]]:
+def _assembled(robot: Mechanism, leg: Limb, start: KnownStart | None) -> Iterator[list[Any]]:
     """Values of the drives where the linkage assembles and no dyad is near its dead point."""
     if leg.linkage is None:
         yield from ([] for _ in range(SAMPLES))
         return
     for index in range(_TRIES):
         drives = _drives(robot, leg, leg.linkage, index)
-        posture = closed(leg.linkage, defaults(robot), drives)
+        posture = closed(leg.linkage, defaults(robot), drives, start)
         if posture and all(abs(CONTEXT.sin(angle)) > _LEAST_SINE for angle in posture.angles):
             yield drives
 

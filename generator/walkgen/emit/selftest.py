@@ -16,6 +16,7 @@ from walkgen.emit.layout import lay_out
 from walkgen.emit.reference import EXPECTED, Numbers, Sample, elements, sole_corners, sole_normal
 from walkgen.emit.samples import apart, is_regular, robot_rows, samples_of
 from walkgen.model.classify import inverse_class
+from walkgen.model.closing import KnownStart
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT, defaults, platform_poses
 from walkgen.signature import Port, Signature
@@ -55,25 +56,45 @@ def selftest_artifact(code: RobotCode) -> Artifact:
         banner=banner(code, "Self-test; expected values come from a 50-digit matrix walk over the mechanism, not from the generated code."),
         header=f"{robot.name}.h",
         parameters=[_literal(value) for value in defaults(robot).values()] or ["0.0"],
-        checks=list(_checks(robot, [body.signature for body in code.functions])),
+        checks=list(_checks(robot, [body.signature for body in code.functions], dict(_starts(code)))),
     )
 
 
-def _checks(robot: Mechanism, signatures: Sequence[Signature]) -> Iterator[Check]:
+def _starts(code: RobotCode) -> Iterator[tuple[str, KnownStart]]:
+    """Of legs with triads: where the code starts from."""
+    tables = {table.name: tuple(map(float, table.values)) for table in code.tables}
+    for leg in code.mechanism.legs:
+        values = tables.get(f"{code.mechanism.name}_{leg.name}_start")
+        if leg.linkage is not None and values is not None:
+            yield leg.name, KnownStart(values[: leg.linkage.drive_count], values[-2 * len(leg.linkage.forward.triads) :])
+
+
+def _checks(robot: Mechanism, signatures: Sequence[Signature], starts: Mapping[str, KnownStart]) -> Iterator[Check]:
     """A check for every function whose values the walk gives; samples are walked once for all functions of a path."""
-    samples = {owner: samples_of(robot, path) for owner, path in _paths(robot).items()}
+    samples = {owner: samples_of(robot, path, starts.get(path[-1].name)) for owner, path in _paths(robot).items()}
     inverted = {signature.owner for signature in signatures if signature.name in _INVERSES}
     regular = {owner: [sample for sample in samples[owner] if is_regular(sample)] for owner in sorted(inverted & set(samples))}
-    rows = robot_rows(robot)
+    rows = robot_rows(robot, starts)
     for signature in signatures:
         if not signature.owner and signature.name in _ROBOT and rows:
-            yield _robot_check(robot, signature, rows)
+            yield _robot_check(robot, signature, rows, starts)
+        elif samples.get(signature.owner) and signature.name in _untold(samples[signature.owner][0].limbs[-1]):
+            continue
         elif samples.get(signature.owner) and signature.name in EXPECTED:
             yield _forward(signature, samples[signature.owner])
         elif samples.get(signature.owner) and signature.name == "assembly_status":
             yield _assembly(signature, samples[signature.owner])
         elif regular.get(signature.owner) and signature.name in _INVERSES:
             yield _INVERSES[signature.name](signature, regular[signature.owner])
+
+
+def _untold(leg: Limb) -> tuple[str, ...]:
+    """Functions of a leg with triads whose values nothing else gives: their angles, and which rows straight ways lead to."""
+    if leg.linkage is None:
+        return ()
+    angles = ("transmission_angles",) if leg.linkage.forward.triads else ()
+    follows = leg.linkage.drive_count > 1 and leg.linkage.inverse.triads
+    return (*angles, *(("inverse", "inverse_branch") if follows else ()))
 
 
 def _paths(robot: Mechanism) -> dict[str, tuple[Limb, ...]]:
@@ -177,40 +198,41 @@ _INVERSES = {
 }
 
 
-def _robot_check(robot: Mechanism, signature: Signature, rows: Sequence[Row]) -> Check:
-    expected = [_ROBOT[signature.name](robot, q) for q in rows]
+def _robot_check(robot: Mechanism, signature: Signature, rows: Sequence[Row], starts: Mapping[str, KnownStart]) -> Check:
+    expected = [_ROBOT[signature.name](robot, q, starts) for q in rows]
     return _compared(signature, _input_tables(signature, [{"q": q} for q in rows]), expected)
 
 
-def _platform_poses(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
+def _platform_poses(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
+    del starts
     return ([element for pose in platform_poses(robot, q) for element in elements(pose)],)
 
 
-def _foot_samples(robot: Mechanism, q: Row) -> Iterator[tuple[Sample, list[int]]]:
+def _foot_samples(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> Iterator[tuple[Sample, list[int]]]:
     """Every foot's route from the root platform, and which of the robot's joints it runs over."""
     for leg in robot.legs:
         limbs = (*robot.ancestors(leg.platform), leg)
         indices = [robot.offset(limb) + place for limb in limbs for place in range(len(limb.joints))]
         values = tuple(q[index] for index in indices)
-        yield Sample(robot, limbs, values, values, values, ()), indices
+        yield Sample(robot, limbs, values, values, values, (), starts.get(leg.name)), indices
 
 
-def _foot_positions(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
-    return ([element for sample, _ in _foot_samples(robot, q) for element in sample.position],)
+def _foot_positions(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
+    return ([element for sample, _ in _foot_samples(robot, q, starts) for element in sample.position],)
 
 
-def _contact_points(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
-    return ([element for sample, _ in _foot_samples(robot, q) for corner in sole_corners(sample) for element in corner],)
+def _contact_points(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
+    return ([element for sample, _ in _foot_samples(robot, q, starts) for corner in sole_corners(sample) for element in corner],)
 
 
-def _contact_normals(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
-    normals = ((sole_normal(sample), sample.limbs[-1].contacts) for sample, _ in _foot_samples(robot, q))
+def _contact_normals(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
+    normals = ((sole_normal(sample), sample.limbs[-1].contacts) for sample, _ in _foot_samples(robot, q, starts))
     return ([element for normal, corners in normals for _ in range(corners) for element in normal],)
 
 
-def _foot_jacobians(robot: Mechanism, q: Row) -> tuple[Numbers, ...]:
+def _foot_jacobians(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
     rows: Numbers = []
-    for sample, indices in _foot_samples(robot, q):
+    for sample, indices in _foot_samples(robot, q, starts):
         columns = dict(zip(indices, sample.jacobian, strict=True))
         rows += [columns[joint][row] if joint in columns else CONTEXT.zero for row in range(3) for joint in range(len(q))]
     return (rows,)

@@ -75,9 +75,10 @@ def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
     if hindrance:
         return InverseClass("", (), hindrance)
     choices = linkage_choices(linkage.structure, linkage.foot[0], [joint.name for joint in leg.serial])
-    return InverseClass(
-        LINKAGE, leg.branches or linkage_branches(choices), "dyads placed one after another from the foot held in the plane"
-    )
+    back, held = "dyads placed one after another from the foot held in the plane", linkage.inverse.triads
+    followed = f", the triad {held[0].name} followed from its assemblies at one place of the foot" if held else ""
+    put_in = ", then put in, since they hold a triad" if linkage.forward.triads else ""
+    return InverseClass(LINKAGE, leg.branches or linkage_branches(choices), f"{back}{followed}{put_in}")
 
 
 def _curve_class(leg: Limb) -> InverseClass:

@@ -1,8 +1,9 @@
-"""Where the bodies of a linkage are, by Newton's method on its loops in 50 digits, and on which side every dyad is."""
+"""Where the bodies of a linkage are, by Newton's method on its loops in 50 digits: on the sides of its dyads, or from a triad's start."""
 
+import math
 import random
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -12,11 +13,13 @@ from walkgen.model.loops import DrivenLoops
 from walkgen.model.walk import CONTEXT
 from walkgen.spec.assur import SIDES, Group
 from walkgen.spec.pair_equations import Planar, Row
+from walkgen.spec.scalar import evaluate
 
-_STARTS, _MOST_STARTS, _STEPS, _HALVINGS, _PARTS = 300, 3000, 40, 5, 8
+_STARTS, _MOST_STARTS, _STEPS, _HALVINGS = 300, 3000, 40, 5
 _CLOSED, _EXACT = 1e-12, CONTEXT.mpf(10) ** -46
 _TOLD = ("RRR", "RRP", "RPP")
 """Groups of which there is one on each side."""
+_LIKE, _FIRST_STEP, _LEAST_STEP, _CHANGE = 1e-6, 1 / 32, 1e-5, 0.1
 _DIGITS = 9
 """Drives that agree to so many decimal places start from one pose."""
 
@@ -86,13 +89,82 @@ class Posture:
         return all(side * angle > 0 for side, angle in zip(sides, self.angles, strict=True))
 
 
-def closed(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any]) -> Posture | None:
-    """The posture on the spec's sides, in 50 digits; None where no start leads to one, or sides do not tell postures apart."""
-    if any(group.kind not in _TOLD for group in linkage.forward.groups):
+@dataclass(frozen=True)
+class KnownStart:
+    """Where triads are continued from: the drives, and the values of the first strut's two pairs of every triad (rad or sizes)."""
+
+    drives: tuple[float, ...]
+    unknowns: tuple[float, ...]
+
+
+def closed(linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any], start: KnownStart | None = None) -> Posture | None:
+    """The posture in 50 digits: on the spec's sides, or what the start moves to; None where there is none, or nothing tells which it is."""
+    if start is None and any(group.kind not in _TOLD for group in linkage.forward.groups):
         return None
     near = tuple(round(float(drive), _DIGITS) for drive in drives)
-    start = _found(linkage, tuple(values.items()), near)
-    return start and _exact(linkage, values, drives, start.x)
+    found = _found(linkage, tuple(values.items()), near) if start is None else _continued(linkage, tuple(values.items()), near, start)
+    return found and _exact(linkage, values, drives, found.x)
+
+
+@cache
+def _started(linkage: Linkage, values: tuple[tuple[str, Any], ...], start: KnownStart) -> list[float] | None:
+    """Poses of a start, from random ones."""
+    loops, generator = DrivenLoops(linkage, dict(values), start.drives, float), random.Random(len(start.drives))  # noqa: S311
+    for _ in range(_MOST_STARTS):
+        x = _descended(loops, _start(loops, generator))
+        if x is not None and _is_start(loops, x, start):
+            return x
+    return None
+
+
+def _is_start(loops: DrivenLoops, x: list[float], start: KnownStart) -> bool:
+    pairs = zip(_measured(loops, x), start.unknowns, strict=True)
+    return all(abs(math.remainder(own - known, math.tau)) < _LIKE for own, known in pairs)
+
+
+def _measured(loops: DrivenLoops, x: list[float]) -> Iterator[float]:
+    """The unknowns of all triads."""
+    linkage = loops.linkage
+    for triad in linkage.forward.triads:
+        strut = triad.struts[0]
+        own = linkage.forward.rigid_before(triad, strut.body)
+        for end, index in zip(triad.ends, strut.pairs, strict=True):
+            pair, beyond = linkage.structure.pairs[index], linkage.forward.rigid_before(triad, end)
+            if pair.kind == "P":
+                yield loops.along(x, index)[0] / float(evaluate(linkage.size, CONTEXT, loops.values))
+            else:
+                base, moved = (next(body for body in pair.bodies if body in bodies) for bodies in (beyond, own))
+                yield loops.angle(x, moved) - loops.angle(x, base)
+
+
+@cache
+def _continued(linkage: Linkage, values: tuple[tuple[str, Any], ...], drives: tuple[float, ...], start: KnownStart) -> Posture | None:
+    """What a start moves to."""
+    own = _started(linkage, values, start)
+    x = own and _led(linkage, dict(values), own, start.drives, drives)
+    posture = x and Posture(DrivenLoops(linkage, dict(values), drives, float), tuple(x))
+    return posture if posture and posture.as_stated else None
+
+
+def _led(
+    linkage: Linkage, values: Mapping[str, Any], x: list[float], begin: Sequence[float], drives: Sequence[float]
+) -> list[float] | None:
+    """Poses while the drives go straight to their values, turning ones the shorter way, in steps that change little."""
+    turning = [linkage.structure.pairs[pair].kind == "R" for pair in linkage.driven] + [False] * len(linkage.structure.bars)
+    spans = zip((end - own for own, end in zip(begin, drives, strict=True)), turning, strict=True)
+    ways = [math.remainder(span, math.tau) if turns else span for span, turns in spans]
+    part, step = 0.0, _FIRST_STEP
+    while part < 1:
+        further = min(part + step, 1.0)
+        loops = DrivenLoops(linkage, values, [own + further * way for own, way in zip(begin, ways, strict=True)], float)
+        tried = _descended(loops, x)
+        if tried is not None and max(abs(a - b) for a, b in zip(tried, x, strict=True)) < _CHANGE * max(1.0, loops.reach):
+            x, part, step = tried, further, 2 * step
+        else:
+            step /= 2
+        if step < _LEAST_STEP:
+            return None
+    return x
 
 
 @cache
@@ -114,16 +186,10 @@ def _known(linkage: Linkage, values: tuple[tuple[str, Any], ...]) -> deque[Postu
 
 
 def _followed(before: Posture, linkage: Linkage, values: Mapping[str, Any], drives: Sequence[float]) -> Posture | None:
-    """The posture that the drives lead to from another, should it be on the spec's sides."""
-    x = [float(entry) for entry in before.x]
-    start = [float(drive) for drive in before.loops.drives]
-    for part in range(1, _PARTS + 1):
-        between = [a + (b - a) * part / _PARTS for a, b in zip(start, drives, strict=True)]
-        arrived = _descended(DrivenLoops(linkage, values, between, float), x)
-        if arrived is None:
-            return None
-        x = arrived
-    posture = _exact(linkage, values, drives, x)
+    """What another posture moves to, should it be on the spec's sides."""
+    begin = [float(drive) for drive in before.loops.drives]
+    x = _led(linkage, values, [float(entry) for entry in before.x], begin, drives)
+    posture = x and _exact(linkage, values, drives, x)
     return posture if posture and posture.as_stated else None
 
 

@@ -23,7 +23,7 @@ class DrivenLoops:
     def __init__(
         self, linkage: Linkage, values: Mapping[str, Any], drives: Sequence[Any], real: Callable[[Any], Any] = CONTEXT.mpf
     ) -> None:
-        self.linkage, self.drives, self.real, self._values = linkage, [real(drive) for drive in drives], real, values
+        self.linkage, self.drives, self.real, self.values = linkage, [real(drive) for drive in drives], real, values
         self.size = 3 * (len(linkage.structure.names) - 1)
         self._drive_of = {pair: number for number, pair in enumerate(linkage.driven)}
         circular: Any = math if real is float else CONTEXT
@@ -33,7 +33,7 @@ class DrivenLoops:
         self._pairs = PairEquations(linkage.structure, points, angles, real, circular.cos, circular.sin, first_bar)
 
     def _number(self, scalar: Any) -> Any:
-        return self.real(evaluate(scalar, CONTEXT, self._values))
+        return self.real(evaluate(scalar, CONTEXT, self.values))
 
     def planar(self, point: Point) -> Planar:
         """A point of the spec in numbers."""
@@ -73,9 +73,9 @@ class DrivenLoops:
             yield from self._pairs.rows(x, self._bars, index)
             if index in self._drive_of:
                 drive = self._drive_of[index]
-                value, slopes = self.driven(x, index) if pair.kind == "P" else self._pairs.turn(x, pair.bodies[0], pair.bodies[1])
+                value, slopes = self.along(x, index) if pair.kind == "P" else self._pairs.turn(x, pair.bodies[0], pair.bodies[1])
                 yield value - self.drives[drive], slopes | {self.size + drive: self.real(-1)}
 
-    def driven(self, x: Sequence[Any], slider: int) -> tuple[Any, Row]:
+    def along(self, x: Sequence[Any], slider: int) -> tuple[Any, Row]:
         """How far a slider is along its guide."""
         return self._pairs.along(x, self._bars, slider)[0]

@@ -42,12 +42,16 @@ class Pantograph:
 
 @dataclass(frozen=True)
 class Structure:
-    """Bodies by index, 0 the frame; `bars` are those that are driven cylinders; a pantograph places two sliders at once for a foot."""
+    """Bodies by index, 0 the frame; `bars` are those that are driven cylinders; a pantograph places two sliders at once for a foot.
+
+    `held` is the pair that pins the foot to the frame, where one does.
+    """
 
     names: tuple[str, ...]
     pairs: tuple[Pair, ...]
     bars: frozenset[int] = frozenset()
     pantograph: Pantograph | None = None
+    held: int | None = None
 
     @property
     def mobility(self) -> int:
@@ -64,7 +68,7 @@ class Structure:
     def released(self, foot: int) -> "Structure":
         """Without drives, the foot's link pinned to the frame: what places the drives for a foot. Pairs keep their indices."""
         free = tuple(Pair(pair.kind, pair.name, () if self.bars & set(pair.bodies) else pair.bodies) for pair in self.pairs)
-        return replace(self, pairs=(*free, Pair("R", "foot", (0, foot))))
+        return replace(self, pairs=(*free, Pair("R", "foot", (0, foot))), held=len(free))
 
 
 @dataclass(frozen=True)
@@ -127,6 +131,14 @@ class Order:
     placements: tuple[Placement, ...]
     clusters: tuple[frozenset[int], ...]
 
+    def rigid_before(self, triad: Triad, body: int) -> frozenset[int]:
+        """The bodies that move with one before a triad is placed."""
+        found = frozenset({body})
+        before = self.placements[: self.placements.index(triad)]
+        while grown := [set(joined) for each in before if found & (joined := _joined_by(each)) and not joined <= found]:
+            found = found.union(*grown)
+        return found
+
     @property
     def groups(self) -> tuple[Group | Triad, ...]:
         """All but the drives."""
@@ -141,6 +153,10 @@ class Order:
     def triads(self) -> tuple[Triad, ...]:
         """Each with two unknowns."""
         return tuple(placement for placement in self.placements if isinstance(placement, Triad))
+
+
+def _joined_by(placement: Placement) -> frozenset[int]:
+    return frozenset((placement.base, placement.moved) if isinstance(placement, Drive) else placement.bodies)
 
 
 def order(structure: Structure) -> Order:
@@ -211,7 +227,7 @@ class _Search:
     def place_pantograph(self) -> bool:
         """Place two sliders on the frame by the pantograph between them, once the foot is held."""
         pantograph, frame = self._structure.pantograph, min(self.clusters, key=min)
-        if pantograph is None or self._structure.pairs[-1].name != "foot":
+        if pantograph is None or self._structure.held is None:
             return False
         for top, middle in product(*(self._structure.pairs[pin].bodies for pin in (pantograph.top, pantograph.middle))):
             slides = [self._slide(body, frame) for body in (top, middle)]

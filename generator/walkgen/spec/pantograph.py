@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from itertools import permutations, product
 
 from walkgen.spec.assur import Pair, Pantograph
 
@@ -31,16 +32,12 @@ def pantograph(pairs: Sequence[Pair], places: Places, foot_link: int, foot: Comp
 def _loops(pairs: Sequence[Pair], foot_link: int) -> Iterator[tuple[int, int, int, int, int, int]]:
     """Pins K, link a, pins T and B on a, E on the foot's link, I that joins the links at B and E."""
     pins = [index for index, pair in enumerate(pairs) if pair.kind == "R"]
-    for elbow in (pin for pin in pins if foot_link in pairs[pin].bodies):
-        for arm in (body for body in pairs[elbow].bodies if body != foot_link):
-            tops = [pin for pin in pins if arm in pairs[pin].bodies and pin != elbow]
-            lowers = [pin for pin in pins if foot_link in pairs[pin].bodies and pin != elbow]
-            for top in tops:
-                for upper in (pin for pin in tops if pin != top):
-                    for lower in lowers:
-                        for middle in pins:
-                            if _joined(pairs, upper, middle, arm) and _joined(pairs, lower, middle, foot_link):
-                                yield elbow, arm, top, upper, lower, middle
+    of_foot = [pin for pin in pins if foot_link in pairs[pin].bodies]
+    for elbow, arm in [(pin, body) for pin in of_foot for body in pairs[pin].bodies if body != foot_link]:
+        of_arm = [pin for pin in pins if arm in pairs[pin].bodies and pin != elbow]
+        for (top, upper), lower, middle in product(permutations(of_arm, 2), of_foot, pins):
+            if lower != elbow and _joined(pairs, upper, middle, arm) and _joined(pairs, lower, middle, foot_link):
+                yield elbow, arm, top, upper, lower, middle
 
 
 def _joined(pairs: Sequence[Pair], pin: int, middle: int, link: int) -> bool:

@@ -24,7 +24,8 @@ from walkgen.symbolic.driven import kinematics_of
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.function import Either, Function, LessEqual, Same, Select, Solve, Step
 from walkgen.symbolic.held_closure import UNKNOWNS, HeldStart, Signs, held_closure, held_port, held_start, sided
-from walkgen.symbolic.linkage_inverse import Arrival, LinkageRows, dyad_rows
+from walkgen.symbolic.limits import row_distances
+from walkgen.symbolic.linkage_inverse import DISTANCE_DOC, Arrival, LinkageRows, dyad_rows
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, parameters_of, row_ports
 from walkgen.symbolic.selection import by_index, nearest
@@ -47,10 +48,10 @@ class Row:
 
 
 def held_inverse(mechanism: Mechanism, leg: Limb) -> Iterator[Solve]:
-    """`inverse`, `inverse_branch` and `inverse_near`."""
+    """`inverse` and what is chosen or measured of its rows."""
     assert leg.linkage is not None
     held = HeldInverse(mechanism, leg, leg.linkage)
-    yield from (held.inverse(), held.inverse_branch(), held.inverse_near())
+    yield from (held.inverse(), held.inverse_branch(), held.inverse_near(), held.inverse_distance())
 
 
 class HeldInverse:
@@ -86,6 +87,16 @@ class HeldInverse:
         port = joint_port("q_seed", self._leg.joints)
         doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
         return self._one("inverse_near", port, nearest, doc)
+
+    def inverse_distance(self) -> Solve:
+        """Of all rows."""
+        output = Port("distance", (self._slots,), "m")
+        words = signature(self._mechanism, self._leg.name, "inverse_distance", [TARGET], [output], DISTANCE_DOC, "as inverse")
+        if self._linkage.forward.triads:
+            last = Step(self._distances(output), (*(self._foot_port(row).name for row in self._rows), "p", *self._given, "distance"))
+        else:
+            last = Step(row_distances(self._mechanism, self._leg, output), ("rows", "p", *self._given, "distance"))
+        return self._solve(words, (*self._steps("rows", "row_states"), last), row_ports(self._leg, self._found, "rows", "row_states"))
 
     def _one(self, name: str, port: Port, choose: Callable[[Mechanism, Limb, int], Function], doc: str) -> Solve:
         outputs = [joint_port("q", self._leg.joints), _STATUS]
@@ -228,6 +239,14 @@ class HeldInverse:
         tape, port = Tape(), joint_port("q", self._leg.joints)
         foot = kinematics_of((self._leg,), symbols_of(port), self._parameters, tape).position
         return tape.function(signature(self._mechanism, self._leg.name, "held_foot", [port], [Port("foot", (3,), "m")], "", ""), foot)
+
+    def _distances(self, output: Port) -> Function:
+        """How far every row's foot is from the target."""
+        tape, (x, y, z) = Tape(), symbols_of(TARGET)
+        feet = [self._foot_port(row) for row in self._rows]
+        gaps = [minus((foot[0], foot[1], foot[2]), (x, y, z)) for foot in map(symbols_of, feet)]
+        words = signature(self._mechanism, self._leg.name, "held_distances", [*feet, TARGET], [output], "", "")
+        return tape.function(words, [sympy.sqrt(dot(gap, gap)) for gap in gaps])
 
     @cached_property
     def _compared(self) -> Function:

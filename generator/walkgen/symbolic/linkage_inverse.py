@@ -17,6 +17,7 @@ from walkgen.symbolic.branches import BAD_INPUT, DUPLICATE, INFEASIBLE, NO_CONVE
 from walkgen.symbolic.choices import both, chosen, less
 from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of, parameter_symbols
 from walkgen.symbolic.function import Angle, Both, Finite, Function, Less, LessEqual, Residue, Same, Select, Solve, Step
+from walkgen.symbolic.limits import row_distances
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import Planar, difference, outer, square
 from walkgen.symbolic.ports import joint_port, signature
@@ -26,6 +27,10 @@ from walkgen.symbolic.tape import Tape, Vec, dot, minus, symbols_of
 
 _TOLERANCE = sympy.Rational(1, 10**11)
 """Of a group's margin: what rounding leaves of a target at the edge, 1e-12 of the reach outside it."""
+DISTANCE_DOC = (
+    "Distance from p of the foot that the drives of every branch of inverse assemble: 0 but for rounding where it is OK, NaN where they "
+    "assemble nothing and for a bad input."
+)
 _SOURCE = "theory 2.3: dyads in closed form, run backwards"
 _STATUS = Port("status", kind="integer")
 
@@ -54,10 +59,11 @@ class Arrival:
 
 
 def linkage_inverse(mechanism: Mechanism, leg: Limb) -> tuple[Solve | Function, ...]:
-    """`inverse`, `inverse_branch` and `inverse_near` of a linkage that is placed by dyads alone, whether drives or the foot hold it."""
+    """`inverse` and what is chosen or measured of its rows, of a linkage that dyads alone place, whether drives or the foot hold it."""
     found = inverse_class(mechanism, leg)
     results = row_ports(leg, found, "q", "status")
-    return (dyad_rows(mechanism, leg, "inverse", results), _inverse_branch(mechanism, leg, found), _inverse_near(mechanism, leg, found))
+    rows = dyad_rows(mechanism, leg, "inverse", results)
+    return (rows, _inverse_branch(mechanism, leg, found), _inverse_near(mechanism, leg, found), _inverse_distance(mechanism, leg, found))
 
 
 def _inverse_branch(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Function:
@@ -86,6 +92,18 @@ def _inverse_near(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve
     steps = (
         Step(kernel, ("p", *parameters_of(mechanism), "rows", "states")),
         Step(nearest(mechanism, leg, slots), ("rows", "states", port.name, "q", "status")),
+    )
+    return Solve(words, rows, steps, Solve(words, rows, steps))
+
+
+def _inverse_distance(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve:
+    """Of all rows."""
+    rows, output = row_ports(leg, found, "rows", "states"), Port("distance", (len(found.branch_names),), "m")
+    words = signature(mechanism, leg.name, "inverse_distance", [TARGET], [output], DISTANCE_DOC, "as inverse")
+    given = parameters_of(mechanism)
+    steps = (
+        Step(dyad_rows(mechanism, leg, "inverse_rows", rows), ("p", *given, "rows", "states")),
+        Step(row_distances(mechanism, leg, output), ("rows", "p", *given, "distance")),
     )
     return Solve(words, rows, steps, Solve(words, rows, steps))
 
