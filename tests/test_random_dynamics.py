@@ -95,6 +95,42 @@ def assert_robot(text: str, seed: int) -> None:
         assert difference(interpreted(found[name], *inputs), value) <= ACCURACY, name
 
 
+NEARLY = """walkgen = 1
+[robot]
+name = "nearly"
+gravity = [-2.3, 2.9, -0.25]
+[[leg_designs.leg.joints]]
+name = "yaw"
+type = "revolute"
+xyz = [0, 0, 0]
+rpy = [0, 0, 0]
+axis = [0, 0, 1]
+link = { mass = 1.5, com = [-0.28, 0.1, 0.05], inertia = [0.02, 0.025, 0.022, 0.001, 0.002, 0.003] }
+[[leg_designs.leg.joints]]
+name = "lift"
+type = "revolute"
+xyz = [0.2, 0, 0.1]
+rpy = [0.5, 0, 0]
+axis = [0, 0, 1]
+link = { mass = 0.7, com = [0.1, 0, 0.2], inertia = [0.01, 0.02, 0.015, 0, 0, 0] }
+[[platforms]]
+name = "base"
+mass = 1.8
+inertia = [0.02, 0.02, 0.03, 0, 0, 0]
+[[legs]]
+name = "leg"
+design = "leg"
+platform = "base"
+mount = { xyz = [0.11, 0.071, 0.05], rpy_deg = [0, 1e-4, 0] }
+"""
+"""Its first axis is 1e-4 degrees off the right angle to the first component of its lever."""
+
+
+def test_nearly_right_angles_lose_no_digits():
+    assert_legs(NEARLY, 3)
+    assert_robot(NEARLY, 3)
+
+
 @settings(UNSHRUNK, max_examples=2)
 @given(specs_with_bodies(), st.integers(0, 2**32 - 1))
 def test_legs(text, seed):

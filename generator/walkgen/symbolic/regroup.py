@@ -15,6 +15,9 @@ from walkgen.symbolic.inertia import Inertia, axial, difference, relative
 from walkgen.symbolic.tape import IDENTITY, Tape, Vec, constant_vector, minus, plus, scaled, times
 from walkgen.symbolic.tree import BASE, Foot, Link, Tree
 
+_LEAST_COSINE = sympy.Rational(1, 8)
+"""Of an axis with a component that a shift along it is to remove: a far origin would cost the inertia's digits."""
+
 
 def regrouped(tree: Tree, tape: Tape, floating: bool, *, by_value: bool = True) -> Tree:
     """The tree with as few inertial numbers and lever components as possible, and the same dynamics.
@@ -57,7 +60,7 @@ class _Regrouping:
     def _shifts(self, index: int) -> Iterator[sympy.Expr]:
         yield sympy.S.Zero
         link = self.links[index]
-        own = [-way / along for way, along in zip(link.origin, link.axis, strict=True) if along.is_number and along != 0]
+        own = [-way / along for way, along in zip(link.origin, link.axis, strict=True) if along.is_number and abs(along) > _LEAST_COSINE]
         others = [self.links[child].origin[2] for child in self.tree.children(index)]
         yield from (shift for shift in (*own, *others) if shift.is_number)
 
