@@ -3,11 +3,12 @@
 import hashlib
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 from walkgen.emit.artifact import Artifact, RobotCode
-from walkgen.emit.casadi_files import serialise
+from walkgen.emit.casadi_files import built_functions, serialise
 from walkgen.emit.emit import emit
 from walkgen.emit.landing import BUILD_FOLDER, staged, stale_files
 from walkgen.emit.manifest import operations, source_digest
@@ -133,12 +134,14 @@ def _compiled(artifacts: tuple[Artifact, ...], folder: Path, code: RobotCode, pr
 
 
 def _finished(folder: Path, artifacts: tuple[Artifact, ...], code: RobotCode, progress: Progress) -> str:
-    """Compile and serialise inside the folder; the library's name."""
+    """Compile and serialise inside the folder; the library's name. CasADi builds its functions while compilers work."""
     sources = tuple(artifact for artifact in artifacts if artifact.in_library)
-    library = _library(folder, code.mechanism.name, sources, progress) if sources else None
-    if "casadi" in code.targets:
+    with ThreadPoolExecutor(1) as beside:
+        functions = beside.submit(built_functions, folder) if "casadi" in code.targets else None
+        library = _library(folder, code.mechanism.name, sources, progress) if sources else None
+    if functions:
         progress("serialise")
-        serialise(folder, library.path.parent if library else folder / BUILD_FOLDER)
+        serialise(functions.result(), library.path.parent if library else folder / BUILD_FOLDER)
     return library.path.name if library else ""
 
 

@@ -26,7 +26,7 @@ from mechanisms.hand_programs import (
     single,
     toy,
 )
-from walkgen.emit.casadi_files import serialise
+from walkgen.emit.casadi_files import built_functions, serialise
 from walkgen.emit.casadi_printer import casadi_artifact
 from walkgen.graph.interpret import interpret
 from walkgen.graph.program import Call, Code, Composite, Op
@@ -154,14 +154,14 @@ def test_needs_casadi_alone(tmp_path):
 def test_serialised(tmp_path, routine):
     artifact = casadi_artifact(toy(shapes(), routine, guarded_inverse()))
     (tmp_path / artifact.path).write_text(artifact.text, encoding="utf-8")
-    files = serialise(tmp_path, tmp_path / "deep" / "out")
+    files = serialise(built_functions(tmp_path), tmp_path / "deep" / "out")
     assert [file.name for file in files] == ["toy_leg_shapes.casadi", "toy_leg_guarded.casadi"]
     agree(ca.Function.load(str(files[1]))(4.0, 1), [[[0.25]], [[0.0]]])
-    again = serialise(tmp_path, tmp_path / "again")
+    again = serialise(built_functions(tmp_path), tmp_path / "again")
     assert [file.read_bytes() for file in files] == [file.read_bytes() for file in again]
     assert not (tmp_path / "__pycache__").exists()
 
 
 def test_serialise_wants_one_robot(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"holds 0 files \*_casadi.py"):
-        serialise(tmp_path, tmp_path)
+        built_functions(tmp_path)
