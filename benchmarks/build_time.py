@@ -21,15 +21,11 @@ from pathlib import Path
 from compiling import versions
 from report import packages, table, write
 from trimmed import write_spec
-from walkgen.spec.functions import CHAIN_FUNCTIONS, DYNAMICS_FUNCTIONS, FLOATING_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, STANCE_FUNCTIONS
+from walkgen.spec.functions import CHAIN_FUNCTIONS, FORWARD_FUNCTIONS, INVERSE_FUNCTIONS, KINEMATIC_FUNCTIONS
 from walkgen.toolchain import FLAGS
 
 ROOT = Path(__file__).parents[1]
-KINEMATICS = tuple(
-    name
-    for name in dict.fromkeys((*LEG_FUNCTIONS, *CHAIN_FUNCTIONS, *ROBOT_FUNCTIONS))
-    if name not in {*DYNAMICS_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUNCTIONS, "foot_compliance"}
-)
+KINEMATICS = tuple(dict.fromkeys((*FORWARD_FUNCTIONS, *INVERSE_FUNCTIONS, *CHAIN_FUNCTIONS, *KINEMATIC_FUNCTIONS)))
 BUILDS: dict[str, tuple[str, Sequence[str] | None]] = {
     "mero": ("mero", None),
     "mero, kinematics": ("mero", KINEMATICS),

@@ -1,6 +1,7 @@
 """The command line: each command reads its arguments, calls one stage and prints; what is heavy is imported where it is used."""
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from walkgen.spec.schema import RobotSpec
 
 DIFFERENCE, USER_ERROR = 1, 2
+
+
+os.environ.setdefault("SYMPY_CACHE_SIZE", "None")  # a derivation meets far more terms again than sympy keeps
 
 
 class _Commands(TyperGroup):

@@ -73,7 +73,8 @@ def snapped(scalar: Scalar) -> Scalar:
 class Table(BaseModel):
     """A table of the spec; its fields are the keys as typed."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    # Only the outermost table's validator is ever used: the inner ones would be built for nothing, half a second in all.
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", use_attribute_docstrings=True)
 
     def si(self, key: str) -> Any:
         """The quantity in SI units: a Scalar, a tuple of them, or None where neither `key`, `key_deg` nor `key_mm` was given.
