@@ -16,80 +16,56 @@ static const walkgen_port ambler_rpp_leg_foot_position_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void ambler_rpp_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_position) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_foot_position((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_position_rows, ambler_rpp_leg_foot_position_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_position, double, 6, , ambler_rpp_leg_foot_position_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_rotation_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void ambler_rpp_leg_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_rotation) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_foot_rotation((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_foot_rotation_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_rotation_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_rotation_rows, ambler_rpp_leg_foot_rotation_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_rotation, double, 12, , ambler_rpp_leg_foot_rotation_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_pose_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {4, 4}},
 };
 
-static void ambler_rpp_leg_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_pose) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_foot_pose((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_foot_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[19];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_pose_rows, ambler_rpp_leg_foot_pose_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_pose, double, 19, , ambler_rpp_leg_foot_pose_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void ambler_rpp_leg_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_foot_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_foot_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_jacobian_rows, ambler_rpp_leg_foot_jacobian_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_jacobian, double, 12, , ambler_rpp_leg_foot_jacobian_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_position_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -97,7 +73,7 @@ static const walkgen_port ambler_rpp_leg_foot_position_jacobian_ports[] = {
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void ambler_rpp_leg_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_position_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -107,53 +83,35 @@ static void ambler_rpp_leg_foot_position_jacobian_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_foot_position_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_position_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_position_jacobian_rows, ambler_rpp_leg_foot_position_jacobian_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_position_jacobian, double, 15, , ambler_rpp_leg_foot_position_jacobian_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_foot_spatial_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {6, 3}},
 };
 
-static void ambler_rpp_leg_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_spatial_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_foot_spatial_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_foot_spatial_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_spatial_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[21];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_spatial_jacobian_rows, ambler_rpp_leg_foot_spatial_jacobian_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_spatial_jacobian, double, 21, , ambler_rpp_leg_foot_spatial_jacobian_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_hessian_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {3, 3, 3}},
 };
 
-static void ambler_rpp_leg_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_hessian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_foot_hessian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_foot_hessian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_hessian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[30];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_hessian_rows, ambler_rpp_leg_foot_hessian_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_hessian, double, 30, , ambler_rpp_leg_foot_hessian_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -161,7 +119,7 @@ static const walkgen_port ambler_rpp_leg_foot_velocity_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void ambler_rpp_leg_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_velocity) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -171,13 +129,7 @@ static void ambler_rpp_leg_foot_velocity_rows(intptr_t rows, char *const *a, con
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_foot_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_velocity_rows, ambler_rpp_leg_foot_velocity_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_velocity, double, 9, , ambler_rpp_leg_foot_velocity_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_foot_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -186,7 +138,7 @@ static const walkgen_port ambler_rpp_leg_foot_acceleration_ports[] = {
     {8, 1, 72, 1, {3}},
 };
 
-static void ambler_rpp_leg_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -197,13 +149,7 @@ static void ambler_rpp_leg_foot_acceleration_rows(intptr_t rows, char *const *a,
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void ambler_rpp_leg_foot_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_acceleration_rows, ambler_rpp_leg_foot_acceleration_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_acceleration, double, 12, , ambler_rpp_leg_foot_acceleration_ports, 4)
 
 static const walkgen_port ambler_rpp_leg_foot_bias_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -211,7 +157,7 @@ static const walkgen_port ambler_rpp_leg_foot_bias_acceleration_ports[] = {
     {8, 1, 48, 1, {6}},
 };
 
-static void ambler_rpp_leg_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_bias_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -221,13 +167,7 @@ static void ambler_rpp_leg_foot_bias_acceleration_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_foot_bias_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_bias_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_bias_acceleration_rows, ambler_rpp_leg_foot_bias_acceleration_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_bias_acceleration, double, 12, , ambler_rpp_leg_foot_bias_acceleration_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_foot_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -235,7 +175,7 @@ static const walkgen_port ambler_rpp_leg_foot_torque_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void ambler_rpp_leg_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_foot_torque) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -245,33 +185,21 @@ static void ambler_rpp_leg_foot_torque_rows(intptr_t rows, char *const *a, const
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_foot_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_foot_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_foot_torque_rows, ambler_rpp_leg_foot_torque_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_foot_torque, double, 9, , ambler_rpp_leg_foot_torque_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_joint_frames_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {4, 4, 4}},
 };
 
-static void ambler_rpp_leg_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_joint_frames) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_joint_frames((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_joint_frames_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_joint_frames_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[67];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_joint_frames_rows, ambler_rpp_leg_joint_frames_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_joint_frames, double, 67, , ambler_rpp_leg_joint_frames_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_inverse_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -279,7 +207,7 @@ static const walkgen_port ambler_rpp_leg_inverse_ports[] = {
     {4, 1, 72, 1, {2}},
 };
 
-static void ambler_rpp_leg_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -289,13 +217,7 @@ static void ambler_rpp_leg_inverse_rows(intptr_t rows, char *const *a, const int
             (int32_t *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_inverse_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[11];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_rows, ambler_rpp_leg_inverse_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse, double, 11, , ambler_rpp_leg_inverse_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_inverse_branch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -304,7 +226,7 @@ static const walkgen_port ambler_rpp_leg_inverse_branch_ports[] = {
     {4, 1, 56, 0, {1}},
 };
 
-static void ambler_rpp_leg_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_branch) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -314,13 +236,7 @@ static void ambler_rpp_leg_inverse_branch_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_inverse_branch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_branch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[8];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_branch_rows, ambler_rpp_leg_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_branch, double, 8, , ambler_rpp_leg_inverse_branch_ports, 4)
 
 static const walkgen_port ambler_rpp_leg_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -329,7 +245,7 @@ static const walkgen_port ambler_rpp_leg_inverse_near_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void ambler_rpp_leg_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_near) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -339,13 +255,7 @@ static void ambler_rpp_leg_inverse_near_rows(intptr_t rows, char *const *a, cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[10];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_near_rows, ambler_rpp_leg_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_near, double, 10, , ambler_rpp_leg_inverse_near_ports, 4)
 
 static const walkgen_port ambler_rpp_leg_inverse_admissible_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -353,7 +263,7 @@ static const walkgen_port ambler_rpp_leg_inverse_admissible_ports[] = {
     {4, 1, 48, 0, {1}},
 };
 
-static void ambler_rpp_leg_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_admissible) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -362,53 +272,35 @@ static void ambler_rpp_leg_inverse_admissible_rows(intptr_t rows, char *const *a
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_admissible_rows, ambler_rpp_leg_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_admissible, double, 7, , ambler_rpp_leg_inverse_admissible_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_inverse_distance_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 1, {2}},
 };
 
-static void ambler_rpp_leg_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_distance) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[5];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_distance_rows, ambler_rpp_leg_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_distance, double, 5, , ambler_rpp_leg_inverse_distance_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_within_limits_ports[] = {
     {8, 0, 0, 1, {3}},
     {4, 1, 24, 0, {1}},
 };
 
-static void ambler_rpp_leg_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_within_limits) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         *(int32_t *)(a[1] + at * step[1]) = ambler_rpp_leg_within_limits((const double *)(a[0] + at * step[0]));
     }
 }
-
-void ambler_rpp_leg_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[4];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_within_limits_rows, ambler_rpp_leg_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_within_limits, double, 4, , ambler_rpp_leg_within_limits_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -417,7 +309,7 @@ static const walkgen_port ambler_rpp_leg_inverse_velocity_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void ambler_rpp_leg_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_velocity) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -427,13 +319,7 @@ static void ambler_rpp_leg_inverse_velocity_rows(intptr_t rows, char *const *a, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[10];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_velocity_rows, ambler_rpp_leg_inverse_velocity_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_velocity, double, 10, , ambler_rpp_leg_inverse_velocity_ports, 4)
 
 static const walkgen_port ambler_rpp_leg_inverse_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -443,7 +329,7 @@ static const walkgen_port ambler_rpp_leg_inverse_acceleration_ports[] = {
     {4, 1, 96, 0, {1}},
 };
 
-static void ambler_rpp_leg_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -454,13 +340,7 @@ static void ambler_rpp_leg_inverse_acceleration_rows(intptr_t rows, char *const 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void ambler_rpp_leg_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[13];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_acceleration_rows, ambler_rpp_leg_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_acceleration, double, 13, , ambler_rpp_leg_inverse_acceleration_ports, 5)
 
 static const walkgen_port ambler_rpp_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -470,7 +350,7 @@ static const walkgen_port ambler_rpp_leg_inverse_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void ambler_rpp_leg_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -482,13 +362,7 @@ static void ambler_rpp_leg_inverse_dynamics_rows(intptr_t rows, char *const *a, 
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void ambler_rpp_leg_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_dynamics_rows, ambler_rpp_leg_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_dynamics, double, 15, , ambler_rpp_leg_inverse_dynamics_ports, 5)
 
 static const walkgen_port ambler_rpp_leg_forward_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -498,7 +372,7 @@ static const walkgen_port ambler_rpp_leg_forward_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void ambler_rpp_leg_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_forward_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -510,33 +384,21 @@ static void ambler_rpp_leg_forward_dynamics_rows(intptr_t rows, char *const *a, 
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void ambler_rpp_leg_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_forward_dynamics_rows, ambler_rpp_leg_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_forward_dynamics, double, 15, , ambler_rpp_leg_forward_dynamics_ports, 5)
 
 static const walkgen_port ambler_rpp_leg_mass_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void ambler_rpp_leg_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_mass_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_mass_matrix_rows, ambler_rpp_leg_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_mass_matrix, double, 12, , ambler_rpp_leg_mass_matrix_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_bias_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -544,7 +406,7 @@ static const walkgen_port ambler_rpp_leg_bias_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void ambler_rpp_leg_bias_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_bias) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -554,33 +416,21 @@ static void ambler_rpp_leg_bias_rows(intptr_t rows, char *const *a, const intptr
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_bias_rows, ambler_rpp_leg_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_bias, double, 9, , ambler_rpp_leg_bias_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_gravity_torque_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 1, {3}},
 };
 
-static void ambler_rpp_leg_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_gravity_torque) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_gravity_torque_rows, ambler_rpp_leg_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_gravity_torque, double, 6, , ambler_rpp_leg_gravity_torque_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_coriolis_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -588,7 +438,7 @@ static const walkgen_port ambler_rpp_leg_coriolis_matrix_ports[] = {
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void ambler_rpp_leg_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_coriolis_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -598,13 +448,7 @@ static void ambler_rpp_leg_coriolis_matrix_rows(intptr_t rows, char *const *a, c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_coriolis_matrix_rows, ambler_rpp_leg_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_coriolis_matrix, double, 15, , ambler_rpp_leg_coriolis_matrix_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_kinetic_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -612,7 +456,7 @@ static const walkgen_port ambler_rpp_leg_kinetic_energy_ports[] = {
     {8, 1, 48, 0, {1}},
 };
 
-static void ambler_rpp_leg_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_kinetic_energy) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -622,33 +466,21 @@ static void ambler_rpp_leg_kinetic_energy_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_leg_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_kinetic_energy_rows, ambler_rpp_leg_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_kinetic_energy, double, 7, , ambler_rpp_leg_kinetic_energy_ports, 3)
 
 static const walkgen_port ambler_rpp_leg_potential_energy_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 0, {1}},
 };
 
-static void ambler_rpp_leg_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_potential_energy) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_leg_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_leg_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[4];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_potential_energy_rows, ambler_rpp_leg_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_potential_energy, double, 4, , ambler_rpp_leg_potential_energy_ports, 2)
 
 static const walkgen_port ambler_rpp_leg_inverse_dynamics_derivatives_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -658,7 +490,7 @@ static const walkgen_port ambler_rpp_leg_inverse_dynamics_derivatives_ports[] = 
     {8, 1, 144, 2, {3, 3}},
 };
 
-static void ambler_rpp_leg_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_inverse_dynamics_derivatives) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -670,13 +502,7 @@ static void ambler_rpp_leg_inverse_dynamics_derivatives_rows(intptr_t rows, char
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void ambler_rpp_leg_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[27];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_inverse_dynamics_derivatives_rows, ambler_rpp_leg_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_inverse_dynamics_derivatives, double, 27, , ambler_rpp_leg_inverse_dynamics_derivatives_ports, 5)
 
 static const walkgen_port ambler_rpp_leg_regressor_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -685,7 +511,7 @@ static const walkgen_port ambler_rpp_leg_regressor_ports[] = {
     {8, 1, 72, 2, {3, 30}},
 };
 
-static void ambler_rpp_leg_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_regressor) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -696,13 +522,7 @@ static void ambler_rpp_leg_regressor_rows(intptr_t rows, char *const *a, const i
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void ambler_rpp_leg_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[99];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_regressor_rows, ambler_rpp_leg_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_regressor, double, 99, , ambler_rpp_leg_regressor_ports, 4)
 
 static const walkgen_port ambler_rpp_leg_base_parameters_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -712,7 +532,7 @@ static const walkgen_port ambler_rpp_leg_base_parameters_ports[] = {
     {8, 1, 192, 1, {5}},
 };
 
-static void ambler_rpp_leg_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_leg_base_parameters) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -724,73 +544,49 @@ static void ambler_rpp_leg_base_parameters_rows(intptr_t rows, char *const *a, c
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void ambler_rpp_leg_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_leg_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[29];
-    (void)data;
-    walkgen_loop(ambler_rpp_leg_base_parameters_rows, ambler_rpp_leg_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_leg_base_parameters, double, 29, , ambler_rpp_leg_base_parameters_ports, 5)
 
 static const walkgen_port ambler_rpp_platform_poses_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {1, 4, 4}},
 };
 
-static void ambler_rpp_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_platform_poses) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_platform_poses((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_platform_poses_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_platform_poses_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[19];
-    (void)data;
-    walkgen_loop(ambler_rpp_platform_poses_rows, ambler_rpp_platform_poses_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_platform_poses, double, 19, , ambler_rpp_platform_poses_ports, 2)
 
 static const walkgen_port ambler_rpp_foot_positions_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {1, 3}},
 };
 
-static void ambler_rpp_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_foot_positions) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_foot_positions((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_foot_positions_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_foot_positions_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(ambler_rpp_foot_positions_rows, ambler_rpp_foot_positions_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_foot_positions, double, 6, , ambler_rpp_foot_positions_ports, 2)
 
 static const walkgen_port ambler_rpp_foot_jacobians_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {1, 3, 3}},
 };
 
-static void ambler_rpp_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_foot_jacobians) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         ambler_rpp_foot_jacobians((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void ambler_rpp_foot_jacobians_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_foot_jacobians_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(ambler_rpp_foot_jacobians_rows, ambler_rpp_foot_jacobians_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_foot_jacobians, double, 12, , ambler_rpp_foot_jacobians_ports, 2)
 
 static const walkgen_port ambler_rpp_com_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -798,7 +594,7 @@ static const walkgen_port ambler_rpp_com_ports[] = {
     {8, 1, 152, 1, {3}},
 };
 
-static void ambler_rpp_com_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_com) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -808,13 +604,7 @@ static void ambler_rpp_com_rows(intptr_t rows, char *const *a, const intptr_t *s
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[22];
-    (void)data;
-    walkgen_loop(ambler_rpp_com_rows, ambler_rpp_com_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_com, double, 22, , ambler_rpp_com_ports, 3)
 
 static const walkgen_port ambler_rpp_com_jacobian_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -822,7 +612,7 @@ static const walkgen_port ambler_rpp_com_jacobian_ports[] = {
     {8, 1, 152, 2, {3, 9}},
 };
 
-static void ambler_rpp_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_com_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -832,13 +622,7 @@ static void ambler_rpp_com_jacobian_rows(intptr_t rows, char *const *a, const in
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[46];
-    (void)data;
-    walkgen_loop(ambler_rpp_com_jacobian_rows, ambler_rpp_com_jacobian_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_com_jacobian, double, 46, , ambler_rpp_com_jacobian_ports, 3)
 
 static const walkgen_port ambler_rpp_centroidal_momentum_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -846,7 +630,7 @@ static const walkgen_port ambler_rpp_centroidal_momentum_matrix_ports[] = {
     {8, 1, 152, 2, {6, 9}},
 };
 
-static void ambler_rpp_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_centroidal_momentum_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -856,13 +640,7 @@ static void ambler_rpp_centroidal_momentum_matrix_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[73];
-    (void)data;
-    walkgen_loop(ambler_rpp_centroidal_momentum_matrix_rows, ambler_rpp_centroidal_momentum_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_centroidal_momentum_matrix, double, 73, , ambler_rpp_centroidal_momentum_matrix_ports, 3)
 
 static const walkgen_port ambler_rpp_centroidal_inertia_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -870,7 +648,7 @@ static const walkgen_port ambler_rpp_centroidal_inertia_ports[] = {
     {8, 1, 152, 2, {3, 3}},
 };
 
-static void ambler_rpp_centroidal_inertia_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_centroidal_inertia) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -880,13 +658,7 @@ static void ambler_rpp_centroidal_inertia_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_centroidal_inertia_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_centroidal_inertia_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[28];
-    (void)data;
-    walkgen_loop(ambler_rpp_centroidal_inertia_rows, ambler_rpp_centroidal_inertia_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_centroidal_inertia, double, 28, , ambler_rpp_centroidal_inertia_ports, 3)
 
 static const walkgen_port ambler_rpp_momentum_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -895,7 +667,7 @@ static const walkgen_port ambler_rpp_momentum_ports[] = {
     {8, 1, 224, 1, {6}},
 };
 
-static void ambler_rpp_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_momentum) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -906,13 +678,7 @@ static void ambler_rpp_momentum_rows(intptr_t rows, char *const *a, const intptr
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void ambler_rpp_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[34];
-    (void)data;
-    walkgen_loop(ambler_rpp_momentum_rows, ambler_rpp_momentum_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_momentum, double, 34, , ambler_rpp_momentum_ports, 4)
 
 static const walkgen_port ambler_rpp_momentum_rate_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -922,7 +688,7 @@ static const walkgen_port ambler_rpp_momentum_rate_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void ambler_rpp_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_momentum_rate) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -934,13 +700,7 @@ static void ambler_rpp_momentum_rate_rows(intptr_t rows, char *const *a, const i
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void ambler_rpp_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[43];
-    (void)data;
-    walkgen_loop(ambler_rpp_momentum_rate_rows, ambler_rpp_momentum_rate_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_momentum_rate, double, 43, , ambler_rpp_momentum_rate_ports, 5)
 
 static const walkgen_port ambler_rpp_demanded_wrench_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -950,7 +710,7 @@ static const walkgen_port ambler_rpp_demanded_wrench_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void ambler_rpp_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_demanded_wrench) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -962,13 +722,7 @@ static void ambler_rpp_demanded_wrench_rows(intptr_t rows, char *const *a, const
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void ambler_rpp_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[43];
-    (void)data;
-    walkgen_loop(ambler_rpp_demanded_wrench_rows, ambler_rpp_demanded_wrench_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_demanded_wrench, double, 43, , ambler_rpp_demanded_wrench_ports, 5)
 
 static const walkgen_port ambler_rpp_floating_mass_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -976,7 +730,7 @@ static const walkgen_port ambler_rpp_floating_mass_matrix_ports[] = {
     {8, 1, 152, 2, {9, 9}},
 };
 
-static void ambler_rpp_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_floating_mass_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -986,13 +740,7 @@ static void ambler_rpp_floating_mass_matrix_rows(intptr_t rows, char *const *a, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void ambler_rpp_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[100];
-    (void)data;
-    walkgen_loop(ambler_rpp_floating_mass_matrix_rows, ambler_rpp_floating_mass_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_floating_mass_matrix, double, 100, , ambler_rpp_floating_mass_matrix_ports, 3)
 
 static const walkgen_port ambler_rpp_floating_inverse_dynamics_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1003,7 +751,7 @@ static const walkgen_port ambler_rpp_floating_inverse_dynamics_ports[] = {
     {8, 1, 320, 1, {9}},
 };
 
-static void ambler_rpp_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(ambler_rpp_floating_inverse_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1016,13 +764,7 @@ static void ambler_rpp_floating_inverse_dynamics_rows(intptr_t rows, char *const
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void ambler_rpp_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void ambler_rpp_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[49];
-    (void)data;
-    walkgen_loop(ambler_rpp_floating_inverse_dynamics_rows, ambler_rpp_floating_inverse_dynamics_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(ambler_rpp_floating_inverse_dynamics, double, 49, , ambler_rpp_floating_inverse_dynamics_ports, 6)
 
 #ifdef __cplusplus
 }

@@ -17,7 +17,7 @@ static const walkgen_port mero_leg_param_leg_foot_position_ports[] = {
     {8, 1, 40, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_position) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -27,13 +27,7 @@ static void mero_leg_param_leg_foot_position_rows(intptr_t rows, char *const *a,
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[8];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_position_rows, mero_leg_param_leg_foot_position_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_position, double, 8, , mero_leg_param_leg_foot_position_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -41,7 +35,7 @@ static const walkgen_port mero_leg_param_leg_foot_position_d_param_ports[] = {
     {8, 1, 40, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_position_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_position_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -51,13 +45,7 @@ static void mero_leg_param_leg_foot_position_d_param_rows(intptr_t rows, char *c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_position_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_position_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[11];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_position_d_param_rows, mero_leg_param_leg_foot_position_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_position_d_param, double, 11, , mero_leg_param_leg_foot_position_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -65,7 +53,7 @@ static const walkgen_port mero_leg_param_leg_foot_rotation_ports[] = {
     {8, 1, 40, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_rotation) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -75,13 +63,7 @@ static void mero_leg_param_leg_foot_rotation_rows(intptr_t rows, char *const *a,
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_rotation_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_rotation_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_rotation_rows, mero_leg_param_leg_foot_rotation_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_rotation, double, 14, , mero_leg_param_leg_foot_rotation_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -89,7 +71,7 @@ static const walkgen_port mero_leg_param_leg_foot_rotation_d_param_ports[] = {
     {8, 1, 40, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_rotation_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_rotation_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -99,13 +81,7 @@ static void mero_leg_param_leg_foot_rotation_d_param_rows(intptr_t rows, char *c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_rotation_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_rotation_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[23];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_rotation_d_param_rows, mero_leg_param_leg_foot_rotation_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_rotation_d_param, double, 23, , mero_leg_param_leg_foot_rotation_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -113,7 +89,7 @@ static const walkgen_port mero_leg_param_leg_foot_pose_ports[] = {
     {8, 1, 40, 2, {4, 4}},
 };
 
-static void mero_leg_param_leg_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_pose) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -123,13 +99,7 @@ static void mero_leg_param_leg_foot_pose_rows(intptr_t rows, char *const *a, con
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[21];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_pose_rows, mero_leg_param_leg_foot_pose_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_pose, double, 21, , mero_leg_param_leg_foot_pose_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -137,7 +107,7 @@ static const walkgen_port mero_leg_param_leg_foot_pose_d_param_ports[] = {
     {8, 1, 40, 3, {4, 4, 2}},
 };
 
-static void mero_leg_param_leg_foot_pose_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_pose_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -147,13 +117,7 @@ static void mero_leg_param_leg_foot_pose_d_param_rows(intptr_t rows, char *const
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_pose_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_pose_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[37];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_pose_d_param_rows, mero_leg_param_leg_foot_pose_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_pose_d_param, double, 37, , mero_leg_param_leg_foot_pose_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -161,7 +125,7 @@ static const walkgen_port mero_leg_param_leg_foot_jacobian_ports[] = {
     {8, 1, 40, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -171,13 +135,7 @@ static void mero_leg_param_leg_foot_jacobian_rows(intptr_t rows, char *const *a,
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_jacobian_rows, mero_leg_param_leg_foot_jacobian_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian, double, 14, , mero_leg_param_leg_foot_jacobian_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -185,7 +143,7 @@ static const walkgen_port mero_leg_param_leg_foot_jacobian_d_param_ports[] = {
     {8, 1, 40, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -195,13 +153,7 @@ static void mero_leg_param_leg_foot_jacobian_d_param_rows(intptr_t rows, char *c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[23];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_jacobian_d_param_rows, mero_leg_param_leg_foot_jacobian_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian_d_param, double, 23, , mero_leg_param_leg_foot_jacobian_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -210,7 +162,7 @@ static const walkgen_port mero_leg_param_leg_foot_position_jacobian_ports[] = {
     {8, 1, 64, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -221,13 +173,7 @@ static void mero_leg_param_leg_foot_position_jacobian_rows(intptr_t rows, char *
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_position_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_position_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[17];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_position_jacobian_rows, mero_leg_param_leg_foot_position_jacobian_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian, double, 17, , mero_leg_param_leg_foot_position_jacobian_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -236,7 +182,7 @@ static const walkgen_port mero_leg_param_leg_foot_position_jacobian_d_param_port
     {8, 1, 88, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_position_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -247,13 +193,7 @@ static void mero_leg_param_leg_foot_position_jacobian_d_param_rows(intptr_t rows
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_position_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_position_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[29];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_position_jacobian_d_param_rows, mero_leg_param_leg_foot_position_jacobian_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian_d_param, double, 29, , mero_leg_param_leg_foot_position_jacobian_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -261,7 +201,7 @@ static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_ports[] = {
     {8, 1, 40, 2, {6, 3}},
 };
 
-static void mero_leg_param_leg_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_spatial_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -271,13 +211,7 @@ static void mero_leg_param_leg_foot_spatial_jacobian_rows(intptr_t rows, char *c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_spatial_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_spatial_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[23];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_spatial_jacobian_rows, mero_leg_param_leg_foot_spatial_jacobian_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian, double, 23, , mero_leg_param_leg_foot_spatial_jacobian_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -285,7 +219,7 @@ static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_d_param_ports
     {8, 1, 40, 3, {6, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_spatial_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_spatial_jacobian_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -295,13 +229,7 @@ static void mero_leg_param_leg_foot_spatial_jacobian_d_param_rows(intptr_t rows,
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_spatial_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_spatial_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[41];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_spatial_jacobian_d_param_rows, mero_leg_param_leg_foot_spatial_jacobian_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian_d_param, double, 41, , mero_leg_param_leg_foot_spatial_jacobian_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_hessian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -309,7 +237,7 @@ static const walkgen_port mero_leg_param_leg_foot_hessian_ports[] = {
     {8, 1, 40, 3, {3, 3, 3}},
 };
 
-static void mero_leg_param_leg_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_hessian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -319,13 +247,7 @@ static void mero_leg_param_leg_foot_hessian_rows(intptr_t rows, char *const *a, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_hessian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_hessian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[32];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_hessian_rows, mero_leg_param_leg_foot_hessian_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_hessian, double, 32, , mero_leg_param_leg_foot_hessian_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_hessian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -333,7 +255,7 @@ static const walkgen_port mero_leg_param_leg_foot_hessian_d_param_ports[] = {
     {8, 1, 40, 4, {3, 3, 3, 2}},
 };
 
-static void mero_leg_param_leg_foot_hessian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_hessian_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -343,13 +265,7 @@ static void mero_leg_param_leg_foot_hessian_d_param_rows(intptr_t rows, char *co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_foot_hessian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_hessian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[59];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_hessian_d_param_rows, mero_leg_param_leg_foot_hessian_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_hessian_d_param, double, 59, , mero_leg_param_leg_foot_hessian_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -358,7 +274,7 @@ static const walkgen_port mero_leg_param_leg_foot_velocity_ports[] = {
     {8, 1, 64, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_velocity) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -369,13 +285,7 @@ static void mero_leg_param_leg_foot_velocity_rows(intptr_t rows, char *const *a,
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[11];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_velocity_rows, mero_leg_param_leg_foot_velocity_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_velocity, double, 11, , mero_leg_param_leg_foot_velocity_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_velocity_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -384,7 +294,7 @@ static const walkgen_port mero_leg_param_leg_foot_velocity_d_param_ports[] = {
     {8, 1, 64, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_velocity_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_velocity_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -395,13 +305,7 @@ static void mero_leg_param_leg_foot_velocity_d_param_rows(intptr_t rows, char *c
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_velocity_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_velocity_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_velocity_d_param_rows, mero_leg_param_leg_foot_velocity_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_velocity_d_param, double, 14, , mero_leg_param_leg_foot_velocity_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -411,7 +315,7 @@ static const walkgen_port mero_leg_param_leg_foot_acceleration_ports[] = {
     {8, 1, 88, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -423,13 +327,7 @@ static void mero_leg_param_leg_foot_acceleration_rows(intptr_t rows, char *const
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void mero_leg_param_leg_foot_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_acceleration_rows, mero_leg_param_leg_foot_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration, double, 14, , mero_leg_param_leg_foot_acceleration_ports, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -439,7 +337,7 @@ static const walkgen_port mero_leg_param_leg_foot_acceleration_d_param_ports[] =
     {8, 1, 88, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_acceleration_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -451,13 +349,7 @@ static void mero_leg_param_leg_foot_acceleration_d_param_rows(intptr_t rows, cha
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void mero_leg_param_leg_foot_acceleration_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_acceleration_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[17];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_acceleration_d_param_rows, mero_leg_param_leg_foot_acceleration_d_param_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration_d_param, double, 17, , mero_leg_param_leg_foot_acceleration_d_param_ports, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -466,7 +358,7 @@ static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_ports[] = {
     {8, 1, 64, 1, {6}},
 };
 
-static void mero_leg_param_leg_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -477,13 +369,7 @@ static void mero_leg_param_leg_foot_bias_acceleration_rows(intptr_t rows, char *
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_bias_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_bias_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_bias_acceleration_rows, mero_leg_param_leg_foot_bias_acceleration_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration, double, 14, , mero_leg_param_leg_foot_bias_acceleration_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -492,7 +378,7 @@ static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_d_param_port
     {8, 1, 64, 2, {6, 2}},
 };
 
-static void mero_leg_param_leg_foot_bias_acceleration_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -503,13 +389,7 @@ static void mero_leg_param_leg_foot_bias_acceleration_d_param_rows(intptr_t rows
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_bias_acceleration_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_bias_acceleration_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[20];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_bias_acceleration_d_param_rows, mero_leg_param_leg_foot_bias_acceleration_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration_d_param, double, 20, , mero_leg_param_leg_foot_bias_acceleration_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -518,7 +398,7 @@ static const walkgen_port mero_leg_param_leg_foot_torque_ports[] = {
     {8, 1, 64, 1, {3}},
 };
 
-static void mero_leg_param_leg_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_torque) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -529,13 +409,7 @@ static void mero_leg_param_leg_foot_torque_rows(intptr_t rows, char *const *a, c
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[11];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_torque_rows, mero_leg_param_leg_foot_torque_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_torque, double, 11, , mero_leg_param_leg_foot_torque_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -544,7 +418,7 @@ static const walkgen_port mero_leg_param_leg_foot_torque_d_param_ports[] = {
     {8, 1, 64, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_foot_torque_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_foot_torque_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -555,13 +429,7 @@ static void mero_leg_param_leg_foot_torque_d_param_rows(intptr_t rows, char *con
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_foot_torque_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_foot_torque_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_foot_torque_d_param_rows, mero_leg_param_leg_foot_torque_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_foot_torque_d_param, double, 14, , mero_leg_param_leg_foot_torque_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_joint_frames_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -569,7 +437,7 @@ static const walkgen_port mero_leg_param_leg_joint_frames_ports[] = {
     {8, 1, 40, 3, {4, 4, 4}},
 };
 
-static void mero_leg_param_leg_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_joint_frames) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -579,13 +447,7 @@ static void mero_leg_param_leg_joint_frames_rows(intptr_t rows, char *const *a, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_joint_frames_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_joint_frames_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[69];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_joint_frames_rows, mero_leg_param_leg_joint_frames_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_joint_frames, double, 69, , mero_leg_param_leg_joint_frames_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_joint_frames_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -593,7 +455,7 @@ static const walkgen_port mero_leg_param_leg_joint_frames_d_param_ports[] = {
     {8, 1, 40, 4, {4, 4, 4, 2}},
 };
 
-static void mero_leg_param_leg_joint_frames_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_joint_frames_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -603,13 +465,7 @@ static void mero_leg_param_leg_joint_frames_d_param_rows(intptr_t rows, char *co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_joint_frames_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_joint_frames_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[133];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_joint_frames_d_param_rows, mero_leg_param_leg_joint_frames_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_joint_frames_d_param, double, 133, , mero_leg_param_leg_joint_frames_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -618,7 +474,7 @@ static const walkgen_port mero_leg_param_leg_inverse_ports[] = {
     {4, 1, 136, 1, {4}},
 };
 
-static void mero_leg_param_leg_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -629,13 +485,7 @@ static void mero_leg_param_leg_inverse_rows(intptr_t rows, char *const *a, const
             (int32_t *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_inverse_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[21];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_rows, mero_leg_param_leg_inverse_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse, double, 21, , mero_leg_param_leg_inverse_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_inverse_branch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -645,7 +495,7 @@ static const walkgen_port mero_leg_param_leg_inverse_branch_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_branch) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -656,13 +506,7 @@ static void mero_leg_param_leg_inverse_branch_rows(intptr_t rows, char *const *a
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_inverse_branch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_branch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[10];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_branch_rows, mero_leg_param_leg_inverse_branch_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_branch, double, 10, , mero_leg_param_leg_inverse_branch_ports, 5)
 
 static const walkgen_port mero_leg_param_leg_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -672,7 +516,7 @@ static const walkgen_port mero_leg_param_leg_inverse_near_ports[] = {
     {4, 1, 88, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_near) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -683,13 +527,7 @@ static void mero_leg_param_leg_inverse_near_rows(intptr_t rows, char *const *a, 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_near_rows, mero_leg_param_leg_inverse_near_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_near, double, 12, , mero_leg_param_leg_inverse_near_ports, 5)
 
 static const walkgen_port mero_leg_param_leg_inverse_admissible_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -698,7 +536,7 @@ static const walkgen_port mero_leg_param_leg_inverse_admissible_ports[] = {
     {4, 1, 64, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_admissible) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -708,13 +546,7 @@ static void mero_leg_param_leg_inverse_admissible_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_admissible_rows, mero_leg_param_leg_inverse_admissible_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_admissible, double, 9, , mero_leg_param_leg_inverse_admissible_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_inverse_distance_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -722,7 +554,7 @@ static const walkgen_port mero_leg_param_leg_inverse_distance_ports[] = {
     {8, 1, 40, 1, {4}},
 };
 
-static void mero_leg_param_leg_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_distance) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -732,13 +564,7 @@ static void mero_leg_param_leg_inverse_distance_rows(intptr_t rows, char *const 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_distance_rows, mero_leg_param_leg_inverse_distance_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_distance, double, 9, , mero_leg_param_leg_inverse_distance_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_within_limits_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -746,7 +572,7 @@ static const walkgen_port mero_leg_param_leg_within_limits_ports[] = {
     {4, 1, 40, 0, {1}},
 };
 
-static void mero_leg_param_leg_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_within_limits) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -755,13 +581,7 @@ static void mero_leg_param_leg_within_limits_rows(intptr_t rows, char *const *a,
             (const double *)(a[1] + at * step[1]));
     }
 }
-
-void mero_leg_param_leg_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_within_limits_rows, mero_leg_param_leg_within_limits_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_within_limits, double, 6, , mero_leg_param_leg_within_limits_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_within_limits_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -769,7 +589,7 @@ static const walkgen_port mero_leg_param_leg_within_limits_d_param_ports[] = {
     {4, 1, 40, 1, {2}},
 };
 
-static void mero_leg_param_leg_within_limits_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_within_limits_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -779,13 +599,7 @@ static void mero_leg_param_leg_within_limits_d_param_rows(intptr_t rows, char *c
             (int32_t *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_within_limits_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_within_limits_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_within_limits_d_param_rows, mero_leg_param_leg_within_limits_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_within_limits_d_param, double, 7, , mero_leg_param_leg_within_limits_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -795,7 +609,7 @@ static const walkgen_port mero_leg_param_leg_inverse_velocity_ports[] = {
     {4, 1, 88, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_velocity) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -806,13 +620,7 @@ static void mero_leg_param_leg_inverse_velocity_rows(intptr_t rows, char *const 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_velocity_rows, mero_leg_param_leg_inverse_velocity_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_velocity, double, 12, , mero_leg_param_leg_inverse_velocity_ports, 5)
 
 static const walkgen_port mero_leg_param_leg_inverse_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -823,7 +631,7 @@ static const walkgen_port mero_leg_param_leg_inverse_acceleration_ports[] = {
     {4, 1, 112, 0, {1}},
 };
 
-static void mero_leg_param_leg_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -835,13 +643,7 @@ static void mero_leg_param_leg_inverse_acceleration_rows(intptr_t rows, char *co
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void mero_leg_param_leg_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_acceleration_rows, mero_leg_param_leg_inverse_acceleration_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_acceleration, double, 15, , mero_leg_param_leg_inverse_acceleration_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -852,7 +654,7 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_ports[] = {
     {8, 1, 112, 1, {3}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -865,13 +667,7 @@ static void mero_leg_param_leg_inverse_dynamics_rows(intptr_t rows, char *const 
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[17];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_dynamics_rows, mero_leg_param_leg_inverse_dynamics_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics, double, 17, , mero_leg_param_leg_inverse_dynamics_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -882,7 +678,7 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = 
     {8, 1, 112, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -895,13 +691,7 @@ static void mero_leg_param_leg_inverse_dynamics_d_param_rows(intptr_t rows, char
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_inverse_dynamics_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_dynamics_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[20];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_dynamics_d_param_rows, mero_leg_param_leg_inverse_dynamics_d_param_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_d_param, double, 20, , mero_leg_param_leg_inverse_dynamics_d_param_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -912,7 +702,7 @@ static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
     {8, 1, 112, 1, {3}},
 };
 
-static void mero_leg_param_leg_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_forward_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -925,13 +715,7 @@ static void mero_leg_param_leg_forward_dynamics_rows(intptr_t rows, char *const 
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[17];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_forward_dynamics_rows, mero_leg_param_leg_forward_dynamics_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics, double, 17, , mero_leg_param_leg_forward_dynamics_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -942,7 +726,7 @@ static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = 
     {8, 1, 112, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_forward_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_forward_dynamics_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -955,13 +739,7 @@ static void mero_leg_param_leg_forward_dynamics_d_param_rows(intptr_t rows, char
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_forward_dynamics_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_forward_dynamics_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[20];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_forward_dynamics_d_param_rows, mero_leg_param_leg_forward_dynamics_d_param_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics_d_param, double, 20, , mero_leg_param_leg_forward_dynamics_d_param_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_mass_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -969,7 +747,7 @@ static const walkgen_port mero_leg_param_leg_mass_matrix_ports[] = {
     {8, 1, 40, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_mass_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -979,13 +757,7 @@ static void mero_leg_param_leg_mass_matrix_rows(intptr_t rows, char *const *a, c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_mass_matrix_rows, mero_leg_param_leg_mass_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_mass_matrix, double, 14, , mero_leg_param_leg_mass_matrix_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -993,7 +765,7 @@ static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
     {8, 1, 40, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_mass_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_mass_matrix_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1003,13 +775,7 @@ static void mero_leg_param_leg_mass_matrix_d_param_rows(intptr_t rows, char *con
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_mass_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_mass_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[23];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_mass_matrix_d_param_rows, mero_leg_param_leg_mass_matrix_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_mass_matrix_d_param, double, 23, , mero_leg_param_leg_mass_matrix_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_bias_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1018,7 +784,7 @@ static const walkgen_port mero_leg_param_leg_bias_ports[] = {
     {8, 1, 64, 1, {3}},
 };
 
-static void mero_leg_param_leg_bias_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_bias) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1029,13 +795,7 @@ static void mero_leg_param_leg_bias_rows(intptr_t rows, char *const *a, const in
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[11];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_bias_rows, mero_leg_param_leg_bias_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_bias, double, 11, , mero_leg_param_leg_bias_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1044,7 +804,7 @@ static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
     {8, 1, 64, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_bias_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_bias_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1055,13 +815,7 @@ static void mero_leg_param_leg_bias_d_param_rows(intptr_t rows, char *const *a, 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_bias_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_bias_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_bias_d_param_rows, mero_leg_param_leg_bias_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_bias_d_param, double, 14, , mero_leg_param_leg_bias_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1069,7 +823,7 @@ static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
     {8, 1, 40, 1, {3}},
 };
 
-static void mero_leg_param_leg_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_gravity_torque) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1079,13 +833,7 @@ static void mero_leg_param_leg_gravity_torque_rows(intptr_t rows, char *const *a
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[8];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_gravity_torque_rows, mero_leg_param_leg_gravity_torque_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_gravity_torque, double, 8, , mero_leg_param_leg_gravity_torque_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1093,7 +841,7 @@ static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
     {8, 1, 40, 2, {3, 2}},
 };
 
-static void mero_leg_param_leg_gravity_torque_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_gravity_torque_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1103,13 +851,7 @@ static void mero_leg_param_leg_gravity_torque_d_param_rows(intptr_t rows, char *
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_gravity_torque_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_gravity_torque_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[11];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_gravity_torque_d_param_rows, mero_leg_param_leg_gravity_torque_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_gravity_torque_d_param, double, 11, , mero_leg_param_leg_gravity_torque_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1118,7 +860,7 @@ static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
     {8, 1, 64, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1129,13 +871,7 @@ static void mero_leg_param_leg_coriolis_matrix_rows(intptr_t rows, char *const *
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[17];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_coriolis_matrix_rows, mero_leg_param_leg_coriolis_matrix_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix, double, 17, , mero_leg_param_leg_coriolis_matrix_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1144,7 +880,7 @@ static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
     {8, 1, 64, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_coriolis_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1155,13 +891,7 @@ static void mero_leg_param_leg_coriolis_matrix_d_param_rows(intptr_t rows, char 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_coriolis_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_coriolis_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[26];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_coriolis_matrix_d_param_rows, mero_leg_param_leg_coriolis_matrix_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix_d_param, double, 26, , mero_leg_param_leg_coriolis_matrix_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1170,7 +900,7 @@ static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
     {8, 1, 64, 0, {1}},
 };
 
-static void mero_leg_param_leg_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1181,13 +911,7 @@ static void mero_leg_param_leg_kinetic_energy_rows(intptr_t rows, char *const *a
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_kinetic_energy_rows, mero_leg_param_leg_kinetic_energy_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy, double, 9, , mero_leg_param_leg_kinetic_energy_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1196,7 +920,7 @@ static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
     {8, 1, 64, 1, {2}},
 };
 
-static void mero_leg_param_leg_kinetic_energy_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1207,13 +931,7 @@ static void mero_leg_param_leg_kinetic_energy_d_param_rows(intptr_t rows, char *
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_leg_kinetic_energy_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_kinetic_energy_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[10];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_kinetic_energy_d_param_rows, mero_leg_param_leg_kinetic_energy_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy_d_param, double, 10, , mero_leg_param_leg_kinetic_energy_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1221,7 +939,7 @@ static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
     {8, 1, 40, 0, {1}},
 };
 
-static void mero_leg_param_leg_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_potential_energy) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1231,13 +949,7 @@ static void mero_leg_param_leg_potential_energy_rows(intptr_t rows, char *const 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_potential_energy_rows, mero_leg_param_leg_potential_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_potential_energy, double, 6, , mero_leg_param_leg_potential_energy_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1245,7 +957,7 @@ static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = 
     {8, 1, 40, 1, {2}},
 };
 
-static void mero_leg_param_leg_potential_energy_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_potential_energy_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1255,13 +967,7 @@ static void mero_leg_param_leg_potential_energy_d_param_rows(intptr_t rows, char
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_leg_potential_energy_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_potential_energy_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_potential_energy_d_param_rows, mero_leg_param_leg_potential_energy_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_potential_energy_d_param, double, 7, , mero_leg_param_leg_potential_energy_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1272,7 +978,7 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[
     {8, 1, 160, 2, {3, 3}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_derivatives) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1285,13 +991,7 @@ static void mero_leg_param_leg_inverse_dynamics_derivatives_rows(intptr_t rows, 
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[29];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_dynamics_derivatives_rows, mero_leg_param_leg_inverse_dynamics_derivatives_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_derivatives, double, 29, , mero_leg_param_leg_inverse_dynamics_derivatives_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1302,7 +1002,7 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_d_para
     {8, 1, 232, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_derivatives_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1315,13 +1015,7 @@ static void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_rows(intptr_
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[47];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_inverse_dynamics_derivatives_d_param_rows, mero_leg_param_leg_inverse_dynamics_derivatives_d_param_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_derivatives_d_param, double, 47, , mero_leg_param_leg_inverse_dynamics_derivatives_d_param_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_regressor_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1331,7 +1025,7 @@ static const walkgen_port mero_leg_param_leg_regressor_ports[] = {
     {8, 1, 88, 2, {3, 30}},
 };
 
-static void mero_leg_param_leg_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_regressor) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1343,13 +1037,7 @@ static void mero_leg_param_leg_regressor_rows(intptr_t rows, char *const *a, con
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void mero_leg_param_leg_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[101];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_regressor_rows, mero_leg_param_leg_regressor_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_regressor, double, 101, , mero_leg_param_leg_regressor_ports, 5)
 
 static const walkgen_port mero_leg_param_leg_regressor_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1359,7 +1047,7 @@ static const walkgen_port mero_leg_param_leg_regressor_d_param_ports[] = {
     {8, 1, 88, 3, {3, 30, 2}},
 };
 
-static void mero_leg_param_leg_regressor_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_regressor_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1371,13 +1059,7 @@ static void mero_leg_param_leg_regressor_d_param_rows(intptr_t rows, char *const
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void mero_leg_param_leg_regressor_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_regressor_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[191];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_regressor_d_param_rows, mero_leg_param_leg_regressor_d_param_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_regressor_d_param, double, 191, , mero_leg_param_leg_regressor_d_param_ports, 5)
 
 static const walkgen_port mero_leg_param_leg_base_parameters_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1388,7 +1070,7 @@ static const walkgen_port mero_leg_param_leg_base_parameters_ports[] = {
     {8, 1, 448, 1, {15}},
 };
 
-static void mero_leg_param_leg_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_base_parameters) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1401,13 +1083,7 @@ static void mero_leg_param_leg_base_parameters_rows(intptr_t rows, char *const *
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[71];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_base_parameters_rows, mero_leg_param_leg_base_parameters_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_base_parameters, double, 71, , mero_leg_param_leg_base_parameters_ports, 6)
 
 static const walkgen_port mero_leg_param_leg_base_parameters_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1418,7 +1094,7 @@ static const walkgen_port mero_leg_param_leg_base_parameters_d_param_ports[] = {
     {8, 1, 808, 2, {15, 2}},
 };
 
-static void mero_leg_param_leg_base_parameters_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_leg_base_parameters_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1431,13 +1107,7 @@ static void mero_leg_param_leg_base_parameters_d_param_rows(intptr_t rows, char 
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_leg_base_parameters_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_leg_base_parameters_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[131];
-    (void)data;
-    walkgen_loop(mero_leg_param_leg_base_parameters_d_param_rows, mero_leg_param_leg_base_parameters_d_param_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_leg_base_parameters_d_param, double, 131, , mero_leg_param_leg_base_parameters_d_param_ports, 6)
 
 static const walkgen_port mero_leg_param_platform_poses_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1445,7 +1115,7 @@ static const walkgen_port mero_leg_param_platform_poses_ports[] = {
     {8, 1, 40, 3, {1, 4, 4}},
 };
 
-static void mero_leg_param_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_platform_poses) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1455,13 +1125,7 @@ static void mero_leg_param_platform_poses_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_platform_poses_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_platform_poses_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[21];
-    (void)data;
-    walkgen_loop(mero_leg_param_platform_poses_rows, mero_leg_param_platform_poses_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_platform_poses, double, 21, , mero_leg_param_platform_poses_ports, 3)
 
 static const walkgen_port mero_leg_param_platform_poses_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1469,7 +1133,7 @@ static const walkgen_port mero_leg_param_platform_poses_d_param_ports[] = {
     {8, 1, 40, 4, {1, 4, 4, 2}},
 };
 
-static void mero_leg_param_platform_poses_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_platform_poses_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1479,13 +1143,7 @@ static void mero_leg_param_platform_poses_d_param_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_platform_poses_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_platform_poses_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[37];
-    (void)data;
-    walkgen_loop(mero_leg_param_platform_poses_d_param_rows, mero_leg_param_platform_poses_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_platform_poses_d_param, double, 37, , mero_leg_param_platform_poses_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_foot_positions_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1493,7 +1151,7 @@ static const walkgen_port mero_leg_param_foot_positions_ports[] = {
     {8, 1, 40, 2, {1, 3}},
 };
 
-static void mero_leg_param_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_foot_positions) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1503,13 +1161,7 @@ static void mero_leg_param_foot_positions_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_foot_positions_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_foot_positions_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[8];
-    (void)data;
-    walkgen_loop(mero_leg_param_foot_positions_rows, mero_leg_param_foot_positions_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_foot_positions, double, 8, , mero_leg_param_foot_positions_ports, 3)
 
 static const walkgen_port mero_leg_param_foot_positions_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1517,7 +1169,7 @@ static const walkgen_port mero_leg_param_foot_positions_d_param_ports[] = {
     {8, 1, 40, 3, {1, 3, 2}},
 };
 
-static void mero_leg_param_foot_positions_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_foot_positions_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1527,13 +1179,7 @@ static void mero_leg_param_foot_positions_d_param_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_foot_positions_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_foot_positions_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[11];
-    (void)data;
-    walkgen_loop(mero_leg_param_foot_positions_d_param_rows, mero_leg_param_foot_positions_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_foot_positions_d_param, double, 11, , mero_leg_param_foot_positions_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_foot_jacobians_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1541,7 +1187,7 @@ static const walkgen_port mero_leg_param_foot_jacobians_ports[] = {
     {8, 1, 40, 3, {1, 3, 3}},
 };
 
-static void mero_leg_param_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_foot_jacobians) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1551,13 +1197,7 @@ static void mero_leg_param_foot_jacobians_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_foot_jacobians_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_foot_jacobians_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[14];
-    (void)data;
-    walkgen_loop(mero_leg_param_foot_jacobians_rows, mero_leg_param_foot_jacobians_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_foot_jacobians, double, 14, , mero_leg_param_foot_jacobians_ports, 3)
 
 static const walkgen_port mero_leg_param_foot_jacobians_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1565,7 +1205,7 @@ static const walkgen_port mero_leg_param_foot_jacobians_d_param_ports[] = {
     {8, 1, 40, 4, {1, 3, 3, 2}},
 };
 
-static void mero_leg_param_foot_jacobians_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_foot_jacobians_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1575,13 +1215,7 @@ static void mero_leg_param_foot_jacobians_d_param_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void mero_leg_param_foot_jacobians_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_foot_jacobians_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[23];
-    (void)data;
-    walkgen_loop(mero_leg_param_foot_jacobians_d_param_rows, mero_leg_param_foot_jacobians_d_param_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_foot_jacobians_d_param, double, 23, , mero_leg_param_foot_jacobians_d_param_ports, 3)
 
 static const walkgen_port mero_leg_param_com_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1590,7 +1224,7 @@ static const walkgen_port mero_leg_param_com_ports[] = {
     {8, 1, 168, 1, {3}},
 };
 
-static void mero_leg_param_com_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_com) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1601,13 +1235,7 @@ static void mero_leg_param_com_rows(intptr_t rows, char *const *a, const intptr_
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[24];
-    (void)data;
-    walkgen_loop(mero_leg_param_com_rows, mero_leg_param_com_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_com, double, 24, , mero_leg_param_com_ports, 4)
 
 static const walkgen_port mero_leg_param_com_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1616,7 +1244,7 @@ static const walkgen_port mero_leg_param_com_d_param_ports[] = {
     {8, 1, 168, 2, {3, 2}},
 };
 
-static void mero_leg_param_com_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_com_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1627,13 +1255,7 @@ static void mero_leg_param_com_d_param_rows(intptr_t rows, char *const *a, const
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_com_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_com_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[27];
-    (void)data;
-    walkgen_loop(mero_leg_param_com_d_param_rows, mero_leg_param_com_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_com_d_param, double, 27, , mero_leg_param_com_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_com_jacobian_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1642,7 +1264,7 @@ static const walkgen_port mero_leg_param_com_jacobian_ports[] = {
     {8, 1, 168, 2, {3, 9}},
 };
 
-static void mero_leg_param_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_com_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1653,13 +1275,7 @@ static void mero_leg_param_com_jacobian_rows(intptr_t rows, char *const *a, cons
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[48];
-    (void)data;
-    walkgen_loop(mero_leg_param_com_jacobian_rows, mero_leg_param_com_jacobian_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_com_jacobian, double, 48, , mero_leg_param_com_jacobian_ports, 4)
 
 static const walkgen_port mero_leg_param_com_jacobian_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1668,7 +1284,7 @@ static const walkgen_port mero_leg_param_com_jacobian_d_param_ports[] = {
     {8, 1, 168, 3, {3, 9, 2}},
 };
 
-static void mero_leg_param_com_jacobian_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_com_jacobian_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1679,13 +1295,7 @@ static void mero_leg_param_com_jacobian_d_param_rows(intptr_t rows, char *const 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_com_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_com_jacobian_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[75];
-    (void)data;
-    walkgen_loop(mero_leg_param_com_jacobian_d_param_rows, mero_leg_param_com_jacobian_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_com_jacobian_d_param, double, 75, , mero_leg_param_com_jacobian_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_centroidal_momentum_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1694,7 +1304,7 @@ static const walkgen_port mero_leg_param_centroidal_momentum_matrix_ports[] = {
     {8, 1, 168, 2, {6, 9}},
 };
 
-static void mero_leg_param_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_centroidal_momentum_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1705,13 +1315,7 @@ static void mero_leg_param_centroidal_momentum_matrix_rows(intptr_t rows, char *
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[75];
-    (void)data;
-    walkgen_loop(mero_leg_param_centroidal_momentum_matrix_rows, mero_leg_param_centroidal_momentum_matrix_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_centroidal_momentum_matrix, double, 75, , mero_leg_param_centroidal_momentum_matrix_ports, 4)
 
 static const walkgen_port mero_leg_param_centroidal_momentum_matrix_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1720,7 +1324,7 @@ static const walkgen_port mero_leg_param_centroidal_momentum_matrix_d_param_port
     {8, 1, 168, 3, {6, 9, 2}},
 };
 
-static void mero_leg_param_centroidal_momentum_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_centroidal_momentum_matrix_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1731,13 +1335,7 @@ static void mero_leg_param_centroidal_momentum_matrix_d_param_rows(intptr_t rows
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_centroidal_momentum_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_centroidal_momentum_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[129];
-    (void)data;
-    walkgen_loop(mero_leg_param_centroidal_momentum_matrix_d_param_rows, mero_leg_param_centroidal_momentum_matrix_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_centroidal_momentum_matrix_d_param, double, 129, , mero_leg_param_centroidal_momentum_matrix_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_centroidal_inertia_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1746,7 +1344,7 @@ static const walkgen_port mero_leg_param_centroidal_inertia_ports[] = {
     {8, 1, 168, 2, {3, 3}},
 };
 
-static void mero_leg_param_centroidal_inertia_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_centroidal_inertia) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1757,13 +1355,7 @@ static void mero_leg_param_centroidal_inertia_rows(intptr_t rows, char *const *a
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_centroidal_inertia_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_centroidal_inertia_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[30];
-    (void)data;
-    walkgen_loop(mero_leg_param_centroidal_inertia_rows, mero_leg_param_centroidal_inertia_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_centroidal_inertia, double, 30, , mero_leg_param_centroidal_inertia_ports, 4)
 
 static const walkgen_port mero_leg_param_centroidal_inertia_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1772,7 +1364,7 @@ static const walkgen_port mero_leg_param_centroidal_inertia_d_param_ports[] = {
     {8, 1, 168, 3, {3, 3, 2}},
 };
 
-static void mero_leg_param_centroidal_inertia_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_centroidal_inertia_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1783,13 +1375,7 @@ static void mero_leg_param_centroidal_inertia_d_param_rows(intptr_t rows, char *
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_centroidal_inertia_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_centroidal_inertia_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[39];
-    (void)data;
-    walkgen_loop(mero_leg_param_centroidal_inertia_d_param_rows, mero_leg_param_centroidal_inertia_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_centroidal_inertia_d_param, double, 39, , mero_leg_param_centroidal_inertia_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_momentum_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1799,7 +1385,7 @@ static const walkgen_port mero_leg_param_momentum_ports[] = {
     {8, 1, 240, 1, {6}},
 };
 
-static void mero_leg_param_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_momentum) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1811,13 +1397,7 @@ static void mero_leg_param_momentum_rows(intptr_t rows, char *const *a, const in
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void mero_leg_param_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[36];
-    (void)data;
-    walkgen_loop(mero_leg_param_momentum_rows, mero_leg_param_momentum_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_momentum, double, 36, , mero_leg_param_momentum_ports, 5)
 
 static const walkgen_port mero_leg_param_momentum_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1827,7 +1407,7 @@ static const walkgen_port mero_leg_param_momentum_d_param_ports[] = {
     {8, 1, 240, 2, {6, 2}},
 };
 
-static void mero_leg_param_momentum_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_momentum_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1839,13 +1419,7 @@ static void mero_leg_param_momentum_d_param_rows(intptr_t rows, char *const *a, 
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void mero_leg_param_momentum_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_momentum_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[42];
-    (void)data;
-    walkgen_loop(mero_leg_param_momentum_d_param_rows, mero_leg_param_momentum_d_param_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_momentum_d_param, double, 42, , mero_leg_param_momentum_d_param_ports, 5)
 
 static const walkgen_port mero_leg_param_momentum_rate_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1856,7 +1430,7 @@ static const walkgen_port mero_leg_param_momentum_rate_ports[] = {
     {8, 1, 312, 1, {6}},
 };
 
-static void mero_leg_param_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_momentum_rate) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1869,13 +1443,7 @@ static void mero_leg_param_momentum_rate_rows(intptr_t rows, char *const *a, con
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[45];
-    (void)data;
-    walkgen_loop(mero_leg_param_momentum_rate_rows, mero_leg_param_momentum_rate_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_momentum_rate, double, 45, , mero_leg_param_momentum_rate_ports, 6)
 
 static const walkgen_port mero_leg_param_momentum_rate_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1886,7 +1454,7 @@ static const walkgen_port mero_leg_param_momentum_rate_d_param_ports[] = {
     {8, 1, 312, 2, {6, 2}},
 };
 
-static void mero_leg_param_momentum_rate_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_momentum_rate_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1899,13 +1467,7 @@ static void mero_leg_param_momentum_rate_d_param_rows(intptr_t rows, char *const
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_momentum_rate_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_momentum_rate_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[51];
-    (void)data;
-    walkgen_loop(mero_leg_param_momentum_rate_d_param_rows, mero_leg_param_momentum_rate_d_param_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_momentum_rate_d_param, double, 51, , mero_leg_param_momentum_rate_d_param_ports, 6)
 
 static const walkgen_port mero_leg_param_demanded_wrench_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1916,7 +1478,7 @@ static const walkgen_port mero_leg_param_demanded_wrench_ports[] = {
     {8, 1, 312, 1, {6}},
 };
 
-static void mero_leg_param_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_demanded_wrench) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1929,13 +1491,7 @@ static void mero_leg_param_demanded_wrench_rows(intptr_t rows, char *const *a, c
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[45];
-    (void)data;
-    walkgen_loop(mero_leg_param_demanded_wrench_rows, mero_leg_param_demanded_wrench_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_demanded_wrench, double, 45, , mero_leg_param_demanded_wrench_ports, 6)
 
 static const walkgen_port mero_leg_param_demanded_wrench_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1946,7 +1502,7 @@ static const walkgen_port mero_leg_param_demanded_wrench_d_param_ports[] = {
     {8, 1, 312, 2, {6, 2}},
 };
 
-static void mero_leg_param_demanded_wrench_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_demanded_wrench_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1959,13 +1515,7 @@ static void mero_leg_param_demanded_wrench_d_param_rows(intptr_t rows, char *con
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void mero_leg_param_demanded_wrench_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_demanded_wrench_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[51];
-    (void)data;
-    walkgen_loop(mero_leg_param_demanded_wrench_d_param_rows, mero_leg_param_demanded_wrench_d_param_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_demanded_wrench_d_param, double, 51, , mero_leg_param_demanded_wrench_d_param_ports, 6)
 
 static const walkgen_port mero_leg_param_floating_mass_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1974,7 +1524,7 @@ static const walkgen_port mero_leg_param_floating_mass_matrix_ports[] = {
     {8, 1, 168, 2, {9, 9}},
 };
 
-static void mero_leg_param_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_floating_mass_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1985,13 +1535,7 @@ static void mero_leg_param_floating_mass_matrix_rows(intptr_t rows, char *const 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[102];
-    (void)data;
-    walkgen_loop(mero_leg_param_floating_mass_matrix_rows, mero_leg_param_floating_mass_matrix_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_floating_mass_matrix, double, 102, , mero_leg_param_floating_mass_matrix_ports, 4)
 
 static const walkgen_port mero_leg_param_floating_mass_matrix_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -2000,7 +1544,7 @@ static const walkgen_port mero_leg_param_floating_mass_matrix_d_param_ports[] = 
     {8, 1, 168, 3, {9, 9, 2}},
 };
 
-static void mero_leg_param_floating_mass_matrix_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_floating_mass_matrix_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -2011,13 +1555,7 @@ static void mero_leg_param_floating_mass_matrix_d_param_rows(intptr_t rows, char
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void mero_leg_param_floating_mass_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_floating_mass_matrix_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[183];
-    (void)data;
-    walkgen_loop(mero_leg_param_floating_mass_matrix_d_param_rows, mero_leg_param_floating_mass_matrix_d_param_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_floating_mass_matrix_d_param, double, 183, , mero_leg_param_floating_mass_matrix_d_param_ports, 4)
 
 static const walkgen_port mero_leg_param_floating_inverse_dynamics_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -2029,7 +1567,7 @@ static const walkgen_port mero_leg_param_floating_inverse_dynamics_ports[] = {
     {8, 1, 336, 1, {9}},
 };
 
-static void mero_leg_param_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_floating_inverse_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -2043,13 +1581,7 @@ static void mero_leg_param_floating_inverse_dynamics_rows(intptr_t rows, char *c
             (double *)(a[6] + at * step[6]));
     }
 }
-
-void mero_leg_param_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[51];
-    (void)data;
-    walkgen_loop(mero_leg_param_floating_inverse_dynamics_rows, mero_leg_param_floating_inverse_dynamics_ports, 7, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_floating_inverse_dynamics, double, 51, , mero_leg_param_floating_inverse_dynamics_ports, 7)
 
 static const walkgen_port mero_leg_param_floating_inverse_dynamics_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -2061,7 +1593,7 @@ static const walkgen_port mero_leg_param_floating_inverse_dynamics_d_param_ports
     {8, 1, 336, 2, {9, 2}},
 };
 
-static void mero_leg_param_floating_inverse_dynamics_d_param_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(mero_leg_param_floating_inverse_dynamics_d_param) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -2075,13 +1607,7 @@ static void mero_leg_param_floating_inverse_dynamics_d_param_rows(intptr_t rows,
             (double *)(a[6] + at * step[6]));
     }
 }
-
-void mero_leg_param_floating_inverse_dynamics_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void mero_leg_param_floating_inverse_dynamics_d_param_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[60];
-    (void)data;
-    walkgen_loop(mero_leg_param_floating_inverse_dynamics_d_param_rows, mero_leg_param_floating_inverse_dynamics_d_param_ports, 7, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(mero_leg_param_floating_inverse_dynamics_d_param, double, 60, , mero_leg_param_floating_inverse_dynamics_d_param_ports, 7)
 
 #ifdef __cplusplus
 }

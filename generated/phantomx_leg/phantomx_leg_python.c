@@ -16,7 +16,7 @@ static const walkgen_port phantomx_leg_right_front_foot_position_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_position) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -25,20 +25,14 @@ static void phantomx_leg_right_front_foot_position_rows(intptr_t rows, char *con
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_position_rows, phantomx_leg_right_front_foot_position_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_position, double, 6, , phantomx_leg_right_front_foot_position_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_rotation_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_rotation_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_rotation) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -47,40 +41,28 @@ static void phantomx_leg_right_front_foot_rotation_rows(intptr_t rows, char *con
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_foot_rotation_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_rotation_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_rotation_rows, phantomx_leg_right_front_foot_rotation_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_rotation, double, 12, , phantomx_leg_right_front_foot_rotation_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_pose_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {4, 4}},
 };
 
-static void phantomx_leg_right_front_foot_pose_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_pose) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_pose((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_foot_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_pose_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[19];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_pose_rows, phantomx_leg_right_front_foot_pose_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_pose, double, 19, , phantomx_leg_right_front_foot_pose_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -89,13 +71,7 @@ static void phantomx_leg_right_front_foot_jacobian_rows(intptr_t rows, char *con
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_foot_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_jacobian_rows, phantomx_leg_right_front_foot_jacobian_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_jacobian, double, 12, , phantomx_leg_right_front_foot_jacobian_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_position_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -103,7 +79,7 @@ static const walkgen_port phantomx_leg_right_front_foot_position_jacobian_ports[
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_position_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_position_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -113,20 +89,14 @@ static void phantomx_leg_right_front_foot_position_jacobian_rows(intptr_t rows, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_foot_position_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_position_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_position_jacobian_rows, phantomx_leg_right_front_foot_position_jacobian_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_position_jacobian, double, 15, , phantomx_leg_right_front_foot_position_jacobian_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_spatial_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {6, 3}},
 };
 
-static void phantomx_leg_right_front_foot_spatial_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_spatial_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -135,33 +105,21 @@ static void phantomx_leg_right_front_foot_spatial_jacobian_rows(intptr_t rows, c
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_foot_spatial_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_spatial_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[21];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_spatial_jacobian_rows, phantomx_leg_right_front_foot_spatial_jacobian_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_spatial_jacobian, double, 21, , phantomx_leg_right_front_foot_spatial_jacobian_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_hessian_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {3, 3, 3}},
 };
 
-static void phantomx_leg_right_front_foot_hessian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_hessian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_foot_hessian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_foot_hessian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_hessian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[30];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_hessian_rows, phantomx_leg_right_front_foot_hessian_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_hessian, double, 30, , phantomx_leg_right_front_foot_hessian_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -169,7 +127,7 @@ static const walkgen_port phantomx_leg_right_front_foot_velocity_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_velocity) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -179,13 +137,7 @@ static void phantomx_leg_right_front_foot_velocity_rows(intptr_t rows, char *con
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_foot_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_velocity_rows, phantomx_leg_right_front_foot_velocity_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_velocity, double, 9, , phantomx_leg_right_front_foot_velocity_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -194,7 +146,7 @@ static const walkgen_port phantomx_leg_right_front_foot_acceleration_ports[] = {
     {8, 1, 72, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -205,13 +157,7 @@ static void phantomx_leg_right_front_foot_acceleration_rows(intptr_t rows, char 
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void phantomx_leg_right_front_foot_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_acceleration_rows, phantomx_leg_right_front_foot_acceleration_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_acceleration, double, 12, , phantomx_leg_right_front_foot_acceleration_ports, 4)
 
 static const walkgen_port phantomx_leg_right_front_foot_bias_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -219,7 +165,7 @@ static const walkgen_port phantomx_leg_right_front_foot_bias_acceleration_ports[
     {8, 1, 48, 1, {6}},
 };
 
-static void phantomx_leg_right_front_foot_bias_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_bias_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -229,13 +175,7 @@ static void phantomx_leg_right_front_foot_bias_acceleration_rows(intptr_t rows, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_foot_bias_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_bias_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_bias_acceleration_rows, phantomx_leg_right_front_foot_bias_acceleration_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_bias_acceleration, double, 12, , phantomx_leg_right_front_foot_bias_acceleration_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -243,7 +183,7 @@ static const walkgen_port phantomx_leg_right_front_foot_torque_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void phantomx_leg_right_front_foot_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_foot_torque) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -253,33 +193,21 @@ static void phantomx_leg_right_front_foot_torque_rows(intptr_t rows, char *const
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_foot_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_foot_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_foot_torque_rows, phantomx_leg_right_front_foot_torque_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_foot_torque, double, 9, , phantomx_leg_right_front_foot_torque_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_joint_frames_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {4, 4, 4}},
 };
 
-static void phantomx_leg_right_front_joint_frames_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_joint_frames) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_joint_frames((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_joint_frames_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_joint_frames_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[67];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_joint_frames_rows, phantomx_leg_right_front_joint_frames_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_joint_frames, double, 67, , phantomx_leg_right_front_joint_frames_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -287,7 +215,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_ports[] = {
     {4, 1, 120, 1, {4}},
 };
 
-static void phantomx_leg_right_front_inverse_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -297,13 +225,7 @@ static void phantomx_leg_right_front_inverse_rows(intptr_t rows, char *const *a,
             (int32_t *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_inverse_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[19];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_rows, phantomx_leg_right_front_inverse_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse, double, 19, , phantomx_leg_right_front_inverse_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_inverse_branch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -312,7 +234,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_branch_ports[] = {
     {4, 1, 56, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_branch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_branch) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -322,13 +244,7 @@ static void phantomx_leg_right_front_inverse_branch_rows(intptr_t rows, char *co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_inverse_branch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_branch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[8];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_branch_rows, phantomx_leg_right_front_inverse_branch_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_branch, double, 8, , phantomx_leg_right_front_inverse_branch_ports, 4)
 
 static const walkgen_port phantomx_leg_right_front_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -337,7 +253,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_near_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_near_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_near) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -347,13 +263,7 @@ static void phantomx_leg_right_front_inverse_near_rows(intptr_t rows, char *cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_near_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[10];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_near_rows, phantomx_leg_right_front_inverse_near_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_near, double, 10, , phantomx_leg_right_front_inverse_near_ports, 4)
 
 static const walkgen_port phantomx_leg_right_front_inverse_admissible_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -361,7 +271,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_admissible_ports[] = 
     {4, 1, 48, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_admissible_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_admissible) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -370,20 +280,14 @@ static void phantomx_leg_right_front_inverse_admissible_rows(intptr_t rows, char
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_admissible_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_admissible_rows, phantomx_leg_right_front_inverse_admissible_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_admissible, double, 7, , phantomx_leg_right_front_inverse_admissible_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_inverse_distance_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 1, {4}},
 };
 
-static void phantomx_leg_right_front_inverse_distance_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_distance) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -392,20 +296,14 @@ static void phantomx_leg_right_front_inverse_distance_rows(intptr_t rows, char *
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_distance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_distance_rows, phantomx_leg_right_front_inverse_distance_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_distance, double, 7, , phantomx_leg_right_front_inverse_distance_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_within_limits_ports[] = {
     {8, 0, 0, 1, {3}},
     {4, 1, 24, 0, {1}},
 };
 
-static void phantomx_leg_right_front_within_limits_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_within_limits) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -413,13 +311,7 @@ static void phantomx_leg_right_front_within_limits_rows(intptr_t rows, char *con
             (const double *)(a[0] + at * step[0]));
     }
 }
-
-void phantomx_leg_right_front_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_within_limits_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[4];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_within_limits_rows, phantomx_leg_right_front_within_limits_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_within_limits, double, 4, , phantomx_leg_right_front_within_limits_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -428,7 +320,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_velocity_ports[] = {
     {4, 1, 72, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_velocity_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_velocity) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -438,13 +330,7 @@ static void phantomx_leg_right_front_inverse_velocity_rows(intptr_t rows, char *
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_velocity_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[10];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_velocity_rows, phantomx_leg_right_front_inverse_velocity_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_velocity, double, 10, , phantomx_leg_right_front_inverse_velocity_ports, 4)
 
 static const walkgen_port phantomx_leg_right_front_inverse_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -454,7 +340,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_acceleration_ports[] 
     {4, 1, 96, 0, {1}},
 };
 
-static void phantomx_leg_right_front_inverse_acceleration_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_acceleration) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -465,13 +351,7 @@ static void phantomx_leg_right_front_inverse_acceleration_rows(intptr_t rows, ch
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void phantomx_leg_right_front_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_acceleration_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[13];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_acceleration_rows, phantomx_leg_right_front_inverse_acceleration_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_acceleration, double, 13, , phantomx_leg_right_front_inverse_acceleration_ports, 5)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -481,7 +361,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void phantomx_leg_right_front_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -493,13 +373,7 @@ static void phantomx_leg_right_front_inverse_dynamics_rows(intptr_t rows, char *
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void phantomx_leg_right_front_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_dynamics_rows, phantomx_leg_right_front_inverse_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics, double, 15, , phantomx_leg_right_front_inverse_dynamics_ports, 5)
 
 static const walkgen_port phantomx_leg_right_front_forward_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -509,7 +383,7 @@ static const walkgen_port phantomx_leg_right_front_forward_dynamics_ports[] = {
     {8, 1, 96, 1, {3}},
 };
 
-static void phantomx_leg_right_front_forward_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_forward_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -521,33 +395,21 @@ static void phantomx_leg_right_front_forward_dynamics_rows(intptr_t rows, char *
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void phantomx_leg_right_front_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_forward_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_forward_dynamics_rows, phantomx_leg_right_front_forward_dynamics_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_forward_dynamics, double, 15, , phantomx_leg_right_front_forward_dynamics_ports, 5)
 
 static const walkgen_port phantomx_leg_right_front_mass_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_mass_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_right_front_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_mass_matrix_rows, phantomx_leg_right_front_mass_matrix_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_mass_matrix, double, 12, , phantomx_leg_right_front_mass_matrix_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_bias_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -555,7 +417,7 @@ static const walkgen_port phantomx_leg_right_front_bias_ports[] = {
     {8, 1, 48, 1, {3}},
 };
 
-static void phantomx_leg_right_front_bias_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_bias) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -565,20 +427,14 @@ static void phantomx_leg_right_front_bias_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_bias_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[9];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_bias_rows, phantomx_leg_right_front_bias_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_bias, double, 9, , phantomx_leg_right_front_bias_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_gravity_torque_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 1, {3}},
 };
 
-static void phantomx_leg_right_front_gravity_torque_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_gravity_torque) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -587,13 +443,7 @@ static void phantomx_leg_right_front_gravity_torque_rows(intptr_t rows, char *co
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_gravity_torque_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_gravity_torque_rows, phantomx_leg_right_front_gravity_torque_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_gravity_torque, double, 6, , phantomx_leg_right_front_gravity_torque_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_coriolis_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -601,7 +451,7 @@ static const walkgen_port phantomx_leg_right_front_coriolis_matrix_ports[] = {
     {8, 1, 48, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_coriolis_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_coriolis_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -611,13 +461,7 @@ static void phantomx_leg_right_front_coriolis_matrix_rows(intptr_t rows, char *c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_coriolis_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[15];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_coriolis_matrix_rows, phantomx_leg_right_front_coriolis_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_coriolis_matrix, double, 15, , phantomx_leg_right_front_coriolis_matrix_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_kinetic_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -625,7 +469,7 @@ static const walkgen_port phantomx_leg_right_front_kinetic_energy_ports[] = {
     {8, 1, 48, 0, {1}},
 };
 
-static void phantomx_leg_right_front_kinetic_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_kinetic_energy) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -635,20 +479,14 @@ static void phantomx_leg_right_front_kinetic_energy_rows(intptr_t rows, char *co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_right_front_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_kinetic_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_kinetic_energy_rows, phantomx_leg_right_front_kinetic_energy_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_kinetic_energy, double, 7, , phantomx_leg_right_front_kinetic_energy_ports, 3)
 
 static const walkgen_port phantomx_leg_right_front_potential_energy_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 0, {1}},
 };
 
-static void phantomx_leg_right_front_potential_energy_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_potential_energy) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -657,13 +495,7 @@ static void phantomx_leg_right_front_potential_energy_rows(intptr_t rows, char *
             (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_right_front_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_potential_energy_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[4];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_potential_energy_rows, phantomx_leg_right_front_potential_energy_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_potential_energy, double, 4, , phantomx_leg_right_front_potential_energy_ports, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_derivatives_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -673,7 +505,7 @@ static const walkgen_port phantomx_leg_right_front_inverse_dynamics_derivatives_
     {8, 1, 144, 2, {3, 3}},
 };
 
-static void phantomx_leg_right_front_inverse_dynamics_derivatives_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_inverse_dynamics_derivatives) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -685,13 +517,7 @@ static void phantomx_leg_right_front_inverse_dynamics_derivatives_rows(intptr_t 
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void phantomx_leg_right_front_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_inverse_dynamics_derivatives_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[27];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_inverse_dynamics_derivatives_rows, phantomx_leg_right_front_inverse_dynamics_derivatives_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics_derivatives, double, 27, , phantomx_leg_right_front_inverse_dynamics_derivatives_ports, 5)
 
 static const walkgen_port phantomx_leg_right_front_regressor_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -700,7 +526,7 @@ static const walkgen_port phantomx_leg_right_front_regressor_ports[] = {
     {8, 1, 72, 2, {3, 30}},
 };
 
-static void phantomx_leg_right_front_regressor_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_regressor) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -711,13 +537,7 @@ static void phantomx_leg_right_front_regressor_rows(intptr_t rows, char *const *
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void phantomx_leg_right_front_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_regressor_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[99];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_regressor_rows, phantomx_leg_right_front_regressor_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_regressor, double, 99, , phantomx_leg_right_front_regressor_ports, 4)
 
 static const walkgen_port phantomx_leg_right_front_base_parameters_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -727,7 +547,7 @@ static const walkgen_port phantomx_leg_right_front_base_parameters_ports[] = {
     {8, 1, 432, 1, {15}},
 };
 
-static void phantomx_leg_right_front_base_parameters_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_right_front_base_parameters) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -739,73 +559,49 @@ static void phantomx_leg_right_front_base_parameters_rows(intptr_t rows, char *c
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void phantomx_leg_right_front_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_right_front_base_parameters_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[69];
-    (void)data;
-    walkgen_loop(phantomx_leg_right_front_base_parameters_rows, phantomx_leg_right_front_base_parameters_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_right_front_base_parameters, double, 69, , phantomx_leg_right_front_base_parameters_ports, 5)
 
 static const walkgen_port phantomx_leg_platform_poses_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {1, 4, 4}},
 };
 
-static void phantomx_leg_platform_poses_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_platform_poses) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_platform_poses((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_platform_poses_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_platform_poses_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[19];
-    (void)data;
-    walkgen_loop(phantomx_leg_platform_poses_rows, phantomx_leg_platform_poses_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_platform_poses, double, 19, , phantomx_leg_platform_poses_ports, 2)
 
 static const walkgen_port phantomx_leg_foot_positions_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 2, {1, 3}},
 };
 
-static void phantomx_leg_foot_positions_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_foot_positions) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_foot_positions((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_foot_positions_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_foot_positions_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(phantomx_leg_foot_positions_rows, phantomx_leg_foot_positions_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_foot_positions, double, 6, , phantomx_leg_foot_positions_ports, 2)
 
 static const walkgen_port phantomx_leg_foot_jacobians_ports[] = {
     {8, 0, 0, 1, {3}},
     {8, 1, 24, 3, {1, 3, 3}},
 };
 
-static void phantomx_leg_foot_jacobians_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_foot_jacobians) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
         phantomx_leg_foot_jacobians((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
     }
 }
-
-void phantomx_leg_foot_jacobians_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_foot_jacobians_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[12];
-    (void)data;
-    walkgen_loop(phantomx_leg_foot_jacobians_rows, phantomx_leg_foot_jacobians_ports, 2, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_foot_jacobians, double, 12, , phantomx_leg_foot_jacobians_ports, 2)
 
 static const walkgen_port phantomx_leg_com_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -813,7 +609,7 @@ static const walkgen_port phantomx_leg_com_ports[] = {
     {8, 1, 152, 1, {3}},
 };
 
-static void phantomx_leg_com_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_com) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -823,13 +619,7 @@ static void phantomx_leg_com_rows(intptr_t rows, char *const *a, const intptr_t 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_com_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[22];
-    (void)data;
-    walkgen_loop(phantomx_leg_com_rows, phantomx_leg_com_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_com, double, 22, , phantomx_leg_com_ports, 3)
 
 static const walkgen_port phantomx_leg_com_jacobian_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -837,7 +627,7 @@ static const walkgen_port phantomx_leg_com_jacobian_ports[] = {
     {8, 1, 152, 2, {3, 9}},
 };
 
-static void phantomx_leg_com_jacobian_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_com_jacobian) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -847,13 +637,7 @@ static void phantomx_leg_com_jacobian_rows(intptr_t rows, char *const *a, const 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_com_jacobian_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[46];
-    (void)data;
-    walkgen_loop(phantomx_leg_com_jacobian_rows, phantomx_leg_com_jacobian_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_com_jacobian, double, 46, , phantomx_leg_com_jacobian_ports, 3)
 
 static const walkgen_port phantomx_leg_centroidal_momentum_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -861,7 +645,7 @@ static const walkgen_port phantomx_leg_centroidal_momentum_matrix_ports[] = {
     {8, 1, 152, 2, {6, 9}},
 };
 
-static void phantomx_leg_centroidal_momentum_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_centroidal_momentum_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -871,13 +655,7 @@ static void phantomx_leg_centroidal_momentum_matrix_rows(intptr_t rows, char *co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_centroidal_momentum_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[73];
-    (void)data;
-    walkgen_loop(phantomx_leg_centroidal_momentum_matrix_rows, phantomx_leg_centroidal_momentum_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_centroidal_momentum_matrix, double, 73, , phantomx_leg_centroidal_momentum_matrix_ports, 3)
 
 static const walkgen_port phantomx_leg_centroidal_inertia_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -885,7 +663,7 @@ static const walkgen_port phantomx_leg_centroidal_inertia_ports[] = {
     {8, 1, 152, 2, {3, 3}},
 };
 
-static void phantomx_leg_centroidal_inertia_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_centroidal_inertia) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -895,13 +673,7 @@ static void phantomx_leg_centroidal_inertia_rows(intptr_t rows, char *const *a, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_centroidal_inertia_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_centroidal_inertia_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[28];
-    (void)data;
-    walkgen_loop(phantomx_leg_centroidal_inertia_rows, phantomx_leg_centroidal_inertia_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_centroidal_inertia, double, 28, , phantomx_leg_centroidal_inertia_ports, 3)
 
 static const walkgen_port phantomx_leg_momentum_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -910,7 +682,7 @@ static const walkgen_port phantomx_leg_momentum_ports[] = {
     {8, 1, 224, 1, {6}},
 };
 
-static void phantomx_leg_momentum_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_momentum) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -921,13 +693,7 @@ static void phantomx_leg_momentum_rows(intptr_t rows, char *const *a, const intp
             (double *)(a[3] + at * step[3]));
     }
 }
-
-void phantomx_leg_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_momentum_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[34];
-    (void)data;
-    walkgen_loop(phantomx_leg_momentum_rows, phantomx_leg_momentum_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_momentum, double, 34, , phantomx_leg_momentum_ports, 4)
 
 static const walkgen_port phantomx_leg_momentum_rate_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -937,7 +703,7 @@ static const walkgen_port phantomx_leg_momentum_rate_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void phantomx_leg_momentum_rate_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_momentum_rate) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -949,13 +715,7 @@ static void phantomx_leg_momentum_rate_rows(intptr_t rows, char *const *a, const
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void phantomx_leg_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_momentum_rate_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[43];
-    (void)data;
-    walkgen_loop(phantomx_leg_momentum_rate_rows, phantomx_leg_momentum_rate_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_momentum_rate, double, 43, , phantomx_leg_momentum_rate_ports, 5)
 
 static const walkgen_port phantomx_leg_demanded_wrench_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -965,7 +725,7 @@ static const walkgen_port phantomx_leg_demanded_wrench_ports[] = {
     {8, 1, 296, 1, {6}},
 };
 
-static void phantomx_leg_demanded_wrench_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_demanded_wrench) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -977,13 +737,7 @@ static void phantomx_leg_demanded_wrench_rows(intptr_t rows, char *const *a, con
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void phantomx_leg_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_demanded_wrench_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[43];
-    (void)data;
-    walkgen_loop(phantomx_leg_demanded_wrench_rows, phantomx_leg_demanded_wrench_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_demanded_wrench, double, 43, , phantomx_leg_demanded_wrench_ports, 5)
 
 static const walkgen_port phantomx_leg_floating_mass_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -991,7 +745,7 @@ static const walkgen_port phantomx_leg_floating_mass_matrix_ports[] = {
     {8, 1, 152, 2, {9, 9}},
 };
 
-static void phantomx_leg_floating_mass_matrix_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_floating_mass_matrix) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1001,13 +755,7 @@ static void phantomx_leg_floating_mass_matrix_rows(intptr_t rows, char *const *a
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void phantomx_leg_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_floating_mass_matrix_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[100];
-    (void)data;
-    walkgen_loop(phantomx_leg_floating_mass_matrix_rows, phantomx_leg_floating_mass_matrix_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_floating_mass_matrix, double, 100, , phantomx_leg_floating_mass_matrix_ports, 3)
 
 static const walkgen_port phantomx_leg_floating_inverse_dynamics_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1018,7 +766,7 @@ static const walkgen_port phantomx_leg_floating_inverse_dynamics_ports[] = {
     {8, 1, 320, 1, {9}},
 };
 
-static void phantomx_leg_floating_inverse_dynamics_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(phantomx_leg_floating_inverse_dynamics) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -1031,13 +779,7 @@ static void phantomx_leg_floating_inverse_dynamics_rows(intptr_t rows, char *con
             (double *)(a[5] + at * step[5]));
     }
 }
-
-void phantomx_leg_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void phantomx_leg_floating_inverse_dynamics_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[49];
-    (void)data;
-    walkgen_loop(phantomx_leg_floating_inverse_dynamics_rows, phantomx_leg_floating_inverse_dynamics_ports, 6, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(phantomx_leg_floating_inverse_dynamics, double, 49, , phantomx_leg_floating_inverse_dynamics_ports, 6)
 
 #ifdef __cplusplus
 }

@@ -17,7 +17,7 @@ static const walkgen_port terrain_demo_leg_foot_position_ports[] = {
     {8, 1, 24, 1, {3}},
 };
 
-static void terrain_demo_leg_foot_position_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_leg_foot_position) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -27,13 +27,7 @@ static void terrain_demo_leg_foot_position_rows(intptr_t rows, char *const *a, c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_leg_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_leg_foot_position_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[6];
-    (void)data;
-    walkgen_loop(terrain_demo_leg_foot_position_rows, terrain_demo_leg_foot_position_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_leg_foot_position, double, 6, , terrain_demo_leg_foot_position_ports, 3)
 
 static const walkgen_port terrain_demo_terrain_height_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -41,7 +35,7 @@ static const walkgen_port terrain_demo_terrain_height_ports[] = {
     {8, 1, 32, 0, {1}},
 };
 
-static void terrain_demo_terrain_height_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_height) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -51,13 +45,7 @@ static void terrain_demo_terrain_height_rows(intptr_t rows, char *const *a, cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_terrain_height_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_height_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[5];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_height_rows, terrain_demo_terrain_height_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_height, double, 5, , terrain_demo_terrain_height_ports, 3)
 
 static const walkgen_port terrain_demo_terrain_normal_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -65,7 +53,7 @@ static const walkgen_port terrain_demo_terrain_normal_ports[] = {
     {8, 1, 32, 1, {3}},
 };
 
-static void terrain_demo_terrain_normal_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_normal) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -75,13 +63,7 @@ static void terrain_demo_terrain_normal_rows(intptr_t rows, char *const *a, cons
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_terrain_normal_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_normal_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_normal_rows, terrain_demo_terrain_normal_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_normal, double, 7, , terrain_demo_terrain_normal_ports, 3)
 
 static const walkgen_port terrain_demo_terrain_tangents_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -89,7 +71,7 @@ static const walkgen_port terrain_demo_terrain_tangents_ports[] = {
     {8, 1, 32, 2, {2, 3}},
 };
 
-static void terrain_demo_terrain_tangents_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_tangents) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -99,13 +81,7 @@ static void terrain_demo_terrain_tangents_rows(intptr_t rows, char *const *a, co
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_terrain_tangents_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_tangents_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[10];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_tangents_rows, terrain_demo_terrain_tangents_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_tangents, double, 10, , terrain_demo_terrain_tangents_ports, 3)
 
 static const walkgen_port terrain_demo_terrain_curvature_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -113,7 +89,7 @@ static const walkgen_port terrain_demo_terrain_curvature_ports[] = {
     {8, 1, 32, 2, {2, 2}},
 };
 
-static void terrain_demo_terrain_curvature_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_curvature) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -123,13 +99,7 @@ static void terrain_demo_terrain_curvature_rows(intptr_t rows, char *const *a, c
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_terrain_curvature_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_curvature_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[8];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_curvature_rows, terrain_demo_terrain_curvature_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_curvature, double, 8, , terrain_demo_terrain_curvature_ports, 3)
 
 static const walkgen_port terrain_demo_terrain_ground_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -139,7 +109,7 @@ static const walkgen_port terrain_demo_terrain_ground_ports[] = {
     {8, 1, 48, 0, {1}},
 };
 
-static void terrain_demo_terrain_ground_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_ground) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -151,13 +121,7 @@ static void terrain_demo_terrain_ground_rows(intptr_t rows, char *const *a, cons
             (double *)(a[4] + at * step[4]));
     }
 }
-
-void terrain_demo_terrain_ground_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_ground_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[7];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_ground_rows, terrain_demo_terrain_ground_ports, 5, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_ground, double, 7, , terrain_demo_terrain_ground_ports, 5)
 
 static const walkgen_port terrain_demo_terrain_compliance_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -165,7 +129,7 @@ static const walkgen_port terrain_demo_terrain_compliance_ports[] = {
     {8, 1, 32, 2, {3, 3}},
 };
 
-static void terrain_demo_terrain_compliance_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_compliance) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -175,13 +139,7 @@ static void terrain_demo_terrain_compliance_rows(intptr_t rows, char *const *a, 
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_terrain_compliance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_compliance_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[13];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_compliance_rows, terrain_demo_terrain_compliance_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_compliance, double, 13, , terrain_demo_terrain_compliance_ports, 3)
 
 static const walkgen_port terrain_demo_terrain_patch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -189,7 +147,7 @@ static const walkgen_port terrain_demo_terrain_patch_ports[] = {
     {4, 1, 32, 0, {1}},
 };
 
-static void terrain_demo_terrain_patch_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_patch) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -199,13 +157,7 @@ static void terrain_demo_terrain_patch_rows(intptr_t rows, char *const *a, const
             (int32_t *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_terrain_patch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_patch_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[5];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_patch_rows, terrain_demo_terrain_patch_ports, 3, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_patch, double, 5, , terrain_demo_terrain_patch_ports, 3)
 
 static const walkgen_port terrain_demo_terrain_project_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -214,7 +166,7 @@ static const walkgen_port terrain_demo_terrain_project_ports[] = {
     {4, 1, 56, 0, {1}},
 };
 
-static void terrain_demo_terrain_project_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) {
+WALKGEN_ROWS(terrain_demo_terrain_project) {
     intptr_t at;
     (void)dimensions;
     for (at = 0; at < rows; at++) {
@@ -224,13 +176,7 @@ static void terrain_demo_terrain_project_rows(intptr_t rows, char *const *a, con
             (double *)(a[2] + at * step[2]));
     }
 }
-
-void terrain_demo_terrain_project_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data);
-void terrain_demo_terrain_project_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) {
-    double buffer[8];
-    (void)data;
-    walkgen_loop(terrain_demo_terrain_project_rows, terrain_demo_terrain_project_ports, 4, (char *)buffer, arguments, dimensions, steps);
-}
+WALKGEN_LOOP(terrain_demo_terrain_project, double, 8, , terrain_demo_terrain_project_ports, 4)
 
 #ifdef __cplusplus
 }

@@ -21,14 +21,14 @@ _MOST_PORTS, _HIGHEST_RANK = 32, 6
 
 @dataclass(frozen=True)
 class Loop:
-    """One loop, ready to be laid out: entries of its port table, the table of a call, and the lines that run one row."""
+    """One loop, ready to be laid out: entries of its port table, the table of a call and what makes it, the lines that run one row."""
 
     name: str
     real: str
     buffer: int
     ports: tuple[str, ...]
     table: str
-    opening: tuple[str, ...]
+    before: str
     lines: tuple[str, ...]
 
 
@@ -72,8 +72,8 @@ def _loop(signature: Signature, precision: Precision) -> Loop:
     name = function_name(signature, precision)
     ports = tuple(_entries(signature, precision))
     size = sum(_bytes(port, precision) for port in signature.inputs + signature.outputs) // precision.size
-    table, opening = ("sized", tuple(_sizing(signature, name, len(ports)))) if signature.counts else (f"{name}_ports", ())
-    return Loop(name, precision.real, size, ports, table, opening, tuple(_lines(signature, name, precision)))
+    table, before = ("sized", _sizing(signature, name, len(ports))) if signature.counts else (f"{name}_ports", "")
+    return Loop(name, precision.real, size, ports, table, before, tuple(_lines(signature, name, precision)))
 
 
 def _entries(signature: Signature, precision: Precision) -> Iterator[str]:
@@ -91,13 +91,10 @@ def _dimension(signature: Signature, size: int | str) -> int:
     return 1 + list(sizes).index(size)
 
 
-def _sizing(signature: Signature, name: str, ports: int) -> Iterator[str]:
+def _sizing(signature: Signature, name: str, ports: int) -> str:
     """The port table of this call; the caller has seen to it that no count exceeds its buffer."""
-    yield f"walkgen_port sized[{ports}];"
-    exceeded = [f"dimensions[{_dimension(signature, count)}] > {COUNTS[count]}" for count in signature.counts]
-    yield f"if ({' || '.join(exceeded)}) {{"
-    yield from ("    return;", "}")
-    yield f"walkgen_sized({name}_ports, {ports}, dimensions, sized);"
+    exceeded = " || ".join(f"dimensions[{_dimension(signature, count)}] > {COUNTS[count]}" for count in signature.counts)
+    return f"walkgen_port sized[{ports}]; if ({exceeded}) {{ return; }} walkgen_sized({name}_ports, {ports}, dimensions, sized);"
 
 
 def _item(port: Port, output: bool, precision: Precision) -> int:
