@@ -12,15 +12,13 @@ from typer.core import TyperGroup
 from walkgen import __version__
 from walkgen.arguments import TO_FILE, Body, Format, Output, Specs, Stage, Verify, targets_of
 from walkgen.errors import Problem, WalkgenError
-from walkgen.terminal import as_json, count, print_build, print_walk, progress_of, report, write_new
+from walkgen.terminal import as_json, count, deliver, print_build, print_walk, progress_of, report, write_new
 
 if TYPE_CHECKING:
     from walkgen.pipeline import BuildOptions
     from walkgen.spec.schema import RobotSpec
 
 DIFFERENCE, USER_ERROR = 1, 2
-
-
 os.environ.setdefault("SYMPY_CACHE_SIZE", "None")  # a derivation meets far more terms again than sympy keeps
 
 
@@ -247,7 +245,7 @@ def import_urdf(
     report(imported.warnings)
     for source, name in imported.names:
         typer.echo(f"{source} -> {name}", err=True)
-    _deliver(imported.toml, output, "walkgen build")
+    deliver(imported.toml, output, "walkgen build")
 
 
 @app.command()
@@ -262,16 +260,7 @@ def export(
 
     if not urdf:
         raise typer.BadParameter("name the format", param_hint="--urdf")
-    _deliver(as_urdf(mechanism_of(spec)).text, output)
-
-
-def _deliver(text: str, output: Path | None, following: str = "") -> None:
-    """Into a new file if one is named, else to the terminal."""
-    if output is None:
-        typer.echo(text, nl=False)
-        return
-    write_new(output, text)
-    typer.echo(f"{output} written" + (f"; next: {following} {output}" if following else ""), err=True)
+    deliver(as_urdf(mechanism_of(spec)).text, output)
 
 
 @app.command()

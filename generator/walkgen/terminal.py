@@ -69,6 +69,15 @@ def write_new(path: Path, content: str | bytes) -> None:
         raise SpecError(Problem("WG518", f"cannot write {path}: {error.strerror}", "name a file in a folder that you can write")) from error
 
 
+def deliver(text: str, output: Path | None, following: str = "") -> None:
+    """Into a new file if one is named, else to the terminal."""
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    write_new(output, text)
+    typer.echo(f"{output} written" + (f"; next: {following} {output}" if following else ""), err=True)
+
+
 @contextmanager
 def progress_of(spec: Path) -> Iterator[Callable[[str], None]]:
     """Show what a build is doing on a terminal; say nothing where the output is read by a program."""

@@ -5,7 +5,7 @@ import pytest
 
 from linkages.by_scipy import Plane
 from linkages.placed import code_of
-from linkages.topologies import HELD, TRIADS, spec
+from linkages.topologies import HELD, STEPHENSON_2, TRIADS, spec
 from walkgen.model.assemble import assemble
 from walkgen.spec.read import read
 from walkgen.symbolic.starts import Starts
@@ -23,20 +23,9 @@ dh = "classic"
 joints = [{ name = "yaw", type = "revolute", a = 0.0, d = 0.0, alpha_deg = 0 }]
 plane = { xyz = [0.02, 0.01, 0.0], rpy_deg = [90, 0, 0] }
 """
-STEPHENSON = """
-start = { drives_deg = [10] }
-[leg_designs.leg.stephenson]
-inversion = "II"
-ground = 0.3
-crank = 0.06
-coupler = 0.25
-rocker = 0.22
-on_crank = [0.02, 0.04]
-on_coupler = [0.05, 0.08]
-second_coupler = 0.2
-second_rocker = 0.22
-foot = [0.35, -0.1]
-"""
+STEPHENSON = f"""
+start = {{ drives_deg = [10] }}
+{STEPHENSON_2}"""
 KNEE = """
 foot = "shank.P"
 four_bar = { ground = 0.13, crank = 0.3, coupler = 0.12, rocker = 0.31, drive = { limits_deg = [-110, -60] } }

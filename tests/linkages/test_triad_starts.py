@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.topologies import TRIADS, spec
+from linkages.topologies import STEPHENSON_2, TRIADS, spec
 from walkgen.examine import examined
 from walkgen.model.assemble import assemble
 from walkgen.show import show
@@ -28,19 +28,6 @@ platforms = [{ name = "body" }]
 legs = [{ name = "leg", design = "leg", platform = "body" }]
 [leg_designs.leg]
 """
-FORM = """
-[leg_designs.leg.stephenson]
-inversion = "II"
-ground = 0.3
-crank = 0.06
-coupler = 0.25
-rocker = 0.22
-on_crank = [0.02, 0.04]
-on_coupler = [0.05, 0.08]
-second_coupler = 0.2
-second_rocker = 0.22
-foot = [0.35, -0.1]
-"""
 
 
 def mechanism_of(folder, text):
@@ -61,7 +48,7 @@ def test_the_group_and_its_kind(tmp_path, name):
 
 
 def start(folder, given):
-    mechanism = mechanism_of(folder, HEAD + given + FORM)
+    mechanism = mechanism_of(folder, HEAD + given + STEPHENSON_2)
     return found_start(mechanism, mechanism.legs[0])
 
 
@@ -91,7 +78,7 @@ def test_points_choose_too(tmp_path):
 
 def test_show_lists_them(tmp_path):
     path = tmp_path / "robot.toml"
-    path.write_text(HEAD + FORM, encoding="utf-8")
+    path.write_text(HEAD + STEPHENSON_2, encoding="utf-8")
     text = show(path, "mechanism", "")
     assert "triad coupler  RR" in text
     assert "start at crank = 0: 4 assemblies" in text
@@ -100,7 +87,7 @@ def test_show_lists_them(tmp_path):
 
 def test_a_notice_and_show_name_the_triad(tmp_path):
     path = tmp_path / "robot.toml"
-    longer = FORM.replace("crank = 0.06", "crank = 0.12")
+    longer = STEPHENSON_2.replace("crank = 0.06", "crank = 0.12")
     path.write_text(HEAD + longer + "drive = { limits_deg = [-180, 180] }\n", encoding="utf-8")
     text = show(path, "mechanism", "")
     assert "1 degrees of freedom by the rank" in text

@@ -4,6 +4,7 @@ import casadi
 import numpy as np
 import pytest
 
+from linkages.topologies import STEPHENSON_2
 from oracles.backends import Built
 from walkgen import selftest
 from walkgen.examine import coverage_of
@@ -26,18 +27,7 @@ start = {{ drives_deg = [20], angles_deg = {{ coupler = 40 }} }}
 [leg_designs.leg.links]
 coupler = {{ mass = 0.5, com = [0.1, 0.02], inertia = 0.003 }}
 rocker = {{ mass = 0.3, com = [0.1, 0.0], inertia = 0.002 }}
-[leg_designs.leg.stephenson]
-inversion = "II"
-ground = 0.3
-crank = 0.12
-coupler = 0.25
-rocker = 0.22
-on_crank = [0.02, 0.04]
-on_coupler = [0.05, 0.08]
-second_coupler = 0.2
-second_rocker = 0.22
-foot = [0.35, -0.1]
-"""
+{STEPHENSON_2.replace("crank = 0.06", "crank = 0.12")}"""
 OK, UNREACHABLE, BAD_INPUT = 0, 1, 2
 
 

@@ -272,3 +272,18 @@ TRIADS = {
         {"k": ("left", "frame.A", "leg.J", "hand.F")},
     ),
 }
+
+STEPHENSON_2 = """
+[leg_designs.leg.stephenson]
+inversion = "II"
+ground = 0.3
+crank = 0.06
+coupler = 0.25
+rocker = 0.22
+on_crank = [0.02, 0.04]
+on_coupler = [0.05, 0.08]
+second_coupler = 0.2
+second_rocker = 0.22
+foot = [0.35, -0.1]
+"""
+"""Its short form, in a design called leg."""

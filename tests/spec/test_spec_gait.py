@@ -118,7 +118,7 @@ CASES = (
     (EVENTS.replace("at = 1,", "when = 1,"), "WG110", "events[2]", '"when"'),
     (EVENTS.replace("at = 1,", "at = 0.25,"), "WG194", "events[2]", "the lift of rm at 0.25 s stands after 0.5 s"),
     (f'{EVENTS}lifted = ["lf"]', "WG194", "events[0]", "the lift of lf at 0 s: lf is in transfer already"),
-    (EVENTS.replace('"rm"', '"rm"').replace('"lift" }]', '"place" }]'), "WG194", "events[2]", "rm is placed already"),
+    (EVENTS.replace('"lift" }]', '"place" }]'), "WG194", "events[2]", "rm is placed already"),
     (EVENTS.replace('"pace"', "0"), "WG194", "events[1]", "lf would be lifted and placed at one instant"),
     (f'{EVENTS}lifted = ["rf", "lm", "rr"]', "WG197", "events[0]", "from 0 s to 0.5 s only rm, lr support and lf, rf, lm, rr are in"),
     (f'{EVENTS}lifted = ["rf", "lm", "lr", "rr"]', "WG197", "events[0]", "only rm supports"),

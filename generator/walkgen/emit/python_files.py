@@ -58,16 +58,12 @@ _ATTRIBUTES = {
     "Route": ("name: str", "owner: str", "indices: NDArray[np.intp]", _FUNCTIONS),
 }
 _TERRAIN = ("name: str", "patches: tuple[str, ...]", _FUNCTIONS)
-_GAIT = (
-    *("name: str", "kind: str", "legs: tuple[str, ...]", "duty_factor: tuple[float, ...]", "phase: tuple[float, ...]"),
-    *("period: float", "stride: float", "lift: float | None", "stance: tuple[tuple[float, float, float], ...] | None"),
-    *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
+_STEPPING = (
+    *("name: str", "kind: str", "legs: tuple[str, ...]", "stride: float", "lift: float | None"),
+    *("stance: tuple[tuple[float, float, float], ...] | None", "static: bool", "body: str", "margin: float | None", _FUNCTIONS),
 )
-_SCHEDULE = (
-    *("name: str", "kind: str", "legs: tuple[str, ...]", "events: tuple[tuple[float, str, str], ...]", "lifted: tuple[str, ...]"),
-    *("stride: float", "lift: float | None", "stance: tuple[tuple[float, float, float], ...] | None"),
-    *("static: bool", "body: str", "margin: float | None", _FUNCTIONS),
-)
+_GAIT = (*_STEPPING, "duty_factor: tuple[float, ...]", "phase: tuple[float, ...]", "period: float")
+_SCHEDULE = (*_STEPPING, "events: tuple[tuple[float, str, str], ...]", "lifted: tuple[str, ...]")
 _ROBOT = (
     "name: str",
     "description: str",

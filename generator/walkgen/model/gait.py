@@ -7,34 +7,43 @@ from typing import Literal, NamedTuple
 Point = tuple[Fraction, Fraction, Fraction]
 
 
-@dataclass(frozen=True)
-class Gait:
-    """When each leg supports and where its foot goes; `name` is empty for the only gait of a robot.
+@dataclass(frozen=True, kw_only=True)
+class Stepping:
+    """What gaits of both sorts have; `name` is empty for the only gait of a robot.
 
     Attributes:
         name: as in the spec.
-        kind: as in the spec: wave, tripod, ..., free.
-        duty_factor: of each leg, in (0, 1).
-        phase: when each leg is placed, in periods.
-        period: s.
-        stride: along the first platform's x in a period (m).
+        stride: along the first platform's x, in a period or in all (m).
         lift: of a foot over the higher of its footholds (m), None where the gait only says when.
-        stance: of each foot in the middle of its support, in the first platform's frame (m).
+        stance: of each foot in the middle of its supports, in the first platform's frame (m).
         static: whether three legs support at every instant.
         body: what the platform does before a leg lifts, to keep the `margin` (m).
     """
 
     name: str
-    kind: str
-    duty_factor: tuple[Fraction, ...]
-    phase: tuple[Fraction, ...]
-    period: Fraction
     stride: Fraction
     lift: Fraction | None
     stance: tuple[Point, ...] | None
     static: bool
     body: Literal["level", "waved", "swinging"]
     margin: Fraction | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gait(Stepping):
+    """When each leg supports and where its foot goes, period by period.
+
+    Attributes:
+        kind: as in the spec: wave, tripod, ..., free.
+        duty_factor: of each leg, in (0, 1).
+        phase: when each leg is placed, in periods.
+        period: s.
+    """
+
+    kind: str
+    duty_factor: tuple[Fraction, ...]
+    phase: tuple[Fraction, ...]
+    period: Fraction
 
 
 class Event(NamedTuple):
@@ -45,30 +54,17 @@ class Event(NamedTuple):
     does: Literal["lift", "place"]
 
 
-@dataclass(frozen=True)
-class Schedule:
+@dataclass(frozen=True, kw_only=True)
+class Schedule(Stepping):
     """A gait that is no cycle: events in order of time, each leg lifted and placed in turn.
 
     Attributes:
-        name: as in the spec.
         events: in order of time.
         lifted: whether each leg is in transfer before the first event.
-        stride: along the first platform's x in all (m).
-        lift: of a foot over the higher of its footholds (m), None where the gait only says when.
-        stance: of each foot in the middle of its supports, in the first platform's frame (m).
-        static: whether three legs support at every instant.
-        body: what the platform does before a leg lifts, to keep the `margin` (m).
     """
 
-    name: str
     events: tuple[Event, ...]
     lifted: tuple[bool, ...]
-    stride: Fraction
-    lift: Fraction | None
-    stance: tuple[Point, ...] | None
-    static: bool
-    body: Literal["level", "waved", "swinging"]
-    margin: Fraction | None
 
     @property
     def kind(self) -> Literal["events"]:

@@ -1,11 +1,9 @@
 """From the spec's gait tables to Gaits and Schedules: parameters put in, phases from the kind's formula, legs in the order of the feet."""
 
 from collections.abc import Mapping
-from fractions import Fraction
-from typing import Literal, TypedDict
 
 from walkgen.gait import phases
-from walkgen.model.gait import Event, Gait, Point, Schedule
+from walkgen.model.gait import Event, Gait, Point, Schedule, Stepping
 from walkgen.model.values import Values
 from walkgen.spec.checks_gait import gaits_of, is_static
 from walkgen.spec.gait import GaitSpec
@@ -23,21 +21,9 @@ def gaits(spec: RobotSpec, values: Values) -> tuple[Gait | Schedule, ...]:
     )
 
 
-class _Common(TypedDict):
-    """What gaits of both kinds have."""
-
-    name: str
-    stride: Fraction
-    lift: Fraction | None
-    stance: tuple[Point, ...] | None
-    static: bool
-    body: Literal["level", "waved", "swinging"]
-    margin: Fraction | None
-
-
-def _common(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> _Common:
+def _common(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs: tuple[str, ...], values: Values) -> Stepping:
     stride, lift, margin = (gait.si(key) for key in ("stride", "lift", "margin"))
-    return _Common(
+    return Stepping(
         name=name,
         stride=values.fraction(ZERO if stride is None else stride),
         lift=None if lift is None else values.fraction(lift),
@@ -52,7 +38,7 @@ def _schedule(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, le
     return Schedule(
         events=tuple(Event(values.fraction(event.at), legs.index(event.leg), event.does) for event in gait.events or ()),
         lifted=tuple(leg in (gait.lifted or ()) for leg in legs),
-        **_common(name, gait, points, legs, values),
+        **vars(_common(name, gait, points, legs, values)),
     )
 
 
@@ -64,7 +50,7 @@ def _cycle(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs:
         duty_factor=tuple(times[leg][0] for leg in legs),
         phase=tuple(phases.fraction(times[leg][1]) for leg in legs),
         period=values.fraction(gait.period),
-        **_common(name, gait, points, legs, values),
+        **vars(_common(name, gait, points, legs, values)),
     )
 
 

@@ -59,7 +59,9 @@ class ContactForces:
             return self._vertical(given)
         if method != "least_squares":
             raise ValueError(f"{NAME}: {method!r} is not a method; choose least_squares, stiffness or vertical")
-        given["facets"] = _facets(cone)
+        return self._least_squares(given | {"facets": _facets(cone)}, torque_rows)
+
+    def _least_squares(self, given: dict[str, Any], torque_rows: Any) -> Any:
         if torque_rows is None:
             return self._solve(NAME, given)
         return self._solve(f"{NAME}_limited", given | {"torque_rows": torque_rows})[:5]

@@ -133,20 +133,16 @@ class Terrain(_Owner):
         return f"<terrain: {', '.join(self.patches)}; {len(self.functions)} functions>"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Gait(_Owner):
-    """A gait of the spec: its numbers, one a leg in the order of `legs`, and its functions of time, which are also attributes.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Stepping(_Owner):
+    """What gaits of both sorts have: numbers, those of legs in the order of `legs`, and functions of time, which are also attributes.
 
-    `duty_factor` and `phase` are in periods, `period` in s, `stride` along x in a period, `lift`, `stance` [k][3] in the first platform's
-    frame and `margin` in m; None is what the spec leaves out. `walkgen.gait.pattern.Gait.of` makes a gait of walkgen.gait of it.
+    `lift`, `stance` [k][3] in the first platform's frame and `margin` in m; None is what the spec leaves out.
     """
 
     name: str
     kind: str
     legs: tuple[str, ...]
-    duty_factor: tuple[float, ...]
-    phase: tuple[float, ...]
-    period: float
     stride: float
     lift: float | None
     stance: tuple[tuple[float, float, float], ...] | None
@@ -154,32 +150,35 @@ class Gait(_Owner):
     body: str
     margin: float | None
     functions: Mapping[str, Function]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Gait(Stepping):
+    """A periodic gait of the spec.
+
+    `duty_factor` and `phase` are in periods, `period` in s, `stride` along x in a period, in m.
+    `walkgen.gait.pattern.Gait.of` makes a gait of walkgen.gait of it.
+    """
+
+    duty_factor: tuple[float, ...]
+    phase: tuple[float, ...]
+    period: float
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""
         return f"<gait{name}: {self.kind}, {self.period:g} s, {len(self.functions)} functions>"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Schedule(_Owner):
-    """A gait of the spec that is a list of events: (time in s, leg, "lift" or "place"), and its functions of time.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Schedule(Stepping):
+    """A gait of the spec that is a list of events: (time in s, leg, "lift" or "place").
 
-    `lifted` are in transfer before the first one; `stride` in all, `lift`, `stance` and `margin` in m as of a `Gait`.
+    `lifted` are in transfer before the first one; `stride` along x in all, in m.
     `walkgen.gait.schedule.Schedule.of` makes a schedule of walkgen.gait of it.
     """
 
-    name: str
-    kind: str
-    legs: tuple[str, ...]
     events: tuple[tuple[float, str, str], ...]
     lifted: tuple[str, ...]
-    stride: float
-    lift: float | None
-    stance: tuple[tuple[float, float, float], ...] | None
-    static: bool
-    body: str
-    margin: float | None
-    functions: Mapping[str, Function]
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""

@@ -21,6 +21,9 @@ SIDES = {"RRR": ("left", "right"), "RRP": ("ahead", "behind"), "RPP": (), "panto
 further along its guide."""
 
 
+Three = tuple[int, int, int]
+
+
 @dataclass(frozen=True)
 class Pair:
     """A pin (R) or slider (P) between bodies; a pin may join more than two. A slider's guide is on its second body."""
@@ -89,8 +92,8 @@ class Group:
 
     kind: GroupKind
     name: str
-    bodies: tuple[int, int, int]
-    pairs: tuple[int, int, int]
+    bodies: Three
+    pairs: Three
     guide: int = 0
 
 
@@ -272,19 +275,17 @@ class _Search:
             if one & set(pair.bodies) and other & set(pair.bodies):
                 yield index
 
-    def _cylinder_first(
-        self, bodies: tuple[int, int, int], pairs: tuple[int, int, int]
-    ) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+    def _cylinder_first(self, bodies: Three, pairs: Three) -> tuple[Three, Three]:
         """The cylinder's pin counts as the first outer one; else the pin that the spec names first does."""
         base, first, second = bodies
         key = [(body not in self._structure.bars, pair) for body, pair in ((first, pairs[0]), (second, pairs[1]))]
         return (bodies, pairs) if key[0] <= key[1] else ((base, second, first), (pairs[1], pairs[0], pairs[2]))
 
-    def _guide(self, bodies: tuple[int, int, int], pairs: tuple[int, int, int]) -> int:
+    def _guide(self, bodies: Three, pairs: Three) -> int:
         slider = next(self._structure.pairs[pair] for pair in pairs if self._structure.pairs[pair].kind == "P")
         return next(index for index, body in enumerate(bodies) if self._together(body, slider.bodies[1]))
 
-    def _name(self, bodies: tuple[int, int, int], pairs: tuple[int, int, int]) -> str:
+    def _name(self, bodies: Three, pairs: Three) -> str:
         """The cylinder's, else the slider's, else the inner pin's; then with a number where it is taken."""
         bar = next((self._structure.names[body] for body in bodies if body in self._structure.bars), "")
         slider = next((self._structure.pairs[pair].name for pair in pairs if self._structure.pairs[pair].kind == "P"), "")

@@ -5,7 +5,7 @@ that leaves a leg without a pose is one that did not. Where the start does not l
 what is missing; after that, and where the descent ends early, other starts are tried, always the same ones.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,14 +59,19 @@ def adapt(
     shape, rows = broadcast_rows(inputs, (1, 1, 2, 2, 2, 1, 1))
     q, status, cost = np.full((*shape, nq), np.nan), np.full(shape, _BAD_INPUT, np.int32), np.full(shape, np.nan)
     for place in np.ndindex(shape):
-        numbers, links, bounds, aims, normals, first, weigh = (row[place] for row in rows)
-        tree = read_tree(numbers, links, nq, feet, platforms)
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
-            problem = None if tree is None else _problem(tree, bounds, aims, normals, first, weigh)
-            answer = None if problem is None else _solved(problem)
+        answer = _answer([row[place] for row in rows], nq, feet, platforms)
         if answer is not None:
             q[place], status[place], cost[place] = answer
     return q, status, cost
+
+
+def _answer(row: Sequence[Reals], nq: int, feet: int, platforms: int) -> tuple[Reals, int, float] | None:
+    """Of one row, None where its input is bad."""
+    numbers, links, bounds, aims, normals, first, weigh = row
+    tree = read_tree(numbers, links, nq, feet, platforms)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
+        problem = None if tree is None else _problem(tree, bounds, aims, normals, first, weigh)
+        return None if problem is None else _solved(problem)
 
 
 def _problem(tree: Tree, limits: Reals, targets: Reals, normal: Reals, start: Reals, weights: Reals) -> Problem | None:

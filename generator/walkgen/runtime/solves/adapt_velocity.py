@@ -1,5 +1,7 @@
 """Joint rates of a modular robot whose feet move as asked, nearest to wanted rates: the reference of walkgen_adapt_velocity.h."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -59,16 +61,22 @@ def adapt_velocity(
     shape, rows = broadcast_rows(inputs, (1, 1, 2, 1, 2, 1, 0, 0))
     rates, status = np.full((*shape, nq), np.nan), np.full(shape, _BAD_INPUT, np.int32)
     for place in np.ndindex(shape):
-        numbers, links, bounds, values, speeds, wanted, least, most = (row[place] for row in rows)
-        tree = read_tree(numbers, links, nq, feet, platforms)
-        given = np.concatenate([values, speeds.ravel(), wanted])
-        if tree is None or not (np.isfinite(given).all() and limits_fit(bounds)):
-            continue
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
-            found, state = _resolved(tree, bounds, values, speeds, wanted, (float(least), float(most)))
-        if state != _BAD_INPUT and np.isfinite(found).all():
-            rates[place], status[place] = found, state
+        answer = _answer([row[place] for row in rows], nq, feet, platforms)
+        if answer is not None:
+            rates[place], status[place] = answer
     return rates, status
+
+
+def _answer(row: Sequence[Reals], nq: int, feet: int, platforms: int) -> tuple[Reals, int] | None:
+    """Of one row, None where its input is bad or what comes out is no number."""
+    numbers, links, bounds, values, speeds, wanted, least, most = row
+    tree = read_tree(numbers, links, nq, feet, platforms)
+    given = np.concatenate([values, speeds.ravel(), wanted])
+    if tree is None or not (np.isfinite(given).all() and limits_fit(bounds)):
+        return None
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
+        found, state = _resolved(tree, bounds, values, speeds, wanted, (float(least), float(most)))
+    return (found, state) if state != _BAD_INPUT and np.isfinite(found).all() else None
 
 
 def _resolved(tree: Tree, limits: Reals, q: Reals, xd: Reals, qd0: Reals, damping: tuple[float, float]) -> tuple[Reals, int]:
