@@ -2,7 +2,7 @@
 
 import hashlib
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,13 +21,15 @@ from walkgen.graph.program import Composite, Program
 from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Mechanism
+from walkgen.processes import both
 from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
-from walkgen.symbolic.derive import derive
+from walkgen.symbolic.derive import derive, derive_limbs, derive_robot
 from walkgen.symbolic.function import Derivation
 from walkgen.toolchain import Library, build_library, find_library
 
 Progress = Callable[[str], None]
+Derive = Callable[[Mechanism, tuple[str, ...]], Iterable[Derivation]]
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ def generate(
     mechanism = assemble(spec, path.parent)
     for found in examined(path, spec, mechanism):
         notice(found)
-    functions = shared(tuple(_bodies(spec, mechanism, options, progress)))
+    functions = shared(_bodies(spec, mechanism, options, progress))
     targets = options.targets or tuple(spec.generate.targets)
     digest = _digest(path, spec)
     return RobotCode(mechanism, functions, digest, targets, options.fma, options.float32)
@@ -101,14 +103,25 @@ def _digest(path: Path, spec: RobotSpec) -> str:
     return hashlib.sha256(b"".join(file.read_bytes() for file in (path, *maps))).hexdigest()
 
 
-def _bodies(spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress) -> Iterator[Program | Composite]:
-    for derivation in derive(mechanism, options.functions or _names(spec)):
+def _bodies(spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress) -> tuple[Program | Composite, ...]:
+    """Programs of the limbs' functions, then of the robot's, which take as long: two processes share them."""
+    of_limbs, of_robot = both(
+        lambda: _lowered(derive_limbs, spec, mechanism, options, progress), _lowered, derive_robot, spec, mechanism, options
+    )
+    return (*of_limbs, *of_robot)
+
+
+def _lowered(
+    derived: Derive, spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress = _silent
+) -> tuple[Program | Composite, ...]:
+    derivatives = spec.generate.derivatives and bool(mechanism.parameters)
+    found: list[Program | Composite] = []
+    for derivation in derived(mechanism, options.functions or _names(spec)):
         progress(derivation.signature.full_name)
         body = lower(derivation, options.fma)
-        yield body
-        if spec.generate.derivatives and mechanism.parameters:
-            by_parameters = _by_parameters(body, lower(derivation, fma=False), options.fma)
-            yield from () if by_parameters is None else (by_parameters,)
+        by_parameters = _by_parameters(body, lower(derivation, fma=False), options.fma) if derivatives else None
+        found += [body] if by_parameters is None else [body, by_parameters]
+    return tuple(found)
 
 
 def _by_parameters(body: Program | Composite, plain: Program | Composite, fma: bool) -> Program | Composite | None:

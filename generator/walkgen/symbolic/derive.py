@@ -64,13 +64,25 @@ Wanted = Callable[[str], bool]
 
 def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
     """Derive the named functions, all when no names are given; a name serves every leg, chain or route that has it."""
-    yield from (closed(mechanism, derivation) for derivation in _derived(mechanism, names))
+    yield from derive_limbs(mechanism, names)
+    yield from derive_robot(mechanism, names)
 
 
-def _derived(mechanism: Mechanism, names: tuple[str, ...]) -> Iterator[Derivation]:
-    def wanted(name: str) -> bool:
-        return not names or name in names
+def derive_limbs(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
+    """The named functions of legs, chains and routes."""
+    return (closed(mechanism, derivation) for derivation in _of_limbs(mechanism, _wanted(names)))
 
+
+def derive_robot(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
+    """The named functions of the whole robot, its ground and its gaits."""
+    return (closed(mechanism, derivation) for derivation in _of_robot(mechanism, _wanted(names)))
+
+
+def _wanted(names: tuple[str, ...]) -> Wanted:
+    return lambda name: not names or name in names
+
+
+def _of_limbs(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     for leg in mechanism.legs:
         yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
         yield from _leg_inverse(mechanism, leg, wanted)
@@ -80,6 +92,9 @@ def _derived(mechanism: Mechanism, names: tuple[str, ...]) -> Iterator[Derivatio
     for route in routes(mechanism):
         yield from _path(mechanism, route, FOOT, wanted)
         yield from _path_inverse(mechanism, route, wanted)
+
+
+def _of_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     yield from _whole_robot(mechanism, wanted)
     if mechanism.terrain:
         ground = TerrainFunctions(mechanism, mechanism.terrain)

@@ -1,0 +1,35 @@
+"""Two tasks at a time: the second in a process of its own, a copy of this one, where the system makes such copies."""
+
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from typing import ParamSpec, TypeVar
+
+First = TypeVar("First")
+Second = TypeVar("Second")
+Arguments = ParamSpec("Arguments")
+
+
+def both(
+    first: Callable[[], First], second: Callable[Arguments, Second], *arguments: Arguments.args, **named: Arguments.kwargs
+) -> tuple[First, Second]:
+    """What both tasks return; what either raises is raised here.
+
+    Args:
+        first: worked out here.
+        second: worked out beside it; this function, its arguments and its result must be such as pickle knows.
+        arguments: of the second task.
+        named: of the second task too.
+    """
+    if not _copies():
+        return first(), second(*arguments, **named)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("fork")) as beside:
+        other = beside.submit(second, *arguments, **named)
+        return first(), other.result()
+
+
+def _copies() -> bool:
+    """Linux alone forks well; a daemonic process may have no children, and one processor serves no two processes."""
+    return sys.platform == "linux" and len(os.sched_getaffinity(0)) > 1 and not multiprocessing.current_process().daemon
