@@ -107,9 +107,9 @@ def _animation(walk: Walk, drawn: Drawing) -> go.Figure:
     figure = go.Figure(data=[*moving, *still], frames=frames)
     figure.update_layout(
         height=620,
-        margin={"l": 0, "r": 0, "t": 0, "b": 0},
+        margin={"l": 0, "r": 0, "t": 0, "b": 50},
         scene={"aspectmode": "data", "xaxis_title": "x (m)", "yaxis_title": "y (m)", "zaxis_title": "z (m)"},
-        legend={"orientation": "h", "y": 1.0},
+        legend={"x": 0.0, "y": 1.0, "bgcolor": "rgba(255, 255, 255, 0.7)"},
         updatemenus=[_buttons()],
         sliders=[_slider(names)],
     )
