@@ -60,7 +60,7 @@ def check_minimum(closest, rng, n, count, special):
         assert gaps[row] <= dense_minimum(geometry, kinds, p[row], limits[row]) + 1e-7, (kinds, row)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("special", [True, False], ids=["right", "random"])
 @pytest.mark.parametrize("n", [1, 2, 3, 4])
 def test_nothing_in_the_box_is_closer(closest, n, special):

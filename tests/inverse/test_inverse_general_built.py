@@ -72,7 +72,7 @@ def least(path, q):
 # ---- printed parameters --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", PRINTED)
 def test_printed_parameters_lose_nothing(robot, name):
     path, generated = PATHS[name], robot.legs[name]
@@ -124,7 +124,7 @@ VALUES = (0.0, -0.0, np.nan, np.inf, -np.inf, 1e308, -1e308, 5e-324, 1e-160, 0.3
 EVERY = np.array(list(itertools.product(VALUES, repeat=3)))
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", [*ASKEW, "two_digits", "sliding"])
 def test_every_target_has_an_answer(robot, name):
     p = EVERY if robot.backend == "c" else EVERY[::29]
@@ -168,7 +168,7 @@ def closest(name, x, y, z):
     return min(np.sqrt(2 * one.cost) for one in done)
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", [*ASKEW, "two_digits", "csiro"])
 def test_unreachable_rows_hold_the_closest_pose(robot, name):
     path, generated = PATHS[name], robot.legs[name]

@@ -83,7 +83,7 @@ def test_a_near_seed_stays_near(robot, path):
     assert np.all(PATHS[path].apart(q, truth + step)[clear] <= 0.5)
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(5)
 def test_a_path_is_followed_without_jumps(robot, path):
     n = PATHS[path].n
     time = np.linspace(0.0, 1.0, many(robot, 200))[:, None]
@@ -99,7 +99,7 @@ def test_a_path_is_followed_without_jumps(robot, path):
     assert max(steps) <= 4 * np.max(np.abs(np.diff(way, axis=0))) + 1e-9
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(5)
 def test_targets_out_of_reach_are_said_so_and_come_closest(robot, path):
     """Against the best of many descents; where a joint slides, it goes beyond its limits for a target that needs that."""
     screw = PATHS[path]
@@ -223,7 +223,7 @@ def test_what_is_no_rigid_transform_is_bad_input(robot, path):
         assert np.all(np.isnan(q))
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(5)
 def test_every_target_has_an_answer(robot, path):
     values = (0.0, -0.0, 5e-324, 1e-160, 1e20, 1e160, -1e308)
     p = np.array(list(itertools.product(values, repeat=3)))[:: 5 if robot.backend == "c" else 120]

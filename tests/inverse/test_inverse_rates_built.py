@@ -56,7 +56,7 @@ def check(path, q, v, found, status):
     return statuses
 
 
-@pytest.mark.sampled(18)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_velocities(robots, backend, path):
     q, _, v = path.motions(300, 5)
@@ -66,7 +66,7 @@ def test_velocities(robots, backend, path):
     assert UNREACHABLE in statuses or path.n > 2 or set(statuses) == {SINGULAR}
 
 
-@pytest.mark.sampled(18)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_accelerations(robots, backend, path):
     """a = J qdd + Jdot qd, with Jdot qd from complex steps."""
@@ -75,7 +75,7 @@ def test_accelerations(robots, backend, path):
     check(path, q, rest, *call(robots[backend], path, "inverse_acceleration", q, qd, rest + bias))
 
 
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(6)
 def test_float(robots, path):
     q, _, v = (array.astype(np.float32) for array in path.motions(300, 7))
     found, status = call(robots["c"], path, "inverse_velocity", q, v)

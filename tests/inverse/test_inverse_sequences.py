@@ -40,6 +40,7 @@ def redundant(name):
     return bool(np.all(least(path, q) < 1e-12))
 
 
+@pytest.mark.sampled(30)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_every_pose_is_found(leg_of, name):
     check(name, leg_of(name), 200)
@@ -62,6 +63,7 @@ def test_redundant_legs_are_among_them():
     assert {"rrr_zz", "pp_z", "ppp_zz", "rpp_pz", "rpp_zz"} <= {name for name in SAMPLE if redundant(name)}
 
 
+@pytest.mark.sampled(30)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_no_branch_is_missing(leg_of, name):
     missing, alone, common = compare(name, leg_of(name), 20, 1)
@@ -69,6 +71,7 @@ def test_no_branch_is_missing(leg_of, name):
     assert alone <= 0.1 * common  # Newton does not find all, but enough to be a judge
 
 
+@pytest.mark.sampled(30)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_numpy_has_the_same_rows(leg_of, name):
     path, q, p = targets(name, 6, 2)

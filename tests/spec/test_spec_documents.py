@@ -104,7 +104,7 @@ def bound() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (600 * MEGABYTE, 600 * MEGABYTE))
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", BOMBS)
 def test_bombs_cost_neither_time_nor_memory(name: str, tmp_path: Path) -> None:
     expected, text = BOMBS[name]

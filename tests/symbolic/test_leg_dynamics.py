@@ -35,7 +35,7 @@ def state(leg):
 # ---- reference cases ---------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("convert", [from_tree, from_dh])
 @pytest.mark.parametrize("name", WEIGHED)
 def test_published_samples(tmp_path, name, convert):

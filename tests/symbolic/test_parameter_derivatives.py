@@ -73,6 +73,7 @@ def assert_slopes(function, slopes, *inputs):
     return found
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("leg", ["left", "right"])
 @pytest.mark.parametrize("name", FORWARD)
 def test_legs(robot, leg, name):

@@ -57,6 +57,7 @@ def rank(matrix):
     return int(np.sum(sizes > 1e-9 * sizes[0]))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", [name for name in LEG_CASES if name != "csiro_bullet_ar_leg_dh"])
 def test_published_legs(tmp_path, name):
     conversion = from_tree(case(name))

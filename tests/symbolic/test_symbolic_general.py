@@ -61,7 +61,7 @@ def at_night(*names):
     return [pytest.param(name, marks=pytest.mark.nightly) for name in names]
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("kinds", "twists"), [case for case in TWISTED if case[1] not in ("zx", "px", "pz", "zz", "xp")])
 def test_rows_are_those_of_the_iterative_inverse(tmp_path, kinds, twists):
     """The same solutions in the same order with the same statuses; no target that the leg reaches is called unreachable."""
