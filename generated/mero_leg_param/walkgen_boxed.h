@@ -75,7 +75,8 @@ static inline WG_REAL WG_NAME(wg_free_joints)(const struct WG_NAME(wg_serial) * 
     normal->count = 0;
     for (j = 0; j < arm->n; ++j) {
         const WG_REAL slope = WG_NAME(wg_along)(arm->rows, at->column[j], at->error);
-        if ((slope >= WG_C(0.0) && at->q[j] > box->low[j]) || (slope <= WG_C(0.0) && at->q[j] < box->high[j])) {
+        const int down = at->edge[j] >= 0 && at->q[j] > box->low[j], up = at->edge[j] <= 0 && at->q[j] < box->high[j];
+        if ((slope >= WG_C(0.0) && down) || (slope <= WG_C(0.0) && up)) {
             normal->free[normal->count++] = j;
             square += slope * slope;
         }
@@ -159,6 +160,68 @@ static inline WG_REAL WG_NAME(wg_boxed_step)(const struct WG_NAME(wg_serial) * a
     return WG_NAME(wg_stepped)(arm, box, at->q, step, after);
 }
 
+/* The value of a joint at which the foot ends, between one that has a foot and one that has none; the others as at->q. */
+static inline WG_REAL WG_NAME(wg_last_foot)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_arm_state) at, int joint, WG_REAL none) {
+    WG_REAL there = at.q[joint];
+    int i;
+    for (i = 0; i < 64; ++i) {
+        at.q[joint] = WG_C(0.5) * (there + none);
+        if (at.q[joint] == there || at.q[joint] == none) {
+            break;
+        }
+        WG_NAME(wg_serial_at)(arm, &at);
+        *(at.gap < WG_INFINITY ? &there : &none) = at.q[joint];
+    }
+    return there;
+}
+
+/* Lead a joint that alone leads to where there is no foot up to where the foot ends, or to a part of this way: there slopes grow with the
+ * square root of what is left of it. Whether that is nearer to the target. */
+static inline int WG_NAME(wg_meet_edge)(const struct WG_NAME(wg_serial) * arm, int joint, WG_REAL none, struct WG_NAME(wg_arm_state) * at) {
+    struct WG_NAME(wg_arm_state) tried = *at;
+    const WG_REAL start = at->q[joint], edge = WG_NAME(wg_last_foot)(arm, *at, joint, none);
+    WG_REAL root = WG_C(0.0);
+    int i, k;
+    for (i = 0; i < 8; ++i, root = WG_C(0.5) + WG_C(0.5) * root) {
+        tried.q[joint] = edge + root * root * (start - edge);
+        WG_NAME(wg_serial_at)(arm, &tried);
+        if (tried.gap < at->gap) {
+            const WG_REAL on = (none - start) * WG_NAME(wg_along)(arm->rows, tried.column[joint], tried.error);
+            for (k = 0; k < arm->n; ++k) {
+                tried.edge[k] = k != joint ? at->edge[k] : i > 0 || !(on < WG_C(0.0)) ? 0 : none > start ? 1 : -1;
+            }
+            *at = tried;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Where a step leads to where there is no foot: lead every joint that alone does so towards where the foot ends. Whether one was. */
+static inline int WG_NAME(wg_meet_edges)(const struct WG_NAME(wg_serial) * arm, const WG_REAL *after, struct WG_NAME(wg_arm_state) * at) {
+    int j, met = 0;
+    for (j = 0; j < arm->n && arm->motion; ++j) {
+        struct WG_NAME(wg_arm_state) tried = *at;
+        tried.q[j] = after[j];
+        WG_NAME(wg_serial_at)(arm, &tried);
+        if (!(tried.gap < WG_INFINITY)) {
+            met |= WG_NAME(wg_meet_edge)(arm, j, after[j], at);
+        }
+    }
+    return met;
+}
+
+/* A stance that is better; joints that have not moved are at the edges where they were. */
+static inline void WG_NAME(wg_move_to)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * after,
+                                       struct WG_NAME(wg_arm_state) * at) {
+    const struct WG_NAME(wg_arm_state) before = *at;
+    int j;
+    *at = *after;
+    for (j = 0; j < arm->n; ++j) {
+        at->edge[j] = at->q[j] == before.q[j] ? before.edge[j] : 0;
+    }
+}
+
 /* Lead at->q, which is inside the box, to the target or to rest; whether the target is reached, and then to its roundings.
  * A descent ends after 60 steps, one that came near the target after 300; earlier where eight steps gain less than a twentieth. */
 static inline int WG_NAME(wg_boxed_descent)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
@@ -186,8 +249,8 @@ static inline int WG_NAME(wg_boxed_descent)(const struct WG_NAME(wg_serial) * ar
         if (after.gap < at->gap) {
             ended = reached && after.gap > WG_C(0.25) * at->gap;
             factor = WG_MAX(WG_C(0.3) * factor, WG_C(1e-3));
-            *at = after;
-        } else {
+            WG_NAME(wg_move_to)(arm, &after, at);
+        } else if (after.gap < WG_INFINITY || !WG_NAME(wg_meet_edges)(arm, after.q, at)) {
             ended = reached || !(longest > WG_EPSILON);
             factor *= WG_C(8.0);
         }

@@ -25,12 +25,16 @@ static inline WG_REAL WG_NAME(wg_bend)(const WG_REAL vector[3], WG_REAL angle, c
     return factor * WG_NAME(wg_dot)(a, b) + (square > WG_TINY ? (WG_C(1.0) - factor) * around / square : WG_C(0.0));
 }
 
-/* Second derivative of half the squared error by joints i <= j. */
-static inline WG_REAL WG_NAME(wg_curvature)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at, int i, int j) {
+/* Second derivative of half the squared error by joints i <= j; `motion` are the values of the arm's function, if it has one. */
+static inline WG_REAL WG_NAME(wg_curvature)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at,
+                                            const WG_REAL *motion, int i, int j) {
     const WG_REAL *a = at->turning[i], *b = at->turning[j];
     WG_REAL second[3], vector[3], sum;
     int k;
     WG_NAME(wg_cross)(a, at->column[j], second);
+    for (k = 0; k < 3 && arm->motion; ++k) {
+        second[k] = motion[3 + 3 * arm->n + arm->n * (arm->n * k + i) + j];
+    }
     sum = WG_NAME(wg_dot)(at->column[i], at->column[j]) + WG_NAME(wg_dot)(at->error, second);
     if (arm->rows == 6) {
         for (k = 0; k < 3; ++k) {
@@ -46,12 +50,16 @@ static inline WG_REAL WG_NAME(wg_curvature)(const struct WG_NAME(wg_serial) * ar
 /* The matrix of second derivatives of the free joints, damped, and downhill. */
 static inline void WG_NAME(wg_second_order)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_arm_state) * at, WG_REAL damping,
                                             struct WG_NAME(wg_normal) * normal) {
+    WG_REAL motion[WG_MOST_MOTION];
     int i, j;
+    if (arm->motion) {
+        (void)WG_NAME(wg_driven_foot_at)(arm->motion, arm->data, arm->n, arm->slides, arm->size, at->q, motion);
+    }
     for (i = 0; i < normal->count; ++i) {
         const int joint = normal->free[i];
         normal->b[i] = -WG_NAME(wg_along)(arm->rows, at->column[joint], at->error);
         for (j = 0; j <= i; ++j) {
-            normal->A[i][j] = WG_NAME(wg_curvature)(arm, at, normal->free[j], joint) + (i == j ? damping : WG_C(0.0));
+            normal->A[i][j] = WG_NAME(wg_curvature)(arm, at, motion, normal->free[j], joint) + (i == j ? damping : WG_C(0.0));
         }
     }
 }
@@ -122,24 +130,58 @@ static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, c
     struct WG_NAME(wg_normal) normal, next;
     const WG_REAL size = WG_MAX(arm->reach, arm->length), flat = size * (at->gap + size), noise = WG_C(4.0) * WG_EPSILON * (at->gap + size);
     WG_REAL damping = WG_C(0.0), slope = WG_NAME(wg_free_joints)(arm, box, at, &normal), slope_after;
+    const WG_REAL calm = (arm->motion ? WG_C(1024.0) : WG_C(1.0)) * WG_EPSILON * flat; /* what roundings leave of a slope */
     int i;
-    for (i = 0; i < WG_RESTING_STEPS && slope > WG_EPSILON * flat && damping < WG_C(1e6) * flat; ++i) {
-        int better = WG_NAME(wg_newton_step)(arm, box, at, &normal, damping, after.q);
-        if (better) {
+    for (i = 0; i < WG_RESTING_STEPS && slope > calm && damping < WG_C(1e6) * flat; ++i) {
+        const int found = WG_NAME(wg_newton_step)(arm, box, at, &normal, damping, after.q);
+        int better = found;
+        if (found) {
             WG_NAME(wg_serial_at)(arm, &after);
             slope_after = WG_NAME(wg_free_joints)(arm, box, &after, &next);
             better = after.gap < at->gap - noise || (after.gap < at->gap + noise && slope_after < WG_C(0.5) * slope);
         }
         if (better) {
-            *at = after;
-            normal = next;
-            slope = slope_after;
+            WG_NAME(wg_move_to)(arm, &after, at);
+            slope = WG_NAME(wg_free_joints)(arm, box, at, &normal);
             damping = damping < WG_C(1e-6) * flat ? WG_C(0.0) : WG_C(0.1) * damping;
+        } else if (found && !(after.gap < WG_INFINITY) && WG_NAME(wg_meet_edges)(arm, after.q, at)) {
+            slope = WG_NAME(wg_free_joints)(arm, box, at, &normal);
         } else {
             damping = WG_MAX(WG_C(10.0) * damping, WG_C(1e-7) * flat);
         }
     }
     return slope <= WG_FLAT * flat;
+}
+
+/* Whether the foot ends for a joint at the same value when the others move a little: else a way along the edge may lead down. */
+static inline int WG_NAME(wg_edge_stands)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
+                                          const struct WG_NAME(wg_arm_state) * at, int joint) {
+    const WG_REAL little = WG_C(1e-3) * (WG_C(0.1) + WG_ABS(at->q[joint])), less = WG_C(1e-3) * little;
+    struct WG_NAME(wg_arm_state) tried;
+    int k, m, stands = 1;
+    for (k = 0; k < 2 * arm->n && stands; ++k) {
+        if (k / 2 == joint) {
+            continue;
+        }
+        for (m = -1; m <= 1 && stands; m += 2) {
+            tried = *at;
+            tried.q[k / 2] = WG_MIN(WG_MAX(at->q[k / 2] + (k % 2 ? little : -little), box->low[k / 2]), box->high[k / 2]);
+            tried.q[joint] += (WG_REAL)(m * at->edge[joint]) * less;
+            WG_NAME(wg_serial_at)(arm, &tried);
+            stands = (tried.gap < WG_INFINITY) == (m < 0);
+        }
+    }
+    return stands;
+}
+
+/* The same of all joints at edges. */
+static inline int WG_NAME(wg_edges_stand)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
+                                          const struct WG_NAME(wg_arm_state) * at) {
+    int j, stand = 1;
+    for (j = 0; j < arm->n; ++j) {
+        stand = stand && (at->edge[j] == 0 || WG_NAME(wg_edge_stands)(arm, box, at, j));
+    }
+    return stand;
 }
 
 /* Lead at->q to rest where no way leads down, at most three times past a saddle or on from where it is slow: whether it gets there. */
@@ -149,7 +191,7 @@ static inline int WG_NAME(wg_come_to_rest)(const struct WG_NAME(wg_serial) * arm
     for (i = 0; i < 3 && !WG_NAME(wg_serial_reaches)(arm, at) && (!rests || WG_NAME(wg_leave_saddle)(arm, box, at)); ++i) {
         rests = WG_NAME(wg_boxed_descent)(arm, box, at) || WG_NAME(wg_slow_down)(arm, box, at);
     }
-    return rests;
+    return rests && WG_NAME(wg_edges_stand)(arm, box, at);
 }
 
 #undef WG_FLAT

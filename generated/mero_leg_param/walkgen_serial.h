@@ -1,8 +1,10 @@
 /* walkgen_serial.h: a chain of up to 16 joints given by their axes: its foot, its Jacobian and how far it is from a target.
  *
+ * Or by a function, see walkgen_driven_foot.h: then a foot that is nowhere is infinitely far from its target.
  * Lengths are scaled to about 1 by a power of 2 and seen from the first joint's point. Of a pose, the error is the foot's distance and the
  * rotation vector to the target, times `length`; walkgen_math.h explains the macros.
  */
+#include "walkgen_driven_foot.h"
 #include "walkgen_spatial.h"
 #include "walkgen_status.h"
 
@@ -20,21 +22,21 @@
 #define WG_RIGID WG_C(1e-5)
 #define WG_ZOOM 4
 #endif
-#ifndef WG_MOST_JOINTS
-#define WG_MOST_JOINTS 16
-#endif
-
 /* Joints at q = 0, base to foot; `lever` leads from a joint's point to the next one's, the last to the foot. The target, which a product of
- * the joints' screws maps the foot and its axes to: `rows` is 3 for a position, 6 for a pose. */
+ * the joints' screws maps the foot and its axes to: `rows` is 3 for a position, 6 for a pose. With a `motion` there are no axes. */
 struct WG_NAME(wg_serial) {
     int n, rows, size, slides[WG_MOST_JOINTS];
     WG_REAL axis[WG_MOST_JOINTS][3], point[WG_MOST_JOINTS][3], lever[WG_MOST_JOINTS][3], foot[3];
     WG_REAL target[3], rotation[9], length, reach, tolerance;
+    WG_NAME(wg_driven_foot) motion;
+    const void *data;
 };
 
-/* Joint values and what follows: columns of the Jacobian (rotations times `length`), directions of the axes that turn, the error. */
+/* Joint values and what follows: columns of the Jacobian (rotations times `length`), directions of the axes that turn, the error. `edge` is
+ * 1 or -1 where the foot is known to end above or below a joint's value. */
 struct WG_NAME(wg_arm_state) {
     WG_REAL q[WG_MOST_JOINTS], column[WG_MOST_JOINTS][6], turning[WG_MOST_JOINTS][3], error[6], gap;
+    int edge[WG_MOST_JOINTS];
 };
 
 /* C = A B, or A B transposed; row-major. */
@@ -109,11 +111,33 @@ static inline void WG_NAME(wg_serial_error)(const struct WG_NAME(wg_serial) * ar
     at->gap = WG_SQRT(square);
 }
 
+/* Everything at the stance's q, by the arm's function. */
+static inline void WG_NAME(wg_driven_state)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_arm_state) * at) {
+    WG_REAL motion[WG_MOST_MOTION];
+    const int there = WG_NAME(wg_driven_foot_at)(arm->motion, arm->data, arm->n, arm->slides, arm->size, at->q, motion);
+    int i, j;
+    for (i = 0; i < 3; ++i) {
+        at->error[i] = there ? motion[i] - arm->target[i] : WG_INFINITY;
+        for (j = 0; j < arm->n; ++j) {
+            at->column[j][i] = there ? motion[3 + arm->n * i + j] : WG_C(0.0);
+            at->column[j][3 + i] = at->turning[j][i] = WG_C(0.0);
+        }
+    }
+    at->gap = WG_NAME(wg_norm)(at->error);
+}
+
 /* Everything at the stance's q. */
 static inline void WG_NAME(wg_serial_at)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_arm_state) * at) {
     WG_REAL R[9] = {WG_C(1.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(1.0), WG_C(0.0), WG_C(0.0), WG_C(0.0), WG_C(1.0)};
     WG_REAL origin[WG_MOST_JOINTS][3], x[3], arm_of[3];
     int i, j;
+    for (j = 0; j < arm->n; ++j) {
+        at->edge[j] = 0;
+    }
+    if (arm->motion) {
+        WG_NAME(wg_driven_state)(arm, at);
+        return;
+    }
     WG_NAME(wg_add)(arm->point[0], WG_C(0.0), arm->point[0], x);
     for (j = 0; j < arm->n; ++j) {
         WG_REAL *direction = at->turning[j];
@@ -205,6 +229,8 @@ static inline int WG_NAME(wg_serial_read)(const WG_REAL *geometry, const WG_REAL
         fine = isfinite(geometry[i]) && (i >= 3 || isfinite(p[i]));
     }
     arm->rows = 3;
+    arm->motion = NULL;
+    arm->data = NULL;
     arm->tolerance = WG_C(0.0);
     for (i = 0; fine && i < 3; ++i) {
         arm->tolerance = WG_MAX(arm->tolerance, WG_ABS(geometry[3 + i]));

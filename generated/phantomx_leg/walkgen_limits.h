@@ -75,7 +75,7 @@ static inline int WG_NAME(wg_bounding)(const struct WG_NAME(wg_serial) * arm, co
 static inline void WG_NAME(wg_write_arm)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * limits,
                                          const WG_REAL *seed, const struct WG_NAME(wg_arm_state) * at, int32_t state, WG_REAL *q,
                                          int32_t *status) {
-    int j, fine = isfinite(at->gap);
+    int j, fine = isfinite(at->gap) || (arm->motion && at->gap > WG_C(0.0)); /* a foot that is nowhere */
     for (j = 0; j < arm->n; ++j) {
         const WG_REAL value = WG_NAME(wg_fitted)(arm->slides[j], at->q[j], limits->low[j], limits->high[j], seed[j]);
         q[j] = arm->slides[j] ? WG_LIBM(ldexp)(value, arm->size) : value;

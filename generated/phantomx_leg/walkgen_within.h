@@ -67,7 +67,7 @@ static inline int WG_NAME(wg_is_valley)(const struct WG_NAME(wg_grid) * grid, in
 static inline int WG_NAME(wg_valleys)(const struct WG_NAME(wg_grid) * grid, int valleys[WG_VALLEYS]) {
     int i, k, kept = 0;
     for (i = 0; i < grid->points; ++i) {
-        if (!WG_NAME(wg_is_valley)(grid, i) || (kept == WG_VALLEYS && !(grid->gap[i] < grid->gap[valleys[kept - 1]]))) {
+        if (!(grid->gap[i] < WG_INFINITY) || !WG_NAME(wg_is_valley)(grid, i) || (kept == WG_VALLEYS && !(grid->gap[i] < grid->gap[valleys[kept - 1]]))) {
             continue;
         }
         kept = kept < WG_VALLEYS ? kept + 1 : kept;
@@ -86,6 +86,10 @@ static inline int WG_NAME(wg_attempt_rest)(struct WG_NAME(wg_search) * search, c
     int rested;
     search->best.gap = WG_INFINITY;
     WG_NAME(wg_attempt)(search, q);
+    if (!(search->best.gap < WG_INFINITY)) { /* there is no foot */
+        search->best = before;
+        return rests;
+    }
     found = search->best;
     rested = search->reached || WG_NAME(wg_come_to_rest)(search->arm, &search->box, &found);
     search->reached = WG_NAME(wg_serial_reaches)(search->arm, &found);
@@ -111,8 +115,7 @@ static inline int WG_NAME(wg_seek_valleys)(struct WG_NAME(wg_search) * search, i
 static inline int WG_NAME(wg_seek_within)(struct WG_NAME(wg_search) * search) {
     WG_REAL q[WG_MOST_JOINTS];
     int k, rests;
-    search->reached = 0;
-    search->best.gap = WG_INFINITY;
+    WG_NAME(wg_search_anew)(search);
     rests = WG_NAME(wg_attempt_rest)(search, search->seed, 0);
     if (search->arm->n <= 3 && !search->reached) {
         return WG_NAME(wg_seek_valleys)(search, rests);
@@ -124,6 +127,27 @@ static inline int WG_NAME(wg_seek_within)(struct WG_NAME(wg_search) * search) {
     return rests;
 }
 
+/* Within the limits [n, 2] closest to the arm's target, from a guess in q. */
+static inline void WG_NAME(wg_closest)(const struct WG_NAME(wg_serial) * arm, const WG_REAL *limits, WG_REAL *q, int32_t *status) {
+    struct WG_NAME(wg_search) search;
+    struct WG_NAME(wg_box) bounds;
+    int32_t state = WALKGEN_NO_CONVERGENCE;
+    int j;
+    if (!WG_NAME(wg_read_limits)(arm, limits, &bounds) || !WG_NAME(wg_read_seed)(arm, &bounds, q, search.seed)) {
+        WG_NAME(wg_no_row)(arm->n, q, status);
+        return;
+    }
+    search.arm = search.back = arm;
+    (void)WG_NAME(wg_bounding)(arm, &bounds, &search.box);
+    if (WG_NAME(wg_seek_within)(&search)) {
+        state = WG_NAME(wg_serial_reaches)(arm, &search.best) ? WALKGEN_OK : WALKGEN_UNREACHABLE;
+    }
+    WG_NAME(wg_write_arm)(arm, &bounds, search.seed, &search.best, state, q, status);
+    for (j = 0; j < arm->n; ++j) { /* roundings */
+        q[j] = *status == WALKGEN_BAD_INPUT ? q[j] : WG_MIN(WG_MAX(q[j], limits[2 * j]), limits[2 * j + 1]);
+    }
+}
+
 /* Where the status is UNREACHABLE, q [n] becomes the joint values within the limits [n, 2] that bring the foot closest to p, from a guess:
  * OK where it gets there, UNREACHABLE at rest, NO_CONVERGENCE on the way; BAD_INPUT and NaN where an input is not finite or the limits
  * are none. Any other status leaves both alone. geometry [6 n + 3] as of wg_inverse_general, 1 <= n <= 16. */
@@ -131,26 +155,12 @@ static inline void WG_NAME(wg_closest_within)(const WG_REAL *WG_RESTRICT geometr
                                               const WG_REAL *WG_RESTRICT limits, int32_t sequence, WG_REAL *WG_RESTRICT q,
                                               int32_t *WG_RESTRICT status) {
     struct WG_NAME(wg_serial) arm;
-    struct WG_NAME(wg_search) search;
-    struct WG_NAME(wg_box) bounds;
-    int32_t state = WALKGEN_NO_CONVERGENCE;
-    int j;
-    if (*status != WALKGEN_UNREACHABLE) {
-        return;
-    }
-    if (!WG_NAME(wg_serial_read)(geometry, p, sequence, &arm) || !WG_NAME(wg_read_limits)(&arm, limits, &bounds) ||
-        !WG_NAME(wg_read_seed)(&arm, &bounds, q, search.seed)) {
-        WG_NAME(wg_no_row)(WG_NAME(wg_joints_of)(sequence), q, status);
-        return;
-    }
-    search.arm = search.back = &arm;
-    (void)WG_NAME(wg_bounding)(&arm, &bounds, &search.box);
-    if (WG_NAME(wg_seek_within)(&search)) {
-        state = WG_NAME(wg_serial_reaches)(&arm, &search.best) ? WALKGEN_OK : WALKGEN_UNREACHABLE;
-    }
-    WG_NAME(wg_write_arm)(&arm, &bounds, search.seed, &search.best, state, q, status);
-    for (j = 0; j < arm.n; ++j) { /* roundings */
-        q[j] = *status == WALKGEN_BAD_INPUT ? q[j] : WG_MIN(WG_MAX(q[j], limits[2 * j]), limits[2 * j + 1]);
+    if (*status == WALKGEN_UNREACHABLE) {
+        if (WG_NAME(wg_serial_read)(geometry, p, sequence, &arm)) {
+            WG_NAME(wg_closest)(&arm, limits, q, status);
+        } else {
+            WG_NAME(wg_no_row)(WG_NAME(wg_joints_of)(sequence), q, status);
+        }
     }
 }
 

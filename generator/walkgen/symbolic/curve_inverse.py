@@ -13,6 +13,8 @@ from walkgen.signature import Port, Signature
 from walkgen.symbolic.branches import SINGULAR
 from walkgen.symbolic.curve import AIM, BOUNDS, Curve
 from walkgen.symbolic.curve_steps import CurveSteps
+from walkgen.symbolic.driven_search import DrivenSearch, admissible_words
+from walkgen.symbolic.forward import Route
 from walkgen.symbolic.function import Both, Function, Same, Select, Solve, Step
 from walkgen.symbolic.ports import DRIVE, joint_port, joint_unit, signature
 from walkgen.symbolic.rows import TARGET, parameters_of
@@ -26,10 +28,10 @@ _SOURCE = "the least distances of a coupler curve from a point"
 
 
 def curve_inverse(mechanism: Mechanism, leg: Limb) -> Iterator[Solve]:
-    """`inverse`, `inverse_branch`, `inverse_near` and `inverse_distance`."""
+    """`inverse`, `inverse_branch`, `inverse_near`, `inverse_admissible` and `inverse_distance`."""
     assert leg.linkage is not None
     curve = CurveInverse(mechanism, leg, leg.linkage)
-    yield from (curve.inverse(), curve.inverse_branch(), curve.inverse_near(), curve.inverse_distance())
+    yield from (curve.inverse(), curve.inverse_branch(), curve.inverse_near(), curve.inverse_admissible(), curve.inverse_distance())
 
 
 class CurveInverse(Curve):
@@ -65,6 +67,13 @@ class CurveInverse(Curve):
             if self.linkage.forward.triads
             else replace(found, closed_form=CurveSteps(self.mechanism, self.leg, self.linkage).near(found.signature))
         )
+
+    def inverse_admissible(self) -> Solve:
+        """The row within the limits, or what a search within them finds."""
+        searched = DrivenSearch(self.mechanism, Route(self.leg.name, (self.leg,)))
+        steps = (*self._steps("rows", "row_states"), *searched.within("rows", "row_states", self._slots))
+        ports = (*self._locals, *self._results("rows", "row_states"), *searched.ports)
+        return Solve(admissible_words(self.mechanism, self.leg), ports, steps, callbacks=(self._curve, searched.motion))
 
     def inverse_distance(self) -> Solve:
         """Of every row from the target."""

@@ -12,6 +12,7 @@ from walkgen.symbolic.closing import closed
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.curve_inverse import curve_inverse
+from walkgen.symbolic.driven_search import admissible_driven, inverse_driven
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.gait import gait_functions
@@ -168,7 +169,7 @@ def _linkage_inverse(mechanism: Mechanism, leg: Limb) -> Iterable[Derivation]:
     """By what leads from the foot to the drives."""
     found, linkage = inverse_class(mechanism, leg).name, leg.linkage
     if linkage is None or not found:
-        return ()
+        return (admissible_driven(mechanism, leg),)
     if found == CURVE:
         return curve_inverse(mechanism, leg)
     return held_inverse(mechanism, leg) if linkage.forward.triads or linkage.inverse.triads else linkage_inverse(mechanism, leg)
@@ -176,6 +177,12 @@ def _linkage_inverse(mechanism: Mechanism, leg: Limb) -> Iterable[Derivation]:
 
 def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:
     """What any path has; the iterated inverse where there are too many joints for branches."""
-    serial = route.limbs[-1].linkage is None
-    builders = JOINTED | (ITERATED if serial and len(route.joints) > BRANCHED_JOINTS else {})
-    yield from (build(mechanism, route) for name, build in builders.items() if wanted(name))
+    yield from (build(mechanism, route) for name, build in (JOINTED | _iterated(mechanism, route)).items() if wanted(name))
+
+
+def _iterated(mechanism: Mechanism, route: Route) -> dict[str, PathBuilder]:
+    """What is found by iteration where branches are not known."""
+    if route.limbs[-1].linkage is None:
+        return ITERATED if len(route.joints) > BRANCHED_JOINTS else {}
+    branched = len(route.limbs) == 1 and inverse_class(mechanism, route.limbs[-1]).name
+    return {} if branched else {"inverse_near": inverse_driven}

@@ -6,7 +6,7 @@ from the spec's start, has its foot on the target.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
@@ -21,6 +21,8 @@ from walkgen.symbolic.branches import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, UNR
 from walkgen.symbolic.closing import called_back
 from walkgen.symbolic.closure import point_parameters
 from walkgen.symbolic.driven import kinematics_of
+from walkgen.symbolic.driven_search import DrivenSearch, admissible_words
+from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.function import Either, Function, LessEqual, Same, Select, Solve, Step
 from walkgen.symbolic.held_closure import UNKNOWNS, HeldStart, Signs, held_closure, held_port, held_start, sided
@@ -51,7 +53,7 @@ def held_inverse(mechanism: Mechanism, leg: Limb) -> Iterator[Solve]:
     """`inverse` and what is chosen or measured of its rows."""
     assert leg.linkage is not None
     held = HeldInverse(mechanism, leg, leg.linkage)
-    yield from (held.inverse(), held.inverse_branch(), held.inverse_near(), held.inverse_distance())
+    yield from (held.inverse(), held.inverse_branch(), held.inverse_near(), held.inverse_admissible(), held.inverse_distance())
 
 
 class HeldInverse:
@@ -87,6 +89,14 @@ class HeldInverse:
         port = joint_port("q_seed", self._leg.joints)
         doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
         return self._one("inverse_near", port, nearest, doc)
+
+    def inverse_admissible(self) -> Solve:
+        """The row within the limits, or what a search within them finds."""
+        searched = DrivenSearch(self._mechanism, Route(self._leg.name, (self._leg,)))
+        steps = (*self._steps("rows", "row_states"), *searched.within("rows", "row_states", self._slots))
+        ports = (*row_ports(self._leg, self._found, "rows", "row_states"), *searched.ports)
+        found = self._solve(admissible_words(self._mechanism, self._leg), steps, ports)
+        return replace(found, closed_form=None, callbacks=(*found.callbacks, searched.motion))
 
     def inverse_distance(self) -> Solve:
         """Of all rows."""

@@ -16,6 +16,7 @@ from walkgen.symbolic.selection import nearest
 from walkgen.symbolic.tape import Tape, minus, symbols_of
 
 STATUS = Port("status", kind="integer")
+ADMISSIBLE_DOC = "Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it."
 _UNREACHABLE = sympy.Integer(STATUSES.index("UNREACHABLE"))
 
 
@@ -48,8 +49,8 @@ def inverse_near(mechanism: Mechanism, leg: Limb) -> Solve:
 
 def inverse_admissible(mechanism: Mechanism, leg: Limb) -> Solve:
     """The closest configuration inside the joint limits."""
-    doc = "Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it."
-    words = signature(mechanism, leg.name, "inverse_admissible", [TARGET], [joint_port("q", leg.joints), STATUS], doc, "as inverse")
+    outputs = [joint_port("q", leg.joints), STATUS]
+    words = signature(mechanism, leg.name, "inverse_admissible", [TARGET], outputs, ADMISSIBLE_DOC, "as inverse")
     route, sequence = Route(leg.name, (leg,)), sequence_of(leg.joints)
     limits = limits_step(mechanism, leg.name, leg.joints)
     guard = ("wg_any_unreachable", ("status", 1))
@@ -58,7 +59,7 @@ def inverse_admissible(mechanism: Mechanism, leg: Limb) -> Solve:
     screws = Step(geometry.callee, (*geometry.arguments[:-1], "screws"), guard)
     ports = (limits_port(leg.joints), Port("screws", geometry_port(leg.joints).shape, "m and 1"))
     if not inverse_class(mechanism, leg).name:
-        return Solve(words, ports, (limits, Step(_middle(mechanism, leg), (*parameters_of(mechanism), "q", "status")), screws, search))
+        return Solve(words, ports, (limits, Step(middle(mechanism, leg), (*parameters_of(mechanism), "q", "status")), screws, search))
     rows = branch_rows(mechanism, leg)
     row = Step("wg_admissible_row", ("rows", "states", "limits", sequence, rows.ports[1].size, "q", "status"))
     return Solve(words, (*rows.ports, *ports), (*rows.steps, limits, row, screws, search))
@@ -89,7 +90,7 @@ def row_distances(mechanism: Mechanism, leg: Limb, output: Port) -> Function:
     return tape.function(signature(mechanism, leg.name, "row_distances", [rows, TARGET], [output], "", ""), gaps)
 
 
-def _middle(mechanism: Mechanism, leg: Limb) -> Function:
+def middle(mechanism: Mechanism, leg: Limb) -> Function:
     """The middle of the limits, 0 where there are none, as a first guess that does not reach."""
     bounds = (tuple(limits_of(joint, parameter_symbols(mechanism))) for joint in leg.joints)
     middles = [

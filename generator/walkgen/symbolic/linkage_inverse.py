@@ -15,6 +15,8 @@ from walkgen.spec.assur import SIDES, Group
 from walkgen.spec.scalar import ZERO
 from walkgen.symbolic.branches import BAD_INPUT, DUPLICATE, INFEASIBLE, NO_CONVERGENCE, OK, SINGULAR, UNREACHABLE
 from walkgen.symbolic.choices import both, chosen, less
+from walkgen.symbolic.driven_search import DrivenSearch, admissible_words
+from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import Frame, Parameters, expression, frame_of, parameter_symbols
 from walkgen.symbolic.function import Angle, Both, Finite, Function, Less, LessEqual, Residue, Same, Select, Solve, Step
 from walkgen.symbolic.limits import row_distances
@@ -63,7 +65,8 @@ def linkage_inverse(mechanism: Mechanism, leg: Limb) -> tuple[Solve | Function, 
     found = inverse_class(mechanism, leg)
     results = row_ports(leg, found, "q", "status")
     rows = dyad_rows(mechanism, leg, "inverse", results)
-    return (rows, _inverse_branch(mechanism, leg, found), _inverse_near(mechanism, leg, found), _inverse_distance(mechanism, leg, found))
+    near, admissible = _inverse_near(mechanism, leg, found), _inverse_admissible(mechanism, leg, found)
+    return (rows, _inverse_branch(mechanism, leg, found), near, admissible, _inverse_distance(mechanism, leg, found))
 
 
 def _inverse_branch(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Function:
@@ -94,6 +97,14 @@ def _inverse_near(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve
         Step(nearest(mechanism, leg, slots), ("rows", "states", port.name, "q", "status")),
     )
     return Solve(words, rows, steps, Solve(words, rows, steps))
+
+
+def _inverse_admissible(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve:
+    """One row of all that is within the limits, or what a search within them finds."""
+    rows, searched = row_ports(leg, found, "rows", "states"), DrivenSearch(mechanism, Route(leg.name, (leg,)))
+    kernel = Step(dyad_rows(mechanism, leg, "inverse_rows", rows), ("p", *parameters_of(mechanism), "rows", "states"))
+    steps = (kernel, *searched.within("rows", "states", len(found.branch_names)))
+    return Solve(admissible_words(mechanism, leg), (*rows, *searched.ports), steps, callbacks=(searched.motion,))
 
 
 def _inverse_distance(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve:

@@ -7,11 +7,11 @@ import sympy
 
 from walkgen.model.mechanism import Mechanism
 from walkgen.signature import STATUSES, Port, Signature
+from walkgen.symbolic.driven import kinematics_of
 from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Finite, Function, Less, Select, Solve, Step
 from walkgen.symbolic.linear import solve_symmetric
-from walkgen.symbolic.path import Kinematics, path_of
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, parameters_of
 from walkgen.symbolic.screws import geometry_port, geometry_step, limits_port, limits_step, sequence_of
@@ -49,6 +49,12 @@ def _solve(mechanism: Mechanism, route: Route, name: str, target: Port, routine:
         limits_step(mechanism, route.owner, joints),
         Step(routine, ("geometry", target.name, "q_seed", "limits", sequence_of(joints), "q", "status")),
     )
+    locals_ = (geometry_port(joints, posed=posed), limits_port(joints))
+    return Solve(words, locals_, steps, iterated(mechanism, route, target, words))
+
+
+def iterated(mechanism: Mechanism, route: Route, target: Port, words: Signature) -> Solve:
+    """The same from the seed by a fixed number of steps, for targets without routines."""
     iterate = _Iterate(mechanism, route, target)
     given = (target.name, *parameters_of(mechanism))
     closed = (
@@ -56,8 +62,7 @@ def _solve(mechanism: Mechanism, route: Route, name: str, target: Port, routine:
         Step(iterate.step(), ("q", *given, "q"), repeat=_STEPS),
         Step(iterate.verdict(), ("q", *given, "status")),
     )
-    locals_ = (geometry_port(joints, posed=posed), limits_port(joints))
-    return Solve(words, locals_, steps, Solve(words, (), closed))
+    return Solve(words, (), closed)
 
 
 class _Iterate:
@@ -71,8 +76,7 @@ class _Iterate:
         self._mechanism, self._route, self._target = mechanism, route, target
         self._q = joint_port("q", route.joints)
         self._tape = Tape()
-        path = path_of(route.limbs, symbols_of(self._q), parameter_symbols(mechanism))
-        self._kinematics = Kinematics(path, self._tape)
+        self._kinematics = kinematics_of(route.limbs, symbols_of(self._q), parameter_symbols(mechanism), self._tape)
         self._error = self._missing()
 
     def _missing(self) -> list[sympy.Expr]:

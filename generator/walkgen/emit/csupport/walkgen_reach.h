@@ -79,7 +79,7 @@ static inline void WG_NAME(wg_inverse_near)(const struct WG_NAME(wg_serial) * ar
         WG_NAME(wg_search_box)(&search, 1);
     }
     state = search.reached ? WALKGEN_OK : WALKGEN_UNREACHABLE;
-    if (!search.reached && !WG_NAME(wg_come_to_rest)(arm, &search.box, &search.best)) {
+    if (!search.reached && !(search.best.gap < WG_INFINITY && WG_NAME(wg_come_to_rest)(arm, &search.box, &search.best))) {
         state = WALKGEN_NO_CONVERGENCE;
     }
     if (WG_NAME(wg_serial_reaches)(arm, &search.best)) {

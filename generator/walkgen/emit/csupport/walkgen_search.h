@@ -24,6 +24,21 @@ struct WG_NAME(wg_search) {
     struct WG_NAME(wg_arm_state) best;
 };
 
+/* Before the first attempt: the seed, infinitely far from the target. */
+static inline void WG_NAME(wg_search_anew)(struct WG_NAME(wg_search) * search) {
+    int i, j;
+    search->reached = 0;
+    search->best.gap = WG_INFINITY;
+    for (i = 0; i < 6; ++i) {
+        search->best.error[i] = WG_INFINITY;
+        for (j = 0; j < search->arm->n; ++j) {
+            search->best.edge[j] = 0;
+            search->best.q[j] = search->seed[j];
+            search->best.column[j][i] = search->best.turning[j][i % 3] = WG_C(0.0);
+        }
+    }
+}
+
 /* Greatest and squared difference of joint values to the seed, modulo full turns. */
 static inline WG_REAL WG_NAME(wg_from_seed)(const struct WG_NAME(wg_search) * search, const WG_REAL *q, WG_REAL *square) {
     WG_REAL most = WG_C(0.0);
@@ -99,8 +114,7 @@ static inline void WG_NAME(wg_search_box)(struct WG_NAME(wg_search) * search, in
     const int forward = WG_NAME(wg_all_in_rows)(search->arm), backward = !forward && WG_NAME(wg_all_in_rows)(search->back);
     WG_REAL q[WG_MOST_JOINTS], unused;
     int k;
-    search->reached = 0;
-    search->best.gap = WG_INFINITY;
+    WG_NAME(wg_search_anew)(search);
     WG_NAME(wg_attempt)(search, search->seed);
     if (search->reached && WG_NAME(wg_from_seed)(search, search->best.q, &unused) <= WG_C(0.5)) {
         return;
@@ -110,7 +124,7 @@ static inline void WG_NAME(wg_search_box)(struct WG_NAME(wg_search) * search, in
     }
     for (k = 1; k <= WG_SPREAD_STARTS && !search->reached && (hopeful || !(forward || backward)); ++k) {
         WG_NAME(wg_spread_start)(search, search->seed, WG_MIN(WG_C(0.125) * (WG_REAL)k, WG_C(1.0)), k, q);
-        if (k % 8 == 0) {
+        if (k % 8 == 0 && !search->arm->motion) {
             WG_NAME(wg_attempt_rows)(search, k % 16 == 0, 0, q);
         } else {
             WG_NAME(wg_attempt)(search, q);

@@ -193,8 +193,8 @@ static inline void WG_NAME(wg_wrist_rows)(const struct WG_NAME(wg_serial) * arm,
 /* Whether the closed form that follows gives all solutions, but for those with a free joint. */
 static inline int WG_NAME(wg_all_in_rows)(const struct WG_NAME(wg_serial) * arm) {
     WG_REAL unused[3];
-    if (arm->rows == 3) {
-        return arm->n == 3;
+    if (arm->motion || arm->rows == 3) {
+        return !arm->motion && arm->n == 3;
     }
     return (arm->n == 4 && !arm->slides[3]) || (arm->n == 6 && WG_NAME(wg_wrist_centre)(arm, unused));
 }

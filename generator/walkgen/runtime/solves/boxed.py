@@ -4,7 +4,7 @@ Levenberg and Marquardt's damped Gauss-Newton steps with the exact Jacobian. Joi
 joints that the step would take across one stop at it while the others make up for them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from walkgen.runtime.solves.serial import EPSILON, Arm, Places, Stance, every, r
 _USUAL_STEPS = 60
 _MOST_STEPS = 300
 _NEAR = 1e-3
+_PARTS, _CUTS, _TURNS = 8, 64, 10
 
 
 @dataclass(frozen=True)
@@ -34,8 +35,9 @@ class Box:
 
 def free_joints(box: Box, at: Stance) -> tuple[Truths, Reals]:
     """The joints [b, n] that may move downhill, and the slope [b, n] of half the squared error; 0 for the others."""
-    slope = np.einsum("bij,bi->bj", at.jacobian, at.error)
-    free = ((slope >= 0.0) & (at.q > box.low)) | ((slope <= 0.0) & (at.q < box.high))
+    with np.errstate(invalid="ignore"):
+        slope = np.einsum("bij,bi->bj", at.jacobian, at.error)
+    free = ((slope >= 0.0) & (at.edge >= 0.0) & (at.q > box.low)) | ((slope <= 0.0) & (at.edge <= 0.0) & (at.q < box.high))
     return free, np.where(free, slope, 0.0)
 
 
@@ -76,8 +78,73 @@ def _descended(arm: Arm, box: Box, at: Stance, factor: Reals) -> tuple[Truths, R
     better = after.gap < at.gap
     short = ~(np.max(np.abs(step), axis=-1) > EPSILON)
     last = np.where(better, reached & (after.gap > 0.25 * at.gap), reached | short)
+    calmer = np.where(better, np.maximum(0.3 * factor, 1e-3), 8.0 * factor)
+    astray = np.flatnonzero(~np.isfinite(after.gap)) if arm.motion else np.zeros(0, np.intp)
+    at = move_to(at, after, better)
+    if astray.size:
+        met, found = meet_edges(arm.take(astray), after.q[astray], at.take(astray))
+        at = at.put(astray, found)
+        last[astray], calmer[astray] = last[astray] & ~met, np.where(met, factor[astray], calmer[astray])
+    return last, calmer, at
+
+
+def move_to(at: Stance, after: Stance, better: Truths) -> Stance:
+    """Stances that are better; joints that have not moved are at the edges where they were."""
     gained = np.flatnonzero(better)
-    return last, np.where(better, np.maximum(0.3 * factor, 1e-3), 8.0 * factor), at.put(gained, after.take(gained))
+    moved = after.take(gained)
+    return at.put(gained, replace(moved, edge=np.where(moved.q == at.q[gained], at.edge[gained], 0.0)))
+
+
+def meet_edges(arm: Arm, after: Reals, at: Stance) -> tuple[Truths, Stance]:
+    """Where steps to q = after [b, n] lead to where there is no foot: every joint that alone does so, led towards where the foot ends.
+
+    Or to a part of this way: there slopes grow with the square root of what is left of it. Which rows were, where that is nearer.
+    """
+    met = np.zeros(len(after), bool)
+    for joint in range(after.shape[1]):
+        rows = np.flatnonzero(~np.isfinite(stance_at(arm, _with(at.q, joint, after[:, joint])).gap))
+        if rows.size:
+            some_met, found = _meet_edge(arm.take(rows), joint, after[rows, joint], at.take(rows))
+            at, met[rows] = at.put(rows, found), met[rows] | some_met
+    return met, at
+
+
+def _with(q: Reals, joint: int, value: Reals) -> Reals:
+    changed = q.copy()
+    changed[:, joint] = value
+    return changed
+
+
+def _meet_edge(arm: Arm, joint: int, none: Reals, at: Stance) -> tuple[Truths, Stance]:
+    """Of one joint, which has no foot at `none` [b]."""
+    start = at.q[:, joint]
+    edge, root, waiting = _last_foot(arm, joint, none, at), 0.0, np.ones(len(none), bool)
+    for turn in range(_PARTS):
+        tried = stance_at(arm, _with(at.q, joint, edge + root * root * (start - edge)))
+        better = waiting & (tried.gap < at.gap)
+        with np.errstate(invalid="ignore"):
+            on = (none - start) * np.einsum("bi,bi->b", tried.jacobian[:, :, joint], tried.error) < 0.0
+        flags = _with(at.edge, joint, np.where(on & (turn == 0), np.sign(none - start), 0.0))
+        rows = np.flatnonzero(better)
+        at, waiting = at.put(rows, replace(tried, edge=flags).take(rows)), waiting & ~better
+        root = 0.5 + 0.5 * root
+    return ~waiting, at
+
+
+def _last_foot(arm: Arm, joint: int, none: Reals, at: Stance) -> Reals:
+    """The joint's values [b] at which the foot ends, between those of the stances and those that have none."""
+    there, count = at.q[:, joint].copy(), len(none)
+    shares = np.arange(1, _CUTS) / _CUTS
+    every_row = arm.take(np.repeat(np.arange(count), len(shares)))
+    for _ in range(_TURNS):
+        values = there[:, None] + shares * (none - there)[:, None]
+        fine = np.isfinite(stance_at(every_row, _with(np.repeat(at.q, len(shares), axis=0), joint, values.ravel())).gap).reshape(
+            values.shape
+        )
+        first = np.where(fine.all(-1), len(shares), np.argmin(fine, axis=-1))  # without a foot
+        known = np.concatenate([there[:, None], values, none[:, None]], axis=-1)
+        there, none = known[np.arange(count), first], known[np.arange(count), first + 1]
+    return there
 
 
 def _boxed_step(box: Box, at: Stance, damping: Reals) -> Reals:

@@ -35,7 +35,7 @@ def inverse_reach(geometry: ArrayLike, p: ArrayLike, q_seed: ArrayLike, limits: 
     """
     shape, (numbers, target, seed, bounds) = flat_rows((geometry, p, q_seed, limits), (1, 1, 1, 2))
     arm, fine = read_arm(numbers, target, sequence)
-    return _answered(arm, fine, seed, bounds, shape)
+    return answered(arm, fine, seed, bounds, shape)
 
 
 def inverse_pose(geometry: ArrayLike, T: ArrayLike, q_seed: ArrayLike, limits: ArrayLike, sequence: int) -> tuple[Reals, Integers]:
@@ -55,7 +55,7 @@ def inverse_pose(geometry: ArrayLike, T: ArrayLike, q_seed: ArrayLike, limits: A
     """
     shape, (numbers, target, seed, bounds) = flat_rows((geometry, T, q_seed, limits), (1, 2, 1, 2))
     arm, fine = read_pose(numbers, target, sequence)
-    return _answered(arm, fine, seed, bounds, shape)
+    return answered(arm, fine, seed, bounds, shape)
 
 
 def flat_rows(inputs: Sequence[ArrayLike], ranks: Sequence[int]) -> tuple[tuple[int, ...], list[Reals]]:
@@ -66,7 +66,8 @@ def flat_rows(inputs: Sequence[ArrayLike], ranks: Sequence[int]) -> tuple[tuple[
     return shape, [np.broadcast_to(item, (*shape, *tail)).reshape(-1, *tail) for item, tail in zip(arrays, tails, strict=True)]
 
 
-def _answered(arm: Arm | None, fine: Truths, seed: Reals, limits: Reals, shape: tuple[int, ...]) -> tuple[Reals, Integers]:
+def answered(arm: Arm | None, fine: Truths, seed: Reals, limits: Reals, shape: tuple[int, ...]) -> tuple[Reals, Integers]:
+    """q [*shape, n] and status [*shape] of the rows that are arms, near their seeds; BAD_INPUT and NaN of the others."""
     q, status = np.full(seed.shape, np.nan), np.full(len(seed), _BAD_INPUT, np.int32)
     if arm is not None:
         bounds, limited = read_limits(arm, limits)
@@ -90,7 +91,8 @@ def _found(arm: Arm, limits: Box, seed: Reals) -> tuple[Stance, Integers]:
         at = at.put(again, searched(free, np.ones(again.size, bool)).at)
     there = reaches(arm, at)
     states = np.where(there, _OK, _UNREACHABLE).astype(np.int32)
-    astray = np.flatnonzero(~there)
+    states[~np.isfinite(at.gap)] = _NO_CONVERGENCE
+    astray = np.flatnonzero(~there & np.isfinite(at.gap))
     if astray.size:
         lost = arm.take(astray)
         ended, rests = come_to_rest(lost, _free(astray.size, arm), at.take(astray))
@@ -117,5 +119,5 @@ def in_the_callers_scale(arm: Arm, limits: Box, seed: Reals, at: Stance, states:
     value = fitted(arm.sliding, at.q, limits, seed)
     with np.errstate(over="ignore"):
         q = np.where(arm.sliding, np.ldexp(value, arm.size[:, None]), value)
-    fine = every(np.isfinite(q)) & np.isfinite(at.gap)
+    fine = every(np.isfinite(q)) & (np.isfinite(at.gap) | (arm.motion is not None))  # or a foot that is nowhere
     return np.where(fine[:, None], q, np.nan), np.where(fine, states, _BAD_INPUT).astype(np.int32)

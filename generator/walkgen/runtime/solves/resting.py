@@ -3,9 +3,11 @@
 Newton's method on half the squared error, with second derivatives, damped as far as its matrix and the error need it.
 """
 
+from itertools import product
+
 import numpy as np
 
-from walkgen.runtime.solves.boxed import Box, boxed_descent, free_joints, stepped
+from walkgen.runtime.solves.boxed import Box, boxed_descent, free_joints, meet_edges, move_to, stepped
 from walkgen.runtime.solves.rows import Reals, Truths
 from walkgen.runtime.solves.serial import EPSILON, Arm, Stance, every, reaches, stance_at
 from walkgen.runtime.solves.spatial import norm
@@ -14,6 +16,7 @@ _STEPS = 200
 _SADDLE_STEPS = 16
 _SADDLES = 3
 _FLAT = 1e-10
+_LITTLE, _ROUGH = 1e-3, 1024.0
 
 
 def come_to_rest(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
@@ -29,18 +32,32 @@ def come_to_rest(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
         below, there = boxed_descent(arm.take(rows), box.take(rows), at.q[rows])
         still, ends = _slowed_down(arm.take(rows), box.take(rows), below)
         at, rests[rows] = at.put(rows, below).put(rows[~there], still.take(np.flatnonzero(~there))), there | ends
-    return at, rests
+    return at, rests & _edges_stand(arm, box, at) if arm.motion else rests
+
+
+def _edges_stand(arm: Arm, box: Box, at: Stance) -> Truths:
+    """Whether the foot ends for joints at the same values when others move a little [b]: else a way along an edge may lead down."""
+    stand, n = np.ones(len(at.q), bool), at.q.shape[1]
+    for joint, other, way, side in product(range(n), range(n), (-1.0, 1.0), (-1.0, 1.0)):
+        rows = np.flatnonzero(stand & (at.edge[:, joint] != 0.0))
+        if joint == other or not rows.size:
+            continue
+        q, little = at.q[rows].copy(), _LITTLE * (0.1 + np.abs(at.q[rows, joint]))
+        q[:, other] = np.clip(q[:, other] + way * little, box.low[rows, other], box.high[rows, other])
+        q[:, joint] += side * at.edge[rows, joint] * _LITTLE * little
+        stand[rows] = np.isfinite(stance_at(arm.take(rows), q).gap) == (side < 0.0)
+    return stand
 
 
 def _slowed_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
     """Lead stances to where no joint that may move brings the foot nearer, be it a saddle: whether they get there in 200 steps."""
     size = np.maximum(arm.reach, arm.length)
     flat, noise = size * (at.gap + size), 4.0 * EPSILON * (at.gap + size)
-    damping = np.zeros(len(flat))
+    damping, fine = np.zeros(len(flat)), EPSILON * (_ROUGH if arm.motion else 1.0)
     for _ in range(_STEPS):
         free, slope = free_joints(box, at)
         steep = norm(slope)
-        rows = np.flatnonzero((steep > EPSILON * flat) & (damping < 1e6 * flat))
+        rows = np.flatnonzero((steep > fine * flat) & (damping < 1e6 * flat))
         if not rows.size:
             break
         step, found = _newton_step(curvature(arm.take(rows), at.take(rows)), free[rows], slope[rows], damping[rows])
@@ -48,8 +65,13 @@ def _slowed_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
         less, same = after.gap < (at.gap - noise)[rows], after.gap < (at.gap + noise)[rows]
         better = found & (less | (same & (norm(free_joints(box.take(rows), after)[1]) < 0.5 * steep[rows])))
         calm = np.where(damping[rows] < 1e-6 * flat[rows], 0.0, 0.1 * damping[rows])
-        damping[rows] = np.where(better, calm, np.maximum(10.0 * damping[rows], 1e-7 * flat[rows]))
-        at = at.put(rows[better], after.take(np.flatnonzero(better)))
+        damped = np.where(better, calm, np.maximum(10.0 * damping[rows], 1e-7 * flat[rows]))
+        here = move_to(at.take(rows), after, better)
+        astray = np.flatnonzero(found & ~np.isfinite(after.gap)) if arm.motion else np.zeros(0, np.intp)
+        if astray.size:
+            met, moved = meet_edges(arm.take(rows[astray]), after.q[astray], here.take(astray))
+            here, damped[astray] = here.put(astray, moved), np.where(met, damping[rows[astray]], damped[astray])
+        damping[rows], at = damped, at.put(rows, here)
     return at, norm(free_joints(box, at)[1]) <= _FLAT * flat
 
 
@@ -93,7 +115,10 @@ def curvature(arm: Arm, at: Stance) -> Reals:
     columns, turning = np.swapaxes(at.jacobian, -1, -2), at.turning
     n = turning.shape[1]
     matrix = np.einsum("bik,bjk->bij", columns[..., :3], columns[..., :3])
-    second = np.cross(turning[:, :, None, :], columns[:, None, :, :3])
+    if arm.motion is None:
+        second = np.cross(turning[:, :, None, :], columns[:, None, :, :3])
+    else:
+        second = np.moveaxis(arm.motion.at(arm.sliding, arm.size, at.q)[2], 1, -1)
     matrix = matrix + np.einsum("bijk,bk->bij", second, at.error[:, :3])
     if arm.rotation is not None:
         vector = at.error[:, 3:] / arm.length[:, None]

@@ -1,6 +1,6 @@
 """The solution of a chain near a seed, sought from several starts; the reference of walkgen_search.h and walkgen_limits.h."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -97,7 +97,7 @@ def nothing(arm: Arm, seed: Reals) -> Best:
     """Before the first attempt."""
     at = stance_at(arm, seed)
     far = np.full(len(seed), np.inf)
-    return Best(Stance(at.q, at.jacobian, at.turning, at.error, far), far, np.zeros(len(seed), bool))
+    return Best(replace(at, gap=far), far, np.zeros(len(seed), bool))
 
 
 def from_seed(search: Search, q: Reals) -> tuple[Reals, Reals]:

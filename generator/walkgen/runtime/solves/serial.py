@@ -1,9 +1,11 @@
 """Chains of up to 16 joints given by their axes: foot, Jacobian and distance from a target; the reference of walkgen_serial.h.
 
 Lengths are scaled to about 1 by a power of 2 and seen from the first joint's point. Of a pose, the error is the foot's distance and the
-rotation vector to the target, times `length`.
+rotation vector to the target, times `length`. Or chains given by a function of theirs: then a foot that is nowhere is infinitely far from
+its target.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,9 +18,41 @@ Places = NDArray[np.intp]
 
 MOST_JOINTS = 16
 EPSILON = float(np.finfo(float).eps)
-_TOLERANCE = 1e-12
+TOLERANCE = 1e-12
 _RIGID = 1e-6
-_FAR = 20
+FAR = 20
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The function of q [b, n] that describes the chains instead of their axes, in the caller's lengths; what it takes after q [b, ...].
+
+    It gives the foot [3], its Jacobian [3, n] and second derivatives [3, n, n] in one row [b, 3 (1 + n + n n)], NaN where there is no foot.
+    """
+
+    function: Callable[..., Reals]
+    data: tuple[Reals, ...]
+
+    def take(self, rows: Places) -> "Motion":
+        """Some rows."""
+        return Motion(self.function, tuple(item[rows] for item in self.data))
+
+    def at(self, sliding: Truths, size: Integers, q: Reals) -> tuple[Reals, Reals, Reals, Truths]:
+        """Foot [b, 3], Jacobian [b, 3, n], second derivatives [b, 3, n, n] at q, all in the scale 2^-size [b]; which rows have them."""
+        n, count = len(sliding), len(q)
+        with np.errstate(all="ignore"):
+            own = np.where(sliding, np.ldexp(q, size[:, None]), q)
+            values = np.asarray(self.function(own, *self.data), float).reshape(count, 3 * (1 + n + n * n))
+            foot, slopes, bends = (
+                values[:, :3],
+                values[:, 3 : 3 + 3 * n].reshape(count, 3, n),
+                values[:, 3 + 3 * n :].reshape(count, 3, n, n),
+            )
+            units = sliding.astype(int)
+            foot = np.ldexp(foot, -size[:, None])
+            slopes = np.ldexp(slopes, (units - 1) * size[:, None, None])
+            bends = np.ldexp(bends, (units[:, None] + units - 1) * size[:, None, None, None])
+        return foot, slopes, bends, every(np.isfinite(values))
 
 
 @dataclass(frozen=True)
@@ -27,7 +61,7 @@ class Arm:
 
     `sliding` [n]; `axes`, `points`, `levers` [b, n, 3] with levers from a joint's point to the next one's, the last to the foot; `foot`,
     `target` [b, 3]; `rotation` [b, 3, 3] is what turns the foot from its rotation at q = 0 to the target's, None for a position;
-    `size`, `length`, `reach`, `tolerance` [b].
+    `size`, `length`, `reach`, `tolerance` [b]. With a `motion` there are no axes, points, levers and foot.
     """
 
     sliding: Truths
@@ -41,20 +75,23 @@ class Arm:
     length: Reals
     reach: Reals
     tolerance: Reals
+    motion: Motion | None = None
 
     def take(self, rows: Places) -> "Arm":
         """Some rows."""
         axes, points, levers, foot, target = (item[rows] for item in (self.axes, self.points, self.levers, self.foot, self.target))
         rotation = None if self.rotation is None else self.rotation[rows]
         length, reach, tolerance = (item[rows] for item in (self.length, self.reach, self.tolerance))
-        return Arm(self.sliding, axes, points, levers, foot, target, rotation, self.size[rows], length, reach, tolerance)
+        motion = None if self.motion is None else self.motion.take(rows)
+        return Arm(self.sliding, axes, points, levers, foot, target, rotation, self.size[rows], length, reach, tolerance, motion)
 
 
 @dataclass(frozen=True)
 class Stance:
     """Joint values [b, n] and what follows.
 
-    `jacobian` [b, 3 or 6, n], rotations times `length`; `turning` [b, n, 3], the axes that turn; `error` [b, 3 or 6]; its size `gap` [b].
+    `jacobian` [b, 3 or 6, n], rotations times `length`; `turning` [b, n, 3], the axes that turn; `error` [b, 3 or 6]; its size `gap` [b];
+    `edge` [b, n], 1 or -1 where the foot is known to end above or below a joint's value.
     """
 
     q: Reals
@@ -62,10 +99,11 @@ class Stance:
     turning: Reals
     error: Reals
     gap: Reals
+    edge: Reals
 
     def take(self, rows: Places) -> "Stance":
         """Some rows."""
-        return Stance(*(item[rows] for item in (self.q, self.jacobian, self.turning, self.error, self.gap)))
+        return Stance(*(item[rows] for item in (self.q, self.jacobian, self.turning, self.error, self.gap, self.edge)))
 
     def put(self, rows: Places, other: "Stance") -> "Stance":
         """Other values in some rows."""
@@ -75,6 +113,7 @@ class Stance:
             _put(self.turning, rows, other.turning),
             _put(self.error, rows, other.error),
             _put(self.gap, rows, other.gap),
+            _put(self.edge, rows, other.edge),
         )
 
 
@@ -130,14 +169,14 @@ def _scaled(sliding: Truths, axes: Reals, points: Reals, foot: Reals, target: Re
     """
     farthest = np.max(np.abs(target), axis=-1)
     largest = np.maximum(np.max(np.abs(foot), axis=-1), np.max(np.abs(points), axis=(-2, -1)))
-    largest = np.maximum(largest, np.ldexp(away, -_FAR))
+    largest = np.maximum(largest, np.ldexp(away, -FAR))
     _, size = np.frexp(np.maximum(largest, farthest) if sliding.any() else largest)
     far = np.frexp(farthest)[1]
-    far = np.where(far - size > _FAR, far - _FAR, size)
+    far = np.where(far - size > FAR, far - FAR, size)
     target, foot, points = np.ldexp(target, -far[:, None]), np.ldexp(foot, -size[:, None]), np.ldexp(points, -size[:, None, None])
     points, levers = _next_to_each_other(sliding, axes, points, foot)
     reach = np.sum(norm(levers), axis=-1) + (norm(target) if sliding.any() else 0.0)
-    length, tolerance = 0.25 * np.maximum(reach, 0.01), _TOLERANCE * reach + 4.0 * EPSILON * np.ldexp(away, -far)
+    length, tolerance = 0.25 * np.maximum(reach, 0.01), TOLERANCE * reach + 4.0 * EPSILON * np.ldexp(away, -far)
     return Arm(sliding, axes, points, levers, foot, target, None, size, length, reach, tolerance)
 
 
@@ -157,6 +196,8 @@ def _next_to_each_other(sliding: Truths, axes: Reals, points: Reals, foot: Reals
 
 def stance_at(arm: Arm, q: Reals) -> Stance:
     """Everything at q [b, n]."""
+    if arm.motion is not None:
+        return _moved_to(arm, arm.motion, q)
     n = len(arm.sliding)
     R, x = np.broadcast_to(np.eye(3), (len(q), 3, 3)), arm.points[:, 0]
     directions, origins = np.empty((len(q), n, 3)), np.empty((len(q), n, 3))
@@ -177,7 +218,14 @@ def stance_at(arm: Arm, q: Reals) -> Stance:
             columns = np.concatenate([columns, arm.length[:, None, None] * turning], axis=-1)
             missing = rotation_vector(R @ np.swapaxes(arm.rotation, -1, -2))
             error = np.concatenate([error, arm.length[:, None] * missing], axis=-1)
-        return Stance(q, np.swapaxes(columns, -1, -2), turning, error, norm(error))
+        return Stance(q, np.swapaxes(columns, -1, -2), turning, error, norm(error), np.zeros_like(q))
+
+
+def _moved_to(arm: Arm, motion: Motion, q: Reals) -> Stance:
+    foot, slopes, _, there = motion.at(arm.sliding, arm.size, q)
+    error = np.where(there[:, None], foot - arm.target, np.inf)
+    jacobian = np.where(there[:, None, None], slopes, 0.0)
+    return Stance(q, jacobian, np.zeros((*q.shape, 3)), error, norm(error), np.zeros_like(q))
 
 
 def _times(R: Reals, vector: Reals) -> Reals:
@@ -223,4 +271,4 @@ def some(truths: Truths) -> Truths:
 def reaches(arm: Arm, at: Stance) -> Truths:
     """Whether the foot, and its rotation, are where they are wanted but for roundings [b]."""
     there = norm(at.error[:, :3]) <= arm.tolerance
-    return there if arm.rotation is None else there & (norm(at.error[:, 3:]) <= _TOLERANCE * arm.length)
+    return there if arm.rotation is None else there & (norm(at.error[:, 3:]) <= TOLERANCE * arm.length)

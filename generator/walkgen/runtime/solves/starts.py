@@ -30,14 +30,16 @@ def reversed_arm(arm: Arm) -> Arm:
 def all_in_rows(arm: Arm) -> Truths:
     """Whether `forward_rows` gives all solutions [b], but for those with a free joint."""
     n = len(arm.sliding)
-    if arm.rotation is None:
-        return np.full(len(arm.foot), n == 3)
+    if arm.motion is not None or arm.rotation is None:
+        return np.full(len(arm.target), arm.motion is None and n == 3)
     return wrist_centre(arm)[1] if n == 6 else np.full(len(arm.foot), n == 4 and not arm.sliding[3])
 
 
 def forward_rows(arm: Arm, q: Reals) -> Reals:
     """Rows [b, m, n] by the best closed form of each arm, joints that it does not solve for as in q [b, n]; NaN where there is no row."""
     n = len(arm.sliding)
+    if arm.motion is not None:
+        return np.empty((len(q), 0, n))
     if arm.rotation is None:
         return _three_joints(arm, n - 3, arm.foot, q) if n >= 3 else np.empty((len(q), 0, n))
     if n < 4:

@@ -37,13 +37,14 @@ def closest_within(
     values, states = guess.copy(), state.astype(np.int32)
     asked = np.flatnonzero(states == _UNREACHABLE)
     if asked.size:
-        values[asked], states[asked] = _all_closest(numbers[asked], target[asked], bounds[asked], sequence, guess[asked])
+        arm, fine = read_arm(numbers[asked], target[asked], sequence)
+        values[asked], states[asked] = all_closest(arm, fine, bounds[asked], guess[asked])
     return values.reshape(*shape, guess.shape[-1]), states.reshape(shape)
 
 
-def _all_closest(geometry: Reals, p: Reals, limits: Reals, sequence: int, guess: Reals) -> tuple[Reals, Integers]:
+def all_closest(arm: Arm | None, fine: Truths, limits: Reals, guess: Reals) -> tuple[Reals, Integers]:
+    """q [b, n] and status [b] of the rows that are arms, from their guesses; BAD_INPUT and NaN of the others."""
     q, status = np.full(guess.shape, np.nan), np.full(len(guess), _BAD_INPUT, np.int32)
-    arm, fine = read_arm(geometry, p, sequence)
     if arm is None:
         return q, status
     bounds, limited = read_limits(arm, limits)
@@ -64,11 +65,13 @@ def _closest(search: Search) -> tuple[Stance, int]:
         n = search.seed.shape[-1]
         others, found, ended = _at_rest(search, _valleys(search) if n in _ALONG else spread_starts(search, 1, SPREAD_STARTS)[:, 0])
         both = Stance(
-            *(np.concatenate([getattr(at, name), getattr(others, name)]) for name in ("q", "jacobian", "turning", "error", "gap"))
+            *(np.concatenate([getattr(at, name), getattr(others, name)]) for name in ("q", "jacobian", "turning", "error", "gap", "edge"))
         )
         at, there, rests = both, np.concatenate([there, found]), np.concatenate([rests, ended])
     chosen = int(np.argmax(there)) if there.any() else int(np.argmin(np.where(np.isnan(at.gap), np.inf, at.gap)))
-    return at.take(np.array([chosen])), _OK if there[chosen] else _UNREACHABLE if rests[chosen] else _NO_CONVERGENCE
+    return at.take(np.array([chosen])), _OK if there[chosen] else _UNREACHABLE if rests[chosen] and np.isfinite(
+        at.gap[chosen]
+    ) else _NO_CONVERGENCE
 
 
 def _at_rest(search: Search, starts: Reals) -> tuple[Stance, Truths, Truths]:
@@ -96,11 +99,11 @@ def _valleys(search: Search) -> Reals:
     gap = stance_at(arm.take(np.zeros(len(points), np.intp)), points).gap.reshape((along,) * n)
     lowest = np.ones(gap.shape, bool)
     for axis in range(n):
-        fall = np.diff(gap, axis=axis)
+        fall = np.diff(np.minimum(gap, np.finfo(float).max), axis=axis)
         first, last = [(0, 0)] * n, [(0, 0)] * n
         first[axis], last[axis] = (1, 0), (0, 1)
         lowest &= ~(np.pad(fall, first) > 0.0) & ~(np.pad(fall, last) < 0.0)
-    places: Places = np.flatnonzero(lowest)
+    places: Places = np.flatnonzero(lowest & np.isfinite(gap))
     order = places[np.argsort(gap.ravel()[places], kind="stable")]
     return np.asarray(points[order[:_VALLEYS]])
 

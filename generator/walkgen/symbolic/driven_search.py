@@ -1,0 +1,119 @@
+"""Searches in the drives of a leg that ends in a linkage: within the limits closest to a target, or near a seed where no rows are known."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sympy
+
+from walkgen.model.mechanism import Joint, Limb, Mechanism
+from walkgen.signature import Port, Signature
+from walkgen.symbolic.closing import called_back
+from walkgen.symbolic.driven import kinematics_of
+from walkgen.symbolic.forward import Route
+from walkgen.symbolic.frames import expression, frame_of, parameter_symbols
+from walkgen.symbolic.function import Solve, Step
+from walkgen.symbolic.limits import ADMISSIBLE_DOC, STATUS, middle
+from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.reach import iterated
+from walkgen.symbolic.rows import TARGET, parameters_of
+from walkgen.symbolic.screws import limits_of, limits_port, sequence_of
+from walkgen.symbolic.tape import Tape, Vec, dot, symbols_of
+
+_REACH = Port("reach", (), "m")
+_SOURCE = "Levenberg-Marquardt and Newton's method with exact derivatives of the placed linkage, from several starts"
+
+
+def inverse_driven(mechanism: Mechanism, route: Route) -> Solve:
+    """`inverse_near` of a route to a linkage's foot without rows."""
+    seed, q = joint_port("q_seed", route.joints), joint_port("q", route.joints)
+    doc = "Joint values near q_seed that bring the foot to p, within the limits if possible; the best found where nothing does."
+    words = signature(mechanism, route.owner, "inverse_near", [TARGET, seed], [q, STATUS], doc, _SOURCE)
+    searched = DrivenSearch(mechanism, route)
+    arguments = ("p", "q_seed", "limits", "reach", searched.sequence, searched.motion.signature.full_name, "q", "status")
+    steps = (searched.bounds, Step("wg_inverse_driven", arguments))
+    linkage = route.limbs[-1].linkage
+    followed = linkage is not None and linkage.forward.triads
+    return Solve(
+        words, searched.ports, steps, None if followed else iterated(mechanism, route, TARGET, words), callbacks=(searched.motion,)
+    )
+
+
+def admissible_driven(mechanism: Mechanism, leg: Limb) -> Solve:
+    """`inverse_admissible` of a leg without rows."""
+    searched = DrivenSearch(mechanism, Route(leg.name, (leg,)))
+    guess = Step(middle(mechanism, leg), (*parameters_of(mechanism), "q", "status"))
+    return Solve(admissible_words(mechanism, leg), searched.ports, (searched.bounds, guess, searched.closest), callbacks=(searched.motion,))
+
+
+def admissible_words(mechanism: Mechanism, leg: Limb) -> Signature:
+    """Of `inverse_admissible`."""
+    return signature(
+        mechanism, leg.name, "inverse_admissible", [TARGET], [joint_port("q", leg.joints), STATUS], ADMISSIBLE_DOC, "as inverse"
+    )
+
+
+@dataclass(frozen=True)
+class DrivenSearch:
+    """What searches along one route are made of."""
+
+    mechanism: Mechanism
+    route: Route
+
+    @property
+    def sequence(self) -> int:
+        """The joints' kinds."""
+        return sequence_of(self.route.joints)
+
+    @property
+    def ports(self) -> tuple[Port, Port]:
+        """What `bounds` fills."""
+        return limits_port(self.route.joints), _REACH
+
+    @property
+    def bounds(self) -> Step:
+        """The limits, and about how far the foot gets from the base."""
+        tape, parameters = Tape(), parameter_symbols(self.mechanism)
+        limits = [bound for joint in self.route.joints for bound in self._limits(joint)]
+        words = signature(self.mechanism, self.route.owner, "search_bounds", [], self.ports, "", "")
+        linkage = self.route.limbs[-1].linkage
+        assert linkage is not None
+        lengths = [sympy.sqrt(dot(way, way)) for way in self._ways()]
+        reach = 2 * expression(linkage.size, parameters) + sympy.Add(*lengths)
+        return Step(tape.function(words, [*limits, reach]), (*parameters_of(self.mechanism), *(port.name for port in self.ports)))
+
+    @property
+    def closest(self) -> Step:
+        """From the guess in q."""
+        arguments = ("p", "limits", "reach", self.sequence, self.motion.signature.full_name, "q", "status")
+        return Step("wg_closest_driven", arguments, ("wg_any_unreachable", ("status", 1)))
+
+    def within(self, rows: str, states: str, slots: int) -> tuple[Step, ...]:
+        """The row that fits the limits best; where none does, what comes closest."""
+        chosen = Step("wg_admissible_row", (rows, states, "limits", self.sequence, slots, "q", "status"))
+        return (self.bounds, chosen, self.closest)
+
+    @property
+    def motion(self) -> Solve:
+        """The foot with its derivatives, as the routines call it."""
+        port, tape = joint_port("q", self.route.joints), Tape()
+        kinematics = kinematics_of(self.route.limbs, symbols_of(port), parameter_symbols(self.mechanism), tape)
+        count = len(self.route.joints)
+        seconds = {pair: kinematics.second(*pair) for pair in ((i, j) for j in range(count) for i in range(j + 1))}
+        values = [*kinematics.position, *(column[row] for row in range(3) for column in kinematics.jacobian)]
+        values += [seconds[min(i, j), max(i, j)][row] for row in range(3) for i in range(count) for j in range(count)]
+        words = signature(self.mechanism, self.route.owner, "motion_at", [port], [Port("motion", (len(values),))], "", "")
+        return called_back(tape.function(words, values), "motion")
+
+    def _limits(self, joint: Joint) -> tuple[sympy.Expr, sympy.Expr]:
+        """A cylinder is never shorter than nothing."""
+        least, greatest = limits_of(joint, parameter_symbols(self.mechanism))
+        linkage = self.route.limbs[-1].linkage
+        cylinders = self.route.joints[-len(linkage.structure.bars) :] if linkage and linkage.structure.bars else ()
+        return (sympy.S.Zero if joint in cylinders and joint.limits is None else least), greatest
+
+    def _ways(self) -> Iterator[Vec]:
+        """What the constant poses along the route shift."""
+        parameters = parameter_symbols(self.mechanism)
+        for limb in self.route.limbs:
+            poses = (limb.mount, limb.tip, *(pose for joint in limb.serial for pose in (joint.before, joint.after)))
+            yield from (frame_of(pose, parameters).origin for pose in poses)
