@@ -2,6 +2,8 @@
 
 import mpmath
 import numpy as np
+from scipy.linalg import null_space
+from scipy.optimize import minimize
 
 from contact_stances import grasp
 
@@ -95,6 +97,29 @@ def refutation(stances, found, facets=0):
     ).sum(-1)
     free = np.where(bounded, 0.0, least).min(-1) * loads(stances)
     return np.where((gain > 0.0), -free - LOAD_OF_PROOF, np.inf)
+
+
+def distance_from_cones(stance):
+    """The least distance of balanced forces of one stance from its round cones, sought among all of them by L-BFGS."""
+    G, n, mu = grasp(stance.points), stance.normals, stance.mu
+    start, free = -np.linalg.pinv(G) @ stance.wrench, null_space(G)
+
+    def off(x):
+        f = (start + free @ x).reshape(-1, 3)
+        N = (f * n).sum(-1)
+        T = f - N[:, None] * n
+        size = np.linalg.norm(T, axis=-1)
+        inside = size <= mu * N
+        along = np.maximum(N + mu * size, 0.0) / (1.0 + mu**2)
+        edge = along[:, None] * (n + (mu / np.maximum(size, 1e-300))[:, None] * T)
+        return np.where(inside[:, None], 0.0, f - edge).ravel()
+
+    def half_square(x):
+        rest = off(x)
+        return 0.5 * rest @ rest, free.T @ rest
+
+    options = {"maxiter": 5000, "ftol": 1e-15, "gtol": 1e-9 * np.linalg.norm(stance.wrench)}
+    return np.sqrt(2.0 * minimize(half_square, np.zeros(free.shape[1]), jac=True, method="L-BFGS-B", options=options).fun)
 
 
 def _exact_directions(n, facets, half):

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contact_checks import imbalance, loads, optimality, outside, refutation
+from contact_checks import distance_from_cones, imbalance, loads, optimality, outside, refutation
 from contact_library import Forces, Stances
 
 from contact_stances import grasp, random_stances
 from oracles.walker import rotation
+from walkgen.runtime.solves.contact import contact_least_squares
 
 OK, BAD_INPUT, NO_CONVERGENCE, INFEASIBLE = 0, 2, 4, 5
 TURN = rotation([0.48, -0.6, 0.64], 1.3)[:3, :3]
@@ -56,6 +57,21 @@ def test_forces_balance_in_their_cones_or_cannot(forces, k, facets):
     assert refutation(stances, found, facets)[bad].max() < 0.0
     assert np.isnan(found.f[bad]).all()
     assert (found.certificate[good] == 0.0).all()
+
+
+@pytest.mark.parametrize("scale", [1.0, 3.0])
+def test_the_violation_is_how_far_balanced_forces_are_from_their_cones(forces, scale):
+    stances = random_stances(11, 80, 4)
+    stances = stances.changed(weight=scale * stances.weight)
+    first, second = forces(stances), contact_least_squares(*vars(stances).values())[4]
+    rows = np.flatnonzero(first.status == INFEASIBLE)
+    truth = np.array([distance_from_cones(stances[row]) for row in rows])
+    assert len(rows) > 20
+    for found in (first.violation[rows], second[rows]):
+        assert (found <= truth * (1.0 + 1e-6)).all()
+    assert np.median(first.violation[rows] / truth) >= 1.0 - 1e-6
+    assert (first.violation[rows] >= 0.5 * truth).all()
+    assert (second[rows] >= 0.3 * truth).all()
 
 
 @pytest.mark.parametrize("bounded", [False, True])
@@ -229,8 +245,10 @@ def test_bad_inputs(forces):
             found = forces(good.changed(**{name: array}), dtype=dtype)
             assert found.status[0] == BAD_INPUT, (name, value)
             assert all(np.isnan(part).all() for part in (found.f, found.certificate, found.violation))
+    upright = Stances.of(good.points * [1.0, 1.0, 0.0], [0.0, 0.0, 1.0], 0.9, [0.0, 0.0, -100.0, 0.0, 0.0, 0.0])
     for facets in (-1, 1, 2, 1025):
         assert forces(good, facets).status[0] == BAD_INPUT
+        assert forces(upright, facets).status[0] == BAD_INPUT
     short = good.changed(normals=good.normals * (1.0 + 1e-8))
     assert forces(short).status[0] == BAD_INPUT
 

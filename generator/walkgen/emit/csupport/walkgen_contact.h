@@ -150,7 +150,7 @@ static inline void WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *p
                                                      WG_REAL *certificate, WG_REAL *violation) {
     const WG_REAL share = facets == 0 ? WG_C(1.0) : facets == 4 ? WG_C(0.70710678118) : WG_C(0.0);
     int i;
-    if (k >= 1 && k <= WALKGEN_MAX_FEET &&
+    if (k >= 1 && k <= WALKGEN_MAX_FEET && (facets == 0 || (facets >= 3 && facets <= 1024)) &&
         WG_NAME(wg_contact_inactive)(k, points, normals, mu, wrench, weight, n_max, share, facets == 4, f, violation)) {
         for (i = 0; i < k; ++i) {
             state[i] = WG_CONTACT_STICK;

@@ -116,7 +116,7 @@ static inline WG_REAL WG_NAME(wg_contact_distance)(const struct WG_NAME(wg_conta
     }
     for (i = 0; i < 3 * stance->feet && largest > WG_C(0.0); ++i) {
         const WG_REAL part = z[i % 3][i / 3] / largest;
-        square += stance->ease[i / 3] * part * part;
+        square += part * part;
     }
     return largest > WG_C(0.0) ? gain / largest / WG_SQRT(square) * stance->force_unit : WG_INFINITY;
 }

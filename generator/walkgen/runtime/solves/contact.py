@@ -196,11 +196,18 @@ def _refuse(stance: Stance, scales: Scales, program: Program, point: Point, foun
     proven = (
         (gain > 0.0) & (exact >= -_EDGE) & (lost < 1.0) & (point.tau < 1e-6 * np.maximum(point.kappa, 1.0)) & (found.status != _INFEASIBLE)
     )
-    size = np.sqrt((np.einsum("rei,re->ri", program.A, y) ** 2).sum(-1))
     found.status[proven] = _INFEASIBLE
     found.certificate[proven] = _certificate(scales, y)[proven]
     found.multipliers[proven] = (multipliers / scales.row_sizes / (scales.force * scales.length)[:, None])[proven]
-    found.violation[proven] = ((1.0 - lost) / size * scales.force)[proven]
+    found.violation[proven] = ((1.0 - lost) / _size(stance, found))[proven]
+
+
+def _size(stance: Stance, found: Contact) -> Array:
+    """Of what a certificate multiplies all feet's forces by: forces that are nearer to the cones than 1 / size do not carry the load."""
+    turn = found.certificate[:, None, 3:]
+    cost = found.certificate[:, None, :3] + np.cross(np.broadcast_to(turn, stance.points.shape), stance.points)
+    cost += np.einsum("rtki,rt->rki", stance.torque_rows, found.multipliers)
+    return np.sqrt((cost**2).sum((-1, -2)))
 
 
 def _least_product(stance: Stance, cost: Array) -> Array:
