@@ -57,7 +57,7 @@ def test_loads_that_cannot_be_carried_are_proven(robot):
 def test_facets_lie_inside_the_cone(robot):
     push = [34.0, 34.0, -100.0, 0.0, 0.0, 0.0]
     assert robot.contact_forces(SQUARE, [0, 0, 1], 0.5, push)[1] == 0
-    assert robot.contact_forces(SQUARE, [0, 0, 1], 0.5, push, cone=64)[1] == 0
+    assert robot.contact_forces(SQUARE, [0, 0, 1], 0.5, push, cone=np.int64(64))[1] == 0
     assert robot.contact_forces(SQUARE, [0, 0, 1], 0.4, [40.0, 0, -100, 0, 0, 0], cone=4)[1] == INFEASIBLE  # a corner's cosine less
 
 
@@ -78,6 +78,13 @@ def test_mistakes_are_named(robot):
         robot.contact_forces([0, 0, 1], [0, 0, 1], 0.5, DOWN)
     with pytest.raises(ValueError, match="cone is 2"):
         robot.contact_forces(SQUARE, [0, 0, 1], 0.5, DOWN, cone=2)
+    with pytest.raises(ValueError, match=r"cone is 1025; give .* 3 to 1024"):
+        robot.contact_forces(SQUARE, [0, 0, 1], 0.5, DOWN, cone=1025)
+    for option in ({"cone": 4}, {"torque_rows": np.zeros((1, 4, 3))}):
+        with pytest.raises(TypeError, match=f"'stiffness' has no {next(iter(option))}"):
+            robot.contact_forces(SQUARE, [0, 0, 1], 0.5, DOWN, method="stiffness", compliance=np.eye(12), **option)
+        with pytest.raises(TypeError, match=f"'vertical' has no {next(iter(option))}"):
+            robot.contact_forces(SQUARE[:3], [0, 0, 1], None, DOWN, method="vertical", **option)
     with pytest.raises(ValueError, match="'best' is not a method"):
         robot.contact_forces(SQUARE, [0, 0, 1], 0.5, DOWN, method="best")
     with pytest.raises(TypeError, match="misses wrench"):

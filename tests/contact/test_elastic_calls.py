@@ -52,6 +52,17 @@ def test_what_no_cone_carries_has_a_proof(robot):
     assert certificate @ push == pytest.approx(1.0)
 
 
+def test_a_batch_has_proofs_where_there_are_none_to_carry(robot):
+    q = np.ravel(O13_Q)
+    loads = np.array([O13_WRENCH, [0.0, 0.0, 588.6, 0.0, 0.0, 0.0]])
+    options = {"method": "stiffness", "compliance": robot.stance_compliance(q)}
+    f, status, _, certificate, _ = robot.contact_forces(robot.foot_positions(q), UP, [[0.9], [np.inf]], loads, **options)
+    assert list(status) == [OK, INFEASIBLE]
+    assert np.isfinite(f[0]).all()
+    assert not certificate[0].any()
+    assert certificate[1] @ loads[1] == pytest.approx(1.0)
+
+
 def test_shapes_are_named(robot):
     with pytest.raises(ValueError, match=r"stiffness needs \[4,3,3\] or \[12,12\]"):
         robot.contact_forces(np.zeros((4, 3)), UP, 0.5, O14_WRENCH, method="stiffness", compliance=np.eye(3))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import index
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +12,8 @@ from walkgen.signature import STATUSES
 
 Method = Literal["least_squares", "stiffness", "vertical"]
 NAME = "contact_forces"
-_FEWEST_FACETS = 3
+_FEWEST_FACETS, _MOST_FACETS = 3, 1024
+_ROUGHEST = 1e8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,7 +39,7 @@ class ContactForces:
         Args:
             points: where the feet stand [k,3] (m).
             normals: of the ground, unit, away from it [k,3].
-            mu: coefficients of friction [k]; not needed by "vertical".
+            mu: coefficients of friction [k], below 1e9, infinite too in "stiffness"; not needed by "vertical".
             wrench: load on the robot [6]: force (N), moment about the frame's origin (N m).
             method: "least_squares": least sum weight |f|^2 within the cones; "stiffness": as elastic legs and ground share the load;
                 "vertical": three feet without friction.
@@ -53,13 +55,13 @@ class ContactForces:
             ValueError: shapes that do not fit, an unknown method or cone.
         """
         given = {"points": points, "normals": normals, "mu": mu, "wrench": wrench, **options}
-        if method == "stiffness":
-            return self._stiffness(given)
-        if method == "vertical":
-            return self._vertical(given)
-        if method != "least_squares":
+        if method == "least_squares":
+            return self._least_squares(given | {"facets": _facets(cone)}, torque_rows)
+        if method not in {"stiffness", "vertical"}:
             raise ValueError(f"{NAME}: {method!r} is not a method; choose least_squares, stiffness or vertical")
-        return self._least_squares(given | {"facets": _facets(cone)}, torque_rows)
+        if torque_rows is not None or not _is_round(cone):
+            raise TypeError(f"{NAME}: method={method!r} has no {'cone' if torque_rows is None else 'torque_rows'}; least_squares has")
+        return self._stiffness(given) if method == "stiffness" else self._vertical(given)
 
     def _least_squares(self, given: dict[str, Any], torque_rows: Any) -> Any:
         if torque_rows is None:
@@ -77,9 +79,11 @@ class ContactForces:
         else:
             wanted = f"[{feet},3,3] or [{3 * feet},{3 * feet}]"
             raise ValueError(f"{NAME}: compliance has shape {list(compliance.shape)}; stiffness needs {wanted} (m/N)")
-        proof = self._solve(NAME, {name: given[name] for name in ("points", "normals", "mu", "wrench")})[3]
         infeasible = np.asarray(status == STATUSES.index("INFEASIBLE"))[..., None]
-        return f, status, state, np.where(infeasible, proof, 0.0), violation
+        if not infeasible.any():
+            return f, status, state, np.zeros((*np.shape(status), 6), violation.dtype), violation
+        stance = {name: given[name] for name in ("points", "normals", "wrench")} | {"mu": np.minimum(given["mu"], _ROUGHEST)}
+        return f, status, state, np.where(infeasible, self._solve(NAME, stance)[3], 0.0), violation
 
     def _vertical(self, given: dict[str, Any]) -> Any:
         f, status, state, violation = self._solve(f"{NAME}_vertical", {name: given[name] for name in given if name != "mu"})
@@ -95,9 +99,18 @@ class ContactForces:
         return f"<function {NAME!r} of any feet: {methods}>"
 
 
+def _is_round(cone: Literal["quadratic"] | int) -> bool:
+    return isinstance(cone, str) and cone == "quadratic"
+
+
 def _facets(cone: Literal["quadratic"] | int) -> int:
-    if cone == "quadratic":
+    if _is_round(cone):
         return 0
-    if isinstance(cone, bool) or not isinstance(cone, int) or cone < _FEWEST_FACETS:
-        raise ValueError(f'{NAME}: cone is {cone!r}; give "quadratic" or the number of facets, at least {_FEWEST_FACETS}')
-    return cone
+    try:
+        facets = 0 if isinstance(cone, bool | str) else index(cone)
+    except TypeError:
+        facets = 0
+    if not _FEWEST_FACETS <= facets <= _MOST_FACETS:
+        wanted = f'give "quadratic" or the number of facets, {_FEWEST_FACETS} to {_MOST_FACETS}'
+        raise ValueError(f"{NAME}: cone is {cone!r}; {wanted}")
+    return facets

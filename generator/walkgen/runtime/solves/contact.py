@@ -207,7 +207,7 @@ def _size(stance: Stance, found: Contact) -> Array:
     turn = found.certificate[:, None, 3:]
     cost = found.certificate[:, None, :3] + np.cross(np.broadcast_to(turn, stance.points.shape), stance.points)
     cost += np.einsum("rtki,rt->rki", stance.torque_rows, found.multipliers)
-    return np.sqrt((cost**2).sum((-1, -2)))
+    return np.asarray(np.sqrt((cost**2).sum((-1, -2))))
 
 
 def _least_product(stance: Stance, cost: Array) -> Array:
