@@ -1,4 +1,7 @@
-"""Solves a problem from many starts: least squares with soft constraints, then the best of them with hard ones."""
+"""Solves a problem from many starts: least squares with soft constraints, then, from every answer of its own, with hard ones.
+
+What least squares leave is no measure of what the hard constraints will make of it, so that none is dropped for its cost.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,7 +16,6 @@ Progress = Callable[[str], None]
 _SOFT, _HARD = 10.0, 300.0
 """What a broken constraint weighs, first and then."""
 _STEPS = 40
-_POLISHED = 4
 _POLISH_STEPS = 300
 _FEASIBLE = 1e-7
 _BAD = 10.0
@@ -49,7 +51,7 @@ def solved(problem: Problem, starts: int, seed: int = 0, progress: Progress = la
 
     Args:
         problem: with exact slopes.
-        starts: random starts, uniform between the bounds.
+        starts: random starts, spread evenly between the bounds of each variable.
         seed: of the starts.
         progress: is told after every start.
     """
@@ -75,21 +77,19 @@ def _solved(problem: Problem, starts: int, seed: int, progress: Progress) -> Fou
 
 
 def _starts(problem: Problem, starts: int, seed: int) -> Iterator[Reals]:
-    """As shares of the bounds."""
+    """As shares of the bounds: the problem's own, then a Latin hypercube, which leaves out no part of any variable's bounds."""
     generator = np.random.default_rng(seed)
     yield (problem.start - problem.low) / (problem.high - problem.low)
-    for _ in range(starts):
-        yield generator.uniform(size=len(problem.variables))
+    cells = generator.permuted(np.tile(np.arange(starts), (len(problem.variables), 1)), axis=1).T
+    yield from (cells + generator.uniform(size=cells.shape)) / max(starts, 1)
 
 
 def _different(ordered: list[tuple[float, Reals]]) -> list[Reals]:
-    """The first few that are not alike."""
+    """Those that are not alike."""
     kept: list[Reals] = []
     for _, y in ordered:
         if all(np.abs(y - other).max() > _SAME for other in kept):
             kept.append(y)
-        if len(kept) == _POLISHED:
-            break
     return kept
 
 

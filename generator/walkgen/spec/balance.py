@@ -98,7 +98,7 @@ class BalanceSpec(Table):
     """Of a balance by a cam."""
     nodes: StrictInt = Field(default=12, ge=2, le=200)
     """Gauss nodes of every range."""
-    starts: StrictInt = Field(default=12, ge=1, le=10_000)
+    starts: StrictInt = Field(default=24, ge=1, le=10_000)
     """Random starts of the search, besides the spec's own values."""
 
     @property
