@@ -11,17 +11,18 @@ from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 from walkgen.cli import app
-from walkgen.design.cam import CamError, OnFrame, OnLink, Spring, Weight, profile, residual
+from walkgen.design.cam import profile, residual
 from walkgen.design.cam_files import csv, svg
 from walkgen.design.search import designed
 from walkgen.errors import SpecError
+from walkgen.model.cam_potential import CamError, OnFrame, OnLink, Pull, Weight
 from walkgen.spec.read import read
 
 SPECS = Path(__file__).parents[2] / "specs"
 ORACLES = json.loads((Path(__file__).parent / "balancing_oracles.json").read_text(encoding="utf-8"))
 G, R = 9.80665, 0.012
-FIRST = OnLink(Weight(-G * 2.732), Spring(2500.0, -180.0), G, arm=0.12, reach=0.10, mass=1.3)
-SECOND = OnFrame(Weight(-G * 2.72), Spring(1800.0, -134.0), G, anchor=0.30, reach=0.06, masses=(0.1, 0.8, 0.2), centre=0.02)
+FIRST = OnLink(Weight(-G * 2.732), Pull(2500.0, -180.0), G, arm=0.12, reach=0.10, mass=1.3)
+SECOND = OnFrame(Weight(-G * 2.72), Pull(1800.0, -134.0), G, anchor=0.30, reach=0.06, masses=(0.1, 0.8, 0.2), centre=0.02)
 CASES = {"cam15": (FIRST, (-35, 55), 0.36, 1801), "cam16": (SECOND, (-35, 45), 0.14, 1601)}
 
 
@@ -152,7 +153,7 @@ def test_erratum_7_10_sign_of_the_load(tmp_path):
     """A foot that carries 5 kg is balanced as S less 5 BC; hanging there it would be S more."""
     text = (SPECS / "balanced_leg_cam1.toml").read_text(encoding="utf-8").replace("load = 0.0  ", "load = 5.0  ")
     found = designed(written(tmp_path, text))
-    carried = OnLink(Weight(-G * (2.732 - 5 * 0.40)), Spring(2500.0, -180.0), G, 0.12, 0.10, 1.3)
+    carried = OnLink(Weight(-G * (2.732 - 5 * 0.40)), Pull(2500.0, -180.0), G, 0.12, 0.10, 1.3)
     assert found.profile.r == pytest.approx(profile(carried, found.profile.phi, 0.36, R).r, rel=1e-12)
 
 
@@ -189,7 +190,7 @@ def test_an_undercut_is_refused_where_it_is_and_the_largest_roller_is_right():
 
 def test_lost_contact_is_refused_where_it_is():
     """A weak spring: the follower's slope of the potential falls to nothing on the way."""
-    weak = OnLink(Weight(-G * 2.732), Spring(60.0, -4.0), G, arm=0.12, reach=0.10, mass=0.2)
+    weak = OnLink(Weight(-G * 2.732), Pull(60.0, -4.0), G, arm=0.12, reach=0.10, mass=0.2)
     with pytest.raises(CamError) as caught:
         profile(weak, np.deg2rad(np.linspace(-35, 55, 901)), 0.16, R)
     assert caught.value.kind == "contact"

@@ -8,10 +8,11 @@ import numpy as np
 
 from walkgen.design.apart import check_apart
 from walkgen.design.balance import Balance, Residue
-from walkgen.design.cam import Cam, CamError, OnFrame, OnLink, Profile, Spring, Weight, profile, residual
+from walkgen.design.cam import Profile, profile, residual
 from walkgen.design.chapter import zero_free_length
 from walkgen.design.multistart import Progress
 from walkgen.errors import Problem, SpecError
+from walkgen.model.cam_potential import Cam, CamError, OnFrame, OnLink, Pull, Weight
 from walkgen.spec.balance import CamSpec
 from walkgen.spec.scalar import Scalar
 from walkgen.spec.schema import RobotSpec
@@ -68,7 +69,7 @@ def _cam(balance: Balance, table: CamSpec, bare: Residue) -> Cam:
         message = f"balance {balance.name}: {waves.left:.4g} N m of the moment of {bare.range.name} is not that of a link on a hinge"
         raise SpecError(Problem("WG224", message, "balance a joint that carries one link, or use springs"))
     stiffness = balance.number(table.stiffness)
-    spring = Spring(stiffness, number(table.initial_tension) - stiffness * balance.number(table.free_length))
+    spring = Pull(stiffness, number(table.initial_tension) - stiffness * balance.number(table.free_length))
     gravity, masses = hypot(*map(balance.number, balance.mechanism.gravity)), table.masses
     a, b = -waves.product * sin(waves.angle), waves.product * cos(waves.angle)
     reach, roller, follower = balance.number(table.reach), number(masses.roller), number(masses.follower)
