@@ -1,10 +1,13 @@
-"""What the linkages and springs of a good spec do within the limits of the joints, told before any code is written: refusals, notices."""
+"""What linkages, springs and cams of a good spec do within the limits of the joints, told before any code is written: refusals, notices."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from walkgen.errors import Place, Problem, SpecError
 from walkgen.graph.coverage import Coverage, Failure, coverage, titled
+from walkgen.model.cam_potential import CamError
+from walkgen.model.cam_way import way_of
+from walkgen.model.cams import cam_problem
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.runtime.solves.triads import close_triads
@@ -19,11 +22,12 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
 
     Raises:
         SpecError: WG189 a linkage assembles nowhere within them, so that its code would give nothing but NaN; WG191 it has other freedoms
-            than the count says wherever it does; WG203 a spring goes slack within the limits of the leg's joints.
+            than the count says wherever it does; WG203 a spring goes slack within the limits of the leg's joints; WG218, WG222 to WG224 a
+            cam cannot be.
     """
     legs = {leg.name: leg for leg in mechanism.legs}
     users = {leg.design: legs[leg.name] for leg in spec.legs if leg.design is not None}
-    if not any(leg.linkage or leg.springs for leg in users.values()):
+    if not any(leg.linkage or leg.springs or leg.cams for leg in mechanism.legs):
         return ()
     positions = Positions(open_document(path))
     problems: list[Problem] = []
@@ -36,6 +40,8 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
         for short in slack(mechanism, leg):
             place = positions.place(("leg_designs", design, "springs", short.spring))
             problems.append(_slack(f"leg_designs.{design}", place, short, leg))
+    for own in (legs[leg.name] for leg in spec.legs if leg.mirror_of is None):
+        problems += _uncut(mechanism, own, positions)
     if problems:
         raise SpecError(*problems)
     return tuple(notices)
@@ -72,6 +78,15 @@ def _refused(design: str, place: Place, found: Coverage, linkage: Linkage) -> It
         message = f"the linkage has {count} degrees of freedom by count, {found.mobility.freedoms} by the rank of its pairs' equations"
         pairs = f"{', '.join(found.mobility.pairs)} say one thing twice wherever it closes"
         yield Problem("WG191", f"{design}: {message}: {pairs}", "change lengths that keep these pairs at a dead point", place)
+
+
+def _uncut(mechanism: Mechanism, leg: Limb, positions: Positions) -> Iterator[Problem]:
+    """What is wrong with a leg's cam."""
+    for cam in leg.cams:
+        try:
+            way_of(mechanism, leg, cam)
+        except CamError as error:
+            yield cam_problem(error, cam.name, leg.joints[cam.joint].name, positions.place(("balance", cam.name, "cam")))
 
 
 def _slack(design: str, place: Place, found: Slack, leg: Limb) -> Problem:

@@ -149,6 +149,7 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
     if limb.linkage is not None:
         yield from _linkage(limb.joints[len(limb.serial) :], limb.linkage)
     yield from (f"    spring {spring.name}  {_ends(limb, spring)}, {scalar_text(spring.stiffness)} N/m" for spring in limb.springs)
+    yield from (f"    cam {cam.name}  on the {cam.on}, balances {limb.joints[cam.joint].name}" for cam in limb.cams)
     if limb.sole:
         yield f"    sole  {scalar_text(limb.sole.length)} by {scalar_text(limb.sole.width)}, {_transform(limb.sole.turn)}"
 

@@ -107,9 +107,9 @@ class Balance:
 
     @cached_property
     def _without(self) -> Statics:
-        """Without springs, and without what they weigh."""
+        """Without springs and cams, and without what they weigh."""
         designs = {key: design.model_copy(update={"springs": ()}) for key, design in self.spec.leg_designs.items()}
-        mechanism = assemble(self.spec.model_copy(update={"leg_designs": designs}), self._folder)
+        mechanism = assemble(self.spec.model_copy(update={"leg_designs": designs, "balance": {}}), self._folder)
         return Statics(mechanism, _leg(mechanism, self.table.leg), ())
 
     @cached_property

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from walkgen.model.cam_potential import Cam, CamError, OnLink, level_set
+from walkgen.model.cam_potential import Cam, OnLink, bend, level_set, refuse_unfit
 
 Reals = NDArray[np.float64]
 _CLOSE = 1e-14
@@ -41,33 +41,30 @@ class Profile:
     lengths: Reals
 
 
-def profile(cam: Cam, phi: Reals, start: float, radius: float) -> Profile:
+def profile(cam: Cam, phi: Reals, start: float, radius: float, free: float = 0.0) -> Profile:
     """The cam whose roller is at `start` where the link is at the first of its angles.
 
     Args:
-        cam: with its spring and weights.
+        cam: with its spring and weights, in doubles.
         phi: angles [n], growing (rad).
         start: from the hip to the roller's centre (m).
         radius: of the roller (m).
+        free: length of the spring (m).
 
     Raises:
-        CamError: somewhere the follower is not pressed on the cam, or the roller is too large for the cam's bends.
+        CamError: somewhere the follower is not pressed on the cam, the roller is too large for the cam's bends, or the spring is slack.
     """
     r = np.array(level_set(cam, [float(angle) for angle in phi], start, math, _CLOSE))
     found = cam.potential(phi, r, np)
-    slopes = -found.p / found.r
-    bends = -(found.pp + 2 * found.pr * slopes + found.rr * slopes**2) / found.r
-    size = np.sqrt(r**2 + slopes**2)
-    curvature = (r**2 + 2 * slopes**2 - r * bends) / size**3
-    side = np.sign(found.r[0])
-    centre, normal = pitch(cam, phi, r), _normal(cam, phi, r, slopes)
-    _refuse_undercut(phi, curvature, side, radius)
+    bent = bend(found, r, np)
+    refuse_unfit(list(phi), list(zip(found.r, bent.curvature, found.length, strict=True)), radius, free)
+    centre, normal, side = pitch(cam, phi, r), _normal(cam, phi, r, bent.slope), np.sign(found.r[0])
     return Profile(
-        *(phi, r, slopes, float(found.value[0]), centre),
+        *(phi, r, bent.slope, float(found.value[0]), centre),
         contact=centre - side * radius * normal,
-        pressure=np.arctan2(slopes, r),
-        curvature=curvature,
-        force=found.r * size / r,
+        pressure=np.arctan2(bent.slope, r),
+        curvature=bent.curvature,
+        force=found.r * bent.size / r,
         lengths=found.length,
     )
 
@@ -84,15 +81,6 @@ def _normal(cam: Cam, phi: Reals, r: Reals, slopes: Reals) -> Reals:
     along = pitch(cam, phi, slopes) + turn * np.stack([1.0, -1.0]) * pitch(cam, phi, r)[:, ::-1]
     normal: Reals = turn * np.stack([-along[:, 1], along[:, 0]], -1) / np.linalg.norm(along, axis=1)[:, None]
     return normal
-
-
-def _refuse_undercut(phi: Reals, curvature: Reals, side: float, radius: float) -> None:
-    """The cam's edge runs forwards everywhere."""
-    left = 1.0 - side * radius * curvature
-    place = int(left.argmin())
-    if left[place] <= 0.0:
-        largest = 1.0 / float(np.abs(curvature[place]))
-        raise CamError("undercut", f"a roller of {radius:.4g} m cuts into the cam, {largest:.4g} m is the most", float(phi[place]))
 
 
 def residual(cam: Cam, cut: Profile) -> Reals:

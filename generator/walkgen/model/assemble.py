@@ -1,7 +1,9 @@
 """From the validated spec to the Mechanism: designs mounted, parameters resolved, mirrored legs reflected."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from walkgen.model.cams import cams_of
 from walkgen.model.gaits import gaits
 from walkgen.model.ground import ground
 from walkgen.model.limbs import body_of, chain_limb, leg_limb, mirrored_limb
@@ -71,7 +73,8 @@ def _leg(leg: LegSpec, entries: dict[str, LegSpec], spec: RobotSpec, platforms: 
         original = _leg(entries[leg.mirror_of], entries, spec, platforms, values)
         return mirrored_limb(original, leg.name, leg.source_names)
     design, platform = spec.leg_designs[leg.design or ""], platforms.index(leg.platform or "")
-    return (linkage_limb if design.planar else leg_limb)(leg, design, platform, values)
+    limb = (linkage_limb if design.planar else leg_limb)(leg, design, platform, values)
+    return replace(limb, cams=cams_of(leg.name, spec.balance, limb.joints, values))
 
 
 def _parameters(spec: RobotSpec, values: Values) -> tuple[Parameter, ...]:

@@ -17,7 +17,7 @@ _FLAT = 1e-9
 class CamError(Exception):
     """A cam that cannot be: why, and at which angle of the link (rad), None where it is wrong at all."""
 
-    def __init__(self, kind: Literal["contact", "undercut", "hinge"], message: str, angle: float | None = None) -> None:
+    def __init__(self, kind: Literal["contact", "undercut", "slack", "hinge"], message: str, angle: float | None = None) -> None:
         super().__init__(message)
         self.kind, self.angle = kind, angle
 
@@ -112,6 +112,53 @@ class OnFrame:
 
 
 Cam = OnLink | OnFrame
+
+
+@dataclass(frozen=True)
+class Bend:
+    """Of the roller's way and of the curve of its centre on what bears the cam, at an angle: dr/dphi (m/rad), the curvature, positive where
+    its centre is on the hip's side (1/m), and the curve's length by angle (m/rad).
+    """
+
+    slope: Any
+    curvature: Any
+    size: Any
+
+
+def bend(found: Potential, r: Any, maths: Any) -> Bend:
+    """Where the roller's centre is `r` from the hip and keeps the potential."""
+    slope = -found.p / found.r
+    second = -(found.pp + 2 * found.pr * slope + found.rr * slope**2) / found.r
+    size = maths.sqrt(r**2 + slope**2)
+    return Bend(slope, (r**2 + 2 * slope**2 - r * second) / size**3, size)
+
+
+def refuse_unfit(angles: Sequence[Any], found: Sequence[tuple[Any, Any, Any]], radius: Any, free: Any) -> None:
+    """Where the edge of the cam would run backwards, or its spring would have to push.
+
+    Args:
+        angles: of the link (rad).
+        found: at each the slope of the potential by r, the curvature, the spring's length.
+        radius: of the roller (m).
+        free: length of the spring (m).
+
+    Raises:
+        CamError: with the worst angle.
+    """
+    side = 1 if found[0][0] > 0 else -1
+    left = [1 - side * radius * curvature for _, curvature, _ in found]
+    place = left.index(min(left))
+    if left[place] <= 0:
+        largest = float(1 / abs(found[place][1]))
+        message = f"a roller of {float(radius):.4g} m cuts into the cam, {largest:.4g} m is the most"
+        raise CamError("undercut", message, float(angles[place]))
+    lengths = [length for *_, length in found]
+    place = lengths.index(min(lengths))
+    if lengths[place] < free:
+        message = f"the spring of the cam would have to push: it is {float(lengths[place]):.4g} m long, shorter than {float(free):.4g} m"
+        raise CamError("slack", message, float(angles[place]))
+
+
 Stretch = tuple[Any, tuple[Any, Any], tuple[Any, Any, Any]]
 """The square of a length, and its slopes by phi and r: once, and twice (phi phi, phi r, r r)."""
 

@@ -5,7 +5,7 @@ from typing import Literal
 
 from walkgen.model.gait import Gait, Schedule
 from walkgen.model.linkage import Linkage
-from walkgen.model.springs import Spring
+from walkgen.model.springs import Coil, Spring
 from walkgen.model.terrain import Terrain
 from walkgen.spec.scalar import ZERO, Scalar, Vector
 
@@ -98,6 +98,41 @@ class Sole:
 
 
 @dataclass(frozen=True)
+class Cam:
+    """What balances one joint of a leg: a roller on a follower, pressed by a spring on a cam `on` the joint's link or on the frame.
+
+    Attributes:
+        name: of the balance.
+        on: what bears the cam; the follower slides on a vertical guide of the frame, or along the link.
+        joint: index in the leg's joints; its q is the link's angle from the horizontal.
+        span: least and largest q (rad).
+        held: where the leg's other joints are, one entry a joint.
+        spring: from the link to the follower, or from the follower to the frame.
+        load: what the foot carries (kg).
+        start: from the hip to the roller's centre at the least q (m).
+        roller: its radius (m).
+        lever: from the hip to the spring's end on the link, along it, or up to its end on the frame (m).
+        reach: from the roller's centre to the spring's end on the follower, down the guide or outwards along the link (m).
+        centre: from the roller's centre outwards to the follower's centre of mass (m).
+        masses: of the spring's end at the link and at the follower, of follower and roller (kg).
+    """
+
+    name: str
+    on: Literal["link", "frame"]
+    joint: int
+    span: tuple[Scalar, Scalar]
+    held: tuple[Scalar, ...]
+    spring: Coil
+    load: Scalar
+    start: Scalar
+    roller: Scalar
+    lever: Scalar
+    reach: Scalar
+    centre: Scalar
+    masses: tuple[Scalar, Scalar, Scalar, Scalar]
+
+
+@dataclass(frozen=True)
 class Limb:
     """A serial chain of joints: a leg (tip is the foot frame) or a connecting chain (tip is the child platform).
 
@@ -108,6 +143,7 @@ class Limb:
     `branches` are the spec's names of them, empty where it gives none. A leg without `sole` stands on its foot point.
     A leg that ends in a planar linkage has it in `linkage`: `tip` is then the linkage's plane, X and Y its first two axes, and the
     last joints are the linkage's drives. `springs` pull at its links; what they weigh is part of these, at the mount of the platform.
+    What moves with `cams` is part of no link.
     """
 
     name: str
@@ -122,6 +158,7 @@ class Limb:
     linkage: Linkage | None = None
     sole: Sole | None = None
     springs: tuple[Spring, ...] = ()
+    cams: tuple[Cam, ...] = ()
 
     @property
     def serial(self) -> tuple[Joint, ...]:

@@ -29,14 +29,20 @@ class End:
 
 
 @dataclass(frozen=True)
-class Spring:
+class Coil:
     """Pulls its ends together with tension + stiffness (length - free_length): N, N/m, m."""
 
     name: str
-    ends: tuple[End, End]
     stiffness: Scalar
     free_length: Scalar
     tension: Scalar
+
+
+@dataclass(frozen=True)
+class Spring(Coil):
+    """Between two points of a leg."""
+
+    ends: tuple[End, End]
 
 
 def springs_of(design: LegDesign, values: Values) -> tuple[Spring, ...]:
@@ -44,10 +50,10 @@ def springs_of(design: LegDesign, values: Values) -> tuple[Spring, ...]:
     return tuple(
         Spring(
             spring.name,
-            _ends(design, spring.between, spring.masses, values),
             values.resolve(spring.stiffness),
             values.resolve(spring.si("free_length")),
             values.resolve(spring.initial_tension),
+            _ends(design, spring.between, spring.masses, values),
         )
         for spring in design.springs
     )

@@ -27,6 +27,8 @@ def check_balances(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
             yield Finding("WG210", (*path, "leg"), f'there is no leg "{shown(balance.leg)}"', cure)
         elif (design := design_of(spec, leg)) is not None:
             yield from _leg(path, balance, design, numbers)
+            if balance.cam is not None:
+                yield from _cam((*path, "leg"), name, spec, design)
         yield from _parameters(path, balance, spec)
 
 
@@ -46,6 +48,23 @@ def _leg(path: Path, balance: BalanceSpec, design: LegDesign, numbers: Numbers) 
     for link in balance.boxes:
         if link not in known:
             yield Finding("WG201", (*path, "boxes", link), f'there is no link "{shown(link)}"', did_you_mean(link, known, "links"))
+
+
+def _cam(path: Path, name: str, spec: RobotSpec, design: LegDesign) -> Iterator[Finding]:
+    """One cam a leg, on a link that turns, and no springs beside it."""
+    balance = spec.balance[name]
+    turning = [row.name for row in design.joints if row.type == "revolute"]
+    if design.planar or not balance.supported.keys() <= set(turning):
+        cure = f"balance one of {', '.join(turning)}" if turning and not design.planar else "balance this leg by springs"
+        yield Finding("WG224", path, "a cam balances a joint in series that turns, of a leg without a linkage", cure)
+    if design.springs:
+        message = "the leg has springs: a cam balances what it weighs alone"
+        yield Finding("WG224", path, message, "remove the springs, or the balance")
+    if any(leg.name == balance.leg and leg.mirror_of for leg in spec.legs):
+        yield Finding("WG224", path, "the leg is a mirror image, and has the cam of what it mirrors", "name the leg that it mirrors")
+    others = [other for other, each in spec.balance.items() if each.cam is not None and each.leg == balance.leg]
+    if others[0] != name:
+        yield Finding("WG224", path, f"the leg has the cam of the balance {others[0]} already", "keep one of them")
 
 
 def _relieved(path: Path, balance: BalanceSpec) -> Iterator[Finding]:

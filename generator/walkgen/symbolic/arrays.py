@@ -3,10 +3,13 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 import sympy
 
 from walkgen.symbolic.tape import Tape
 from walkgen.symbolic.tape_values import lines_behind
+
+_CHOICES = {"Select": np.where, "Less": np.less}
 
 
 def compiled(tape: Tape, inputs: Sequence[sympy.Symbol], outputs: Sequence[sympy.Expr]) -> Callable[..., list[Any]]:
@@ -15,5 +18,5 @@ def compiled(tape: Tape, inputs: Sequence[sympy.Symbol], outputs: Sequence[sympy
     plain = {symbol: sympy.Symbol(f"v{number}") for number, symbol in enumerate((*inputs, *(symbol for symbol, _ in behind)))}
     lines = [(plain[symbol], definition.xreplace(plain)) for symbol, definition in behind]
     given, wanted = [plain[symbol] for symbol in inputs], [sympy.sympify(output).xreplace(plain) for output in outputs]
-    found: Callable[..., list[Any]] = sympy.lambdify(given, wanted, "numpy", cse=lambda expressions: (lines, expressions))
+    found: Callable[..., list[Any]] = sympy.lambdify(given, wanted, [_CHOICES, "numpy"], cse=lambda expressions: (lines, expressions))
     return found

@@ -1,4 +1,4 @@
-"""Random motions of a leg with a linkage, to 50 digits: joints and drives move freely, the links as they must."""
+"""Random motions of a leg with a linkage or a cam, to 50 digits: joints and drives move freely, the links as they must."""
 
 import random
 from collections.abc import Mapping, Sequence
@@ -7,7 +7,6 @@ from typing import Any
 import sympy
 
 from walkgen.model.drive_ranges import drive_ranges
-from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT
 from walkgen.symbolic.closure import unknowns_port
@@ -27,16 +26,17 @@ class NoPostureError(Exception):
     """No drives were found for which the linkage assembles."""
 
 
-def driven_motions(mechanism: Mechanism, leg: Limb, linkage: Linkage, spread: Spread) -> Motions:
+def driven_motions(mechanism: Mechanism, leg: Limb, spread: Spread) -> Motions:
     """Of the links of the leg's tree; triads are closed in any way that Newton's method comes to from the start.
 
     Raises:
         NoPostureError: when called: none of many values of the drives has a posture.
     """
-    closing = _Closure(mechanism, leg, spread.tape) if linkage.forward.triads else None
+    linkage = leg.linkage
+    closing = _Closure(mechanism, leg, spread.tape) if linkage and linkage.forward.triads else None
     symbols = symbols_of(joint_port("q", leg.joints))
     turns: list[tuple[Any, Any]] = [(-2, 2) for _ in leg.serial]
-    ranges = turns + drive_ranges(mechanism, leg, linkage)
+    ranges = turns + (drive_ranges(mechanism, leg, linkage) if linkage else [])
     lines = lines_behind(spread.tape, [*spread.values, *(slope for row in spread.slopes for slope in row.values())])
 
     def motions(known: Values, generator: random.Random) -> list[tuple[Any, Any]]:

@@ -144,7 +144,7 @@ def mass_matrix(leg: LegDynamics) -> Exprs:
 
 def coriolis_matrix(leg: LegDynamics) -> Exprs:
     """Half the slope of C qd by qd where that is cheaper: Christoffel's symbols are symmetric."""
-    if leg.leg.linkage is None and len(leg.still) > _DIFFERENTIATED_JOINTS:
+    if leg.spread.free and len(leg.still) > _DIFFERENTIATED_JOINTS:
         return _matrix(Coriolis(leg.velocities()).entries(), len(leg.still))
     slopes = tangents(leg.tape, leg.inertial(leg.symbols["qd"]), leg.named("qd"))
     return tuple(slope / 2 for slope in chain.from_iterable(slopes))
@@ -188,12 +188,12 @@ def regressor(leg: LegDynamics) -> Exprs:
 
 def base_parameters(leg: LegDynamics) -> Exprs:
     """The regressor of the fewest parameters, row-major, then their values."""
-    linkage, tree = leg.leg.linkage, leg.tree
-    if linkage is None:
+    tree = leg.tree
+    if leg.spread.free:
         candidates, motions = kept_by_regrouping(tree), free_motions(tree)
     else:
         candidates = [(index, number) for index in whole_bodies(leg.leg) for number in range(len(PARAMETERS))]
-        motions = driven_motions(leg.mechanism, leg.leg, linkage, leg.spread)
+        motions = driven_motions(leg.mechanism, leg.leg, leg.spread)
     rows, values = base_regressor(leg.mechanism, leg.moving(), leg.gravity, leg.spread, candidates, motions)
     return (*chain.from_iterable(rows), *values)
 

@@ -197,6 +197,15 @@ _OF_SPRINGS = {
 }
 """What there is to say of dynamics where the leg has springs."""
 
+_OF_CAMS = {
+    **dict.fromkeys(
+        ("inverse_dynamics", "forward_dynamics", "mass_matrix", "bias", "gravity_torque", "kinetic_energy", "potential_energy"),
+        " Its cam's follower slides as the cam has it, beyond the cam's ends straight on.",
+    ),
+    **dict.fromkeys(("regressor", "base_parameters"), " The last link is the cam's follower, z along its way, its origin at the roller."),
+}
+"""What there is to say of dynamics where the leg has a cam."""
+
 IDENTIFIED = {
     "regressor": " Links: one a joint before the linkage, the last with the linkage's frame on it, then those of the linkage in the "
     "spec's order, each about the origin of its own axes, z the plane's normal.",
@@ -223,12 +232,13 @@ class LegFunctions:
         """One of `DYNAMICS` and `SPRUNG`; None where it does not exist: accelerations of a leg that can move without moving mass, fewest
         parameters of one that never assembles, springs of one that has none.
         """
-        if name in SPRUNG and not self._leg.springs:
+        names = [*(spring.name for spring in self._leg.springs), *(cam.name for cam in self._leg.cams)]
+        if name in SPRUNG and not names:
             return None
         entry, joints = (DYNAMICS | SPRUNG)[name], self._leg.joints
         doc = entry.doc
-        if self._leg.springs:
-            doc = doc.format(springs=", ".join(spring.name for spring in self._leg.springs)) + _OF_SPRINGS.get(name, "")
+        if names:
+            doc = doc.format(springs=", ".join(names)) + _OF_SPRINGS.get(name, "") + (_OF_CAMS.get(name, "") if self._leg.cams else "")
         if self._leg.linkage is not None and name in IDENTIFIED:
             leg, doc = self._whole(), doc + IDENTIFIED[name]
         else:

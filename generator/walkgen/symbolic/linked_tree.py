@@ -12,6 +12,7 @@ import sympy
 from walkgen.model.linkage import Linkage, PlanarBody, Point
 from walkgen.model.mechanism import Body, Limb, Mechanism
 from walkgen.spec.scalar import ZERO, div, exact
+from walkgen.symbolic.cams import grow_cam
 from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.driven import planar_joints
 from walkgen.symbolic.frames import Frame, frame_of, parameter_symbols
@@ -32,14 +33,16 @@ Exprs = Sequence[sympy.Expr]
 def spread_leg(mechanism: Mechanism, leg: Limb, q: Exprs, tape: Tape, *, whole: bool = False) -> tuple[Tree, Spread]:
     """One leg on its platform, which is held; `whole`: with every link of a linkage as one body in its own axes, weightless or not."""
     growth, spread = Growth(parameter_symbols(mechanism), tape), Spread(len(q), tape)
-    grow_leg(growth, spread, leg, Attachment(BASE, Frame()), q, range(len(q)), "", whole=whole)
+    grow_leg(mechanism, growth, spread, leg, Attachment(BASE, Frame()), q, range(len(q)), "", whole=whole)
     return growth.tree(), spread
 
 
 def whole_bodies(leg: Limb) -> tuple[int, ...]:
-    """Links of the leg's whole tree whose inertia may be anything: one a joint in series, then one a link of the linkage but the frame."""
+    """Links of the leg's whole tree whose inertia may be anything: one a joint in series, then one a cam's follower, or one a link of the
+    linkage but the frame.
+    """
     serial, links = len(leg.serial), len(leg.linkage.masses) - 1 if leg.linkage else 0
-    return (*range(serial), *(serial + 3 * number + 2 for number in range(links)))
+    return (*range(serial + len(leg.cams)), *(serial + 3 * number + 2 for number in range(links)))
 
 
 def spread_robot(mechanism: Mechanism, q: Exprs, tape: Tape) -> tuple[Tree, Spread]:
@@ -51,39 +54,51 @@ def spread_robot(mechanism: Mechanism, q: Exprs, tape: Tape) -> tuple[Tree, Spre
             assert chain.child is not None
             if chain.child not in places:
                 indices = joint_indices(mechanism, chain)
-                places[chain.child] = _grow_series(growth, spread, chain, places[chain.platform], q, indices, f"{chain.name}_")
+                *_, places[chain.child] = _grow_series(growth, spread, chain, places[chain.platform], q, indices, f"{chain.name}_")
     for index, platform in enumerate(mechanism.platforms):
         if platform.body:
             body = inertia_of(platform.body, growth.parameters, tape, platform.name)
             growth.carry(places[index], body, platform.name)
     for leg in mechanism.legs:
-        grow_leg(growth, spread, leg, places[leg.platform], q, joint_indices(mechanism, leg), f"{leg.name}_")
+        grow_leg(mechanism, growth, spread, leg, places[leg.platform], q, joint_indices(mechanism, leg), f"{leg.name}_")
     return growth.tree(), spread
 
 
 def _grow_series(
     growth: Growth, spread: Spread, limb: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str
-) -> Attachment:
-    """Add a limb's joints in series; its tip."""
-    place = Attachment(start.link, start.frame * frame_of(limb.mount, growth.parameters))
+) -> list[Attachment]:
+    """Add a limb's joints in series; its mount, the frame that moves with each, its tip."""
+    places = [Attachment(start.link, start.frame * frame_of(limb.mount, growth.parameters))]
     for joint, index in zip(limb.serial, indices, strict=False):
-        place = growth.joint(joint, place, spread.joint(index, q[index]), prefix + joint.name)
-    return Attachment(place.link, place.frame * frame_of(limb.tip, growth.parameters))
+        places.append(growth.joint(joint, places[-1], spread.joint(index, q[index]), prefix + joint.name))
+    return [*places, Attachment(places[-1].link, places[-1].frame * frame_of(limb.tip, growth.parameters))]
 
 
 def grow_leg(
-    growth: Growth, spread: Spread, leg: Limb, start: Attachment, q: Exprs, indices: Sequence[int], prefix: str, *, whole: bool = False
+    mechanism: Mechanism,
+    growth: Growth,
+    spread: Spread,
+    leg: Limb,
+    start: Attachment,
+    q: Exprs,
+    indices: Sequence[int],
+    prefix: str,
+    *,
+    whole: bool = False,
 ) -> None:
     """Add a leg with its foot; `indices` are its joints' in the robot's q."""
     springs = Springs(leg, growth.parameters, spread.values, len(spread.values), growth.tape)
-    place = _grow_series(growth, spread, leg, start, q, indices, prefix)
+    *series, place = _grow_series(growth, spread, leg, start, q, indices, prefix)
     if leg.linkage is not None:
         drives = indices[len(leg.serial) :]
         parts = _whole_parts(leg.linkage) if whole else _parts(leg.linkage)
         placing = forward_placing(leg, [q[index] for index in drives], growth.parameters, growth.tape)
         springs = replace(springs, placing=placing, places=_places(parts, len(spread.values)))
         place = _grow_linkage(growth, spread, leg, place, q, drives, prefix, parts, placing)
-    if leg.springs:
+    for cam in leg.cams:
+        drive = indices[cam.joint], q[indices[cam.joint]]
+        springs = replace(springs, ways=(*springs.ways, grow_cam(mechanism, leg, cam, growth, spread, series, drive, prefix)))
+    if springs.coils:
         spread.springs.append(springs)
     origin = growth.tape.vector(f"{prefix}foot", place.frame.origin) if prefix else place.frame.origin
     growth.feet.append(Foot(place.link, origin))

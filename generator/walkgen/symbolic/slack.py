@@ -58,7 +58,7 @@ def _lengths(mechanism: Mechanism, leg: Limb, q: Reals) -> list[Reals]:
     """Of every spring at every point; NaN where a linkage does not assemble."""
     tape, symbols, parameters = Tape(), symbols_of(joint_port("q", leg.joints)), parameter_symbols(mechanism)
     (springs,) = spread_leg(mechanism, leg, symbols, tape)[1].springs
-    lengths, values = [stretch.length for stretch in springs.stretches], defaults(mechanism)
+    lengths, values = [stretch.length for stretch in springs.stretches[: len(leg.springs)]], defaults(mechanism)
     function = compiled(tape, (*symbols, *parameters.values()), lengths)
     with np.errstate(all="ignore"):
         found = function(*q, *(float(values[name]) for name in parameters))

@@ -38,6 +38,11 @@ class Spread:
         rubbings, springs = [rubbing.on(tape) for rubbing in self.rubbings], [each.on(tape) for each in self.springs]
         return replace(self, tape=tape, motions=motions, rubbings=rubbings, springs=springs)
 
+    @property
+    def free(self) -> bool:
+        """Whether every coordinate is a q."""
+        return not self.motions
+
     def joint(self, index: int, value: sympy.Expr) -> int:
         """A coordinate that is a q; its number."""
         self.values.append(value)
@@ -79,7 +84,7 @@ class Spread:
         """Efforts on the tree's coordinates with those that hold against all springs."""
         found = [[effort] for effort in efforts]
         for springs in self.springs:
-            for spring in range(len(springs.leg.springs)):
+            for spring in range(len(springs.coils)):
                 for number, effort in springs.efforts(spring):
                     found[number].append(effort)
         return tuple(sympy.Add(*terms) for terms in found)

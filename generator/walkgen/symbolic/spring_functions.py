@@ -45,7 +45,7 @@ def unbalance_moment(leg: LegDynamics) -> Exprs:
 def _held(leg: LegDynamics) -> Iterator[Exprs]:
     """Efforts of the joints that hold against each spring alone."""
     springs, none = _springs(leg), [sympy.S.Zero] * len(leg.spread.values)
-    for spring in range(len(leg.leg.springs)):
+    for spring in range(len(springs.coils)):
         efforts = list(none)
         for number, effort in springs.efforts(spring):
             efforts[number] = effort

@@ -1,6 +1,7 @@
 """A leg's springs: how long they are, and what they do to the coordinates of the leg's links.
 
-A spring between frames of joints in series sees no joint but those between them, one between links of a linkage only the plane.
+A spring between frames of joints in series sees no joint but those between them, one between links of a linkage only the plane, one that
+presses a cam's follower the cam's joint and the follower.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,8 +10,9 @@ from functools import cached_property
 
 import sympy
 
-from walkgen.model.mechanism import Joint, Limb, Transform
-from walkgen.model.springs import End, Spring
+from walkgen.model.cam_potential import stretched
+from walkgen.model.mechanism import Cam, Joint, Limb, Transform
+from walkgen.model.springs import Coil, End, Spring
 from walkgen.model.transform import X, Y, Z, translation
 from walkgen.spec.scalar import ZERO, Vector, sub
 from walkgen.symbolic.driven import planar_joints
@@ -43,7 +45,9 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Springs:
-    """Of one leg, in `values` of the tree's coordinates; `start` is the first one of its joints in series, `places` are its linkage's."""
+    """Of one leg, in `values` of the tree's coordinates; `start` is the first one of its joints in series, `places` are its linkage's,
+    `ways` those of the rollers of its cams.
+    """
 
     leg: Limb
     parameters: Parameters
@@ -52,39 +56,46 @@ class Springs:
     tape: Tape
     placing: Placing | None = None
     places: Mapping[int, Place] = field(default_factory=dict)
+    ways: tuple[int, ...] = ()
 
     def on(self, tape: Tape) -> "Springs":
         """The same, written on a tape that began as this one's."""
         return replace(self, tape=tape)
 
+    @property
+    def coils(self) -> tuple[Coil, ...]:
+        """The leg's springs, then those of its cams."""
+        return (*self.leg.springs, *(cam.spring for cam in self.leg.cams))
+
     @cached_property
     def stretches(self) -> tuple[Stretch, ...]:
         """Of every spring."""
-        return tuple(self._stretch(spring) for spring in self.leg.springs)
+        pressing = (self._pressing(cam, way) for cam, way in zip(self.leg.cams, self.ways, strict=True))
+        return (*(self._stretch(spring) for spring in self.leg.springs), *pressing)
 
     def tensions(self) -> Iterator[sympy.Expr]:
         """What every spring pulls with (N)."""
-        for spring, stretch in zip(self.leg.springs, self.stretches, strict=True):
+        for spring, stretch in zip(self.coils, self.stretches, strict=True):
             stiffness, constant = self._coefficients(spring)
             yield constant + stiffness * stretch.length
 
     def energies(self) -> Iterator[sympy.Expr]:
         """What every spring has stored since it began to stretch (J)."""
-        for spring, stretch in zip(self.leg.springs, self.stretches, strict=True):
+        for spring, stretch in zip(self.coils, self.stretches, strict=True):
             more = self.tape.let(f"{spring.name}_stretch", stretch.length - self._number(spring, "free_length"))
             yield more * (self._number(spring, "tension") + self._number(spring, "stiffness") * more / 2)
 
     def efforts(self, spring: int) -> Iterator[tuple[int, sympy.Expr]]:
         """On the tree's coordinates, by number: what holds against a spring, dU/dy."""
-        own, stretch = self.leg.springs[spring], self.stretches[spring]
+        own, stretch = self.coils[spring], self.stretches[spring]
         stiffness, constant = self._coefficients(own)
         rate = self.tape.let(f"{own.name}_rate", stiffness + constant / stretch.length)
         yield from ((number, rate * slope) for number, slope in stretch.slopes.items())
 
-    def _number(self, spring: Spring, key: str) -> sympy.Expr:
+    def _number(self, spring: Coil, key: str) -> sympy.Expr:
         return self.tape.let(f"{spring.name}_{key}", expression(getattr(spring, key), self.parameters))
 
-    def _coefficients(self, spring: Spring) -> tuple[sympy.Expr, sympy.Expr]:
+    def _coefficients(self, spring: Coil) -> tuple[sympy.Expr, sympy.Expr]:
         """k, and c of the tension c + k length."""
         stiffness = self._number(spring, "stiffness")
         constant = self._number(spring, "tension") - stiffness * self._number(spring, "free_length")
@@ -92,9 +103,19 @@ class Springs:
 
     def _stretch(self, spring: Spring) -> Stretch:
         way, slopes = self._in_plane(spring) if all(end.planar for end in spring.ends) else self._in_space(spring)
-        square = self.tape.let(f"{spring.name}_square", dot(way, way))
+        return self._named(spring, dot(way, way), slopes)
+
+    def _named(self, spring: Coil, square: sympy.Expr, slopes: Mapping[int, sympy.Expr]) -> Stretch:
         named = {number: self.tape.let(f"{spring.name}_slope", slope) for number, slope in slopes.items()}
-        return Stretch(self.tape.let(f"{spring.name}_length", sympy.sqrt(square)), named)
+        return Stretch(self.tape.let(f"{spring.name}_length", sympy.sqrt(self.tape.let(f"{spring.name}_square", square))), named)
+
+    def _pressing(self, cam: Cam, way: int) -> Stretch:
+        """Of a cam's spring, by its joint and by the roller's way."""
+        joint, lever, reach = self.start + cam.joint, expression(cam.lever, self.parameters), expression(cam.reach, self.parameters)
+        phi, r = self.values[joint], self.values[way]
+        end = self.tape.let(f"{cam.name}_end", r - reach if cam.on == "link" else r + reach)
+        square, slopes, _ = stretched(lever, end, sympy.sin(phi), sympy.cos(phi))
+        return self._named(cam.spring, square, {number: slope / 2 for number, slope in zip((joint, way), slopes, strict=True)})
 
     def _in_plane(self, spring: Spring) -> tuple[Exprs, dict[int, sympy.Expr]]:
         """From the first end to the second, and its products with its slopes."""

@@ -8,10 +8,18 @@ from typing import Any
 import sympy
 
 from walkgen.model.walk import CONTEXT
-from walkgen.symbolic.function import Angle
+from walkgen.symbolic.function import Angle, Less, Select
 from walkgen.symbolic.tape import DIGITS, Tape
 
-_FUNCTIONS = {sympy.sin: CONTEXT.sin, sympy.cos: CONTEXT.cos, sympy.tan: CONTEXT.tan, sympy.atan2: CONTEXT.atan2, Angle: CONTEXT.atan2}
+_FUNCTIONS = {
+    sympy.sin: CONTEXT.sin,
+    sympy.cos: CONTEXT.cos,
+    sympy.tan: CONTEXT.tan,
+    sympy.atan2: CONTEXT.atan2,
+    Angle: CONTEXT.atan2,
+    Less: lambda left, right: left < right,
+    Select: lambda truth, then, otherwise: then if truth else otherwise,
+}
 
 
 def tape_values(tape: Tape, given: Mapping[sympy.Symbol, Any]) -> dict[sympy.Symbol, Any]:
@@ -35,7 +43,7 @@ def lines_behind(tape: Tape, wanted: Sequence[sympy.Expr]) -> list[tuple[sympy.S
 
 
 def value(expression: sympy.Expr, known: Mapping[sympy.Symbol, Any]) -> Any:
-    """The value of sums, products, powers and circular functions of known symbols."""
+    """The value of sums, products, powers, circular functions and choices of known symbols."""
     if expression.is_Symbol:
         return known[expression]
     if expression.is_number:
