@@ -111,6 +111,18 @@ WG_INLINE WG_REAL WG_NAME(wg_contact_width)(const struct WG_NAME(wg_contact_cone
     return WG_NAME(wg_norm)(T);
 }
 
+/* The directions of the polygons' sides nearest to vectors: cosines and sines. */
+WG_INLINE void WG_NAME(wg_contact_sides)(const struct WG_NAME(wg_contact_cones) * WG_RESTRICT cones, int32_t facets,
+                                         WG_REAL z[3][WALKGEN_MAX_FEET], WG_REAL turn[2][WALKGEN_MAX_FEET]) {
+    const int32_t rows = (cones->rows + 3) & ~3;
+    int i;
+    for (i = 0; i < rows; ++i) {
+        const WG_REAL a = cones->along[0][i] * z[0][i] + cones->along[1][i] * z[1][i] + cones->along[2][i] * z[2][i];
+        const WG_REAL b = cones->aside[0][i] * z[0][i] + cones->aside[1][i] * z[1][i] + cones->aside[2][i] * z[2][i];
+        WG_NAME(wg_contact_side)(facets, a, b, &turn[0][i], &turn[1][i]);
+    }
+}
+
 /* The nearest forces within polygons: a n + u e + v w, e and w across and along the nearest side; the derivative has the squares of e and w
  * where they are free, and that of q, the direction in which what is bound to n moves. */
 WG_INLINE void WG_NAME(wg_contact_within_polygons)(const struct WG_NAME(wg_contact_cones) * WG_RESTRICT cones, int32_t facets,
@@ -118,11 +130,7 @@ WG_INLINE void WG_NAME(wg_contact_within_polygons)(const struct WG_NAME(wg_conta
     const int32_t rows = (cones->rows + 3) & ~3;
     WG_REAL turn[2][WALKGEN_MAX_FEET];
     int i;
-    for (i = 0; i < rows; ++i) {
-        const WG_REAL a = cones->along[0][i] * z[0][i] + cones->along[1][i] * z[1][i] + cones->along[2][i] * z[2][i];
-        const WG_REAL b = cones->aside[0][i] * z[0][i] + cones->aside[1][i] * z[1][i] + cones->aside[2][i] * z[2][i];
-        WG_NAME(wg_contact_side)(facets, a, b, &turn[0][i], &turn[1][i]);
-    }
+    WG_NAME(wg_contact_sides)(cones, facets, z, turn);
     for (i = 0; i < rows; ++i) {
         const WG_REAL nx = cones->n[0][i], ny = cones->n[1][i], nz = cones->n[2][i], c = turn[0][i], s = turn[1][i], zero = WG_C(0.0);
         const WG_REAL side = cones->mu[i] * cones->side, corner = cones->mu[i] * cones->corner, top = cones->n_max[i], one = WG_C(1.0);
@@ -156,12 +164,10 @@ WG_INLINE void WG_NAME(wg_contact_within_polygons)(const struct WG_NAME(wg_conta
     }
 }
 
-/* The nearest forces within circles: a n + b T of the vector's N n + T. */
-static inline void WG_NAME(wg_contact_within_circles)(const struct WG_NAME(wg_contact_cones) * WG_RESTRICT cones,
-                                                      WG_REAL z[3][WALKGEN_MAX_FEET],
-                                                      struct WG_NAME(wg_contact_images) * WG_RESTRICT images) {
+/* The normal parts N of vectors N n + T, T and its length. */
+WG_INLINE void WG_NAME(wg_contact_parts)(const struct WG_NAME(wg_contact_cones) * WG_RESTRICT cones, WG_REAL z[3][WALKGEN_MAX_FEET],
+                                         WG_REAL T[3][WALKGEN_MAX_FEET], WG_REAL *WG_RESTRICT normal, WG_REAL *WG_RESTRICT length) {
     const int32_t rows = (cones->rows + 3) & ~3;
-    WG_REAL T[3][WALKGEN_MAX_FEET], normal[WALKGEN_MAX_FEET], length[WALKGEN_MAX_FEET];
     int i;
     for (i = 0; i < rows; ++i) {
         const WG_REAL N = cones->n[0][i] * z[0][i] + cones->n[1][i] * z[1][i] + cones->n[2][i] * z[2][i];
@@ -175,6 +181,16 @@ static inline void WG_NAME(wg_contact_within_circles)(const struct WG_NAME(wg_co
     for (i = 0; i < rows; ++i) { /* alone, since a root may set errno */
         length[i] = WG_SQRT(length[i]);
     }
+}
+
+/* The nearest forces within circles: a n + b T of the vector's N n + T. */
+static inline void WG_NAME(wg_contact_within_circles)(const struct WG_NAME(wg_contact_cones) * WG_RESTRICT cones,
+                                                      WG_REAL z[3][WALKGEN_MAX_FEET],
+                                                      struct WG_NAME(wg_contact_images) * WG_RESTRICT images) {
+    const int32_t rows = (cones->rows + 3) & ~3;
+    WG_REAL T[3][WALKGEN_MAX_FEET], normal[WALKGEN_MAX_FEET], length[WALKGEN_MAX_FEET];
+    int i;
+    WG_NAME(wg_contact_parts)(cones, z, T, normal, length);
     for (i = 0; i < rows; ++i) {
         const WG_REAL nx = cones->n[0][i], ny = cones->n[1][i], nz = cones->n[2][i], x = T[0][i], y = T[1][i], h = T[2][i], N = normal[i];
         const WG_REAL mu = cones->mu[i], top = cones->n_max[i], circle = cones->circle[i], one = WG_C(1.0), zero = WG_C(0.0);

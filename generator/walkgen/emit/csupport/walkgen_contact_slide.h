@@ -173,21 +173,16 @@ static inline int WG_NAME(wg_slide_coupled)(const struct WG_NAME(wg_contact_elas
     return 1;
 }
 
-/* The stand that all feet's conditions make: whether there is one. Where they leave the platform a motion, springs hold it. */
-static inline int WG_NAME(wg_slide_solve)(const struct WG_NAME(wg_contact_elastic) * stand,
-                                          const struct WG_NAME(wg_contact_states) * states,
-                                          struct WG_NAME(wg_contact_stand) * to) {
-    WG_REAL X[WALKGEN_MAX_FEET][3][6], K[6 * 7], held[6 * 7];
+/* The platform's motion at which the feet's forces f - X delta balance: whether there is one. Where the feet leave the platform a motion,
+ * springs hold it. */
+static inline int WG_NAME(wg_slide_move)(const struct WG_NAME(wg_contact_elastic) * stand, WG_REAL hold,
+                                         WG_REAL X[WALKGEN_MAX_FEET][3][6], struct WG_NAME(wg_contact_stand) * to) {
+    WG_REAL K[6 * 7], held[6 * 7];
+    const WG_REAL *found = K + 6;
     int32_t i;
     int j, m;
-    if (!(stand->matrix == NULL ? WG_NAME(wg_slide_blocks)(stand, states, to->f, X) : WG_NAME(wg_slide_coupled)(stand, states, to->f, X))) {
-        return 0;
-    }
-    for (j = 0; j < 6; ++j) {
-        for (m = 0; m < 6; ++m) {
-            K[7 * j + m] = WG_C(0.0);
-        }
-        K[7 * j + 6] = stand->w[j];
+    for (j = 0; j < 42; ++j) {
+        K[j] = j % 7 == 6 ? stand->w[j / 7] : WG_C(0.0);
     }
     for (i = 0; i < stand->feet; ++i) {
         for (m = 0; m < 6; ++m) {
@@ -197,19 +192,31 @@ static inline int WG_NAME(wg_slide_solve)(const struct WG_NAME(wg_contact_elasti
         WG_NAME(wg_elastic_gather)(stand->r[i], to->f[i], WG_C(1.0), K + 6, 7);
     }
     for (j = 0; j < 42; ++j) {
-        K[j] += j % 8 == 0 ? states->hold : WG_C(0.0);
+        K[j] += j % 8 == 0 ? hold : WG_C(0.0);
         held[j] = K[j] + (j % 8 == 0 ? WG_C(0.01) : WG_C(0.0));
     }
     if (!WG_NAME(wg_elastic_eliminate)(6, 1, K)) {
         if (!WG_NAME(wg_elastic_eliminate)(6, 1, held)) {
             return 0;
         }
-        for (j = 0; j < 6; ++j) {
-            K[7 * j + 6] = held[7 * j + 6];
-        }
+        found = held + 6;
     }
     for (j = 0; j < 6; ++j) {
-        to->delta[j] = K[7 * j + 6];
+        to->delta[j] = found[7 * j];
+    }
+    return 1;
+}
+
+/* The stand that all feet's conditions make: whether there is one. */
+static inline int WG_NAME(wg_slide_solve)(const struct WG_NAME(wg_contact_elastic) * stand,
+                                          const struct WG_NAME(wg_contact_states) * states,
+                                          struct WG_NAME(wg_contact_stand) * to) {
+    WG_REAL X[WALKGEN_MAX_FEET][3][6];
+    int32_t i;
+    int j, m;
+    if (!(stand->matrix == NULL ? WG_NAME(wg_slide_blocks)(stand, states, to->f, X) : WG_NAME(wg_slide_coupled)(stand, states, to->f, X)) ||
+        !WG_NAME(wg_slide_move)(stand, states->hold, X, to)) {
+        return 0;
     }
     for (i = 0; i < stand->feet; ++i) {
         for (j = 0; j < 3; ++j) {
