@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contact_checks import loads, refutation
+from contact_checks import imbalance, loads, outside, refutation
 from contact_library import Forces, Stances
 
 from contact_stances import grasp, random_stances
@@ -40,6 +40,35 @@ def test_c_equals_its_reference(forces, k, facets):
     assert (np.abs(first.f - second.f)[good].max((-1, -2)) / loads(stances)[good]).max() <= 1e-7
     assert (first.state != second.state)[good].mean() <= 0.01  # a foot near the surface of its cone
     assert refutation(stances, second, facets)[~good].max() < 0.0
+
+
+def least_friction(forces, stances, facets):
+    """Factors on mu [rows] with which the load is just carried, by halving; NaN where that is far."""
+    low, high = np.zeros(len(stances.mu)), np.full(len(stances.mu), 8.0)
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        fine = forces(stances.changed(mu=stances.mu * middle[:, None]), facets).status == OK
+        low, high = np.where(fine, low, middle), np.where(fine, middle, high)
+    return np.where((high > 1e-3) & (high < 7.9), high, np.nan)
+
+
+@pytest.mark.parametrize("facets", [0, 4, 7])
+def test_the_edge_of_what_can_be_carried(forces, facets):
+    """A little more friction carries the load, a little less does not; of round cones few near stances stay open, no verdict is wrong."""
+    stances = random_stances(40 + facets, 25, 4)
+    edge = least_friction(forces, stances, facets)
+    stances, edge = stances[edge > 0.0], edge[edge > 0.0]
+    assert len(edge) >= 10
+    for gap in (1e-6, 1e-7, 1e-8):
+        more, less = (stances.changed(mu=stances.mu * (edge * (1.0 + step))[:, None]) for step in (gap, -gap))
+        carried, refused = reference(more, facets), reference(less, facets)
+        fine, proven = carried.status == OK, refused.status == INFEASIBLE
+        assert min(fine.mean(), proven.mean()) >= (1.0 if facets else 0.8)
+        assert not (carried.status == INFEASIBLE).any()
+        assert not (refused.status == OK).any()
+        assert imbalance(more[fine], carried.f[fine]).max() <= 1e-9
+        assert outside(more[fine], carried.f[fine], facets).max() <= 1e-9
+        assert refutation(less, refused, facets)[proven].max() < 0.0
 
 
 def test_published_stances():

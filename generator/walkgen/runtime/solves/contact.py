@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from walkgen.runtime.solves.conic import Array, Point, Program, solve
+from walkgen.runtime.solves.contact_edge import at_corner, at_edge
 from walkgen.runtime.solves.contact_program import Scales, Stance, build, sharpened
 from walkgen.signature import STATUSES
 
@@ -158,7 +159,26 @@ def _solved(stance: Stance) -> Contact:
         coarse = point.x / point.tau[:, None]
         for x in (sharpened(program, point, stance.facets), coarse):
             _accept(stance, scales, program, x, coarse, found)
+        _decide(stance, scales, program, found)
     return found
+
+
+def _decide(stance: Stance, scales: Scales, program: Program, found: Contact) -> None:
+    """Near the edge of what can be carried, for feet without bounds and limits: any forces that carry the load, or a proof."""
+    bound = np.isfinite(stance.n_max).any(-1) | np.any(stance.torque_rows != 0.0, axis=(-1, -2, -3))
+    x = np.full(program.A[:, 0].shape, np.nan)
+    for row in np.flatnonzero(~bound & (found.status == _NO_CONVERGENCE)):
+        given = stance.points[row], stance.normals[row], stance.mu[row], stance.wrench[row]
+        edge = at_corner(*given, stance.facets) if stance.facets else at_edge(*given)
+        x[row] = (np.linalg.pinv(scales.bases[row]) @ edge.f[..., None]).ravel() / scales.force[row]
+        found.certificate[row] = edge.certificate
+    _accept(stance, scales, program, x, x, found)
+    costs = _costs(stance, found)
+    least = _least_product(stance, np.einsum("rkij,rki->rkj", scales.bases, costs) * scales.force[:, None, None]).min(-1)
+    proven = (found.status == _NO_CONVERGENCE) & (least >= -_EDGE)
+    found.status[proven] = _INFEASIBLE
+    found.violation[proven] = 1.0 / _sizes(costs)[proven]
+    found.certificate[found.status != _INFEASIBLE] = 0.0
 
 
 def _unbearable(scales: Scales, program: Program, found: Contact) -> None:
@@ -199,15 +219,19 @@ def _refuse(stance: Stance, scales: Scales, program: Program, point: Point, foun
     found.status[proven] = _INFEASIBLE
     found.certificate[proven] = _certificate(scales, y)[proven]
     found.multipliers[proven] = (multipliers / scales.row_sizes / (scales.force * scales.length)[:, None])[proven]
-    found.violation[proven] = ((1.0 - lost) / _size(stance, found))[proven]
+    found.violation[proven] = ((1.0 - lost) / _sizes(_costs(stance, found)))[proven]
 
 
-def _size(stance: Stance, found: Contact) -> Array:
-    """Of what a certificate multiplies all feet's forces by: forces that are nearer to the cones than 1 / size do not carry the load."""
-    turn = found.certificate[:, None, 3:]
-    cost = found.certificate[:, None, :3] + np.cross(np.broadcast_to(turn, stance.points.shape), stance.points)
-    cost += np.einsum("rtki,rt->rki", stance.torque_rows, found.multipliers)
-    return np.asarray(np.sqrt((cost**2).sum((-1, -2))))
+def _costs(stance: Stance, found: Contact) -> Array:
+    """What certificates multiply the feet's forces by [rows,k,3]."""
+    turn = np.broadcast_to(found.certificate[:, None, 3:], stance.points.shape)
+    turned = found.certificate[:, None, :3] + np.cross(turn, stance.points)
+    return np.asarray(turned + np.einsum("rtki,rt->rki", stance.torque_rows, found.multipliers))
+
+
+def _sizes(costs: Array) -> Array:
+    """Forces that are nearer to the cones than 1 over this do not carry the load."""
+    return np.asarray(np.sqrt((costs**2).sum((-1, -2))))
 
 
 def _least_product(stance: Stance, cost: Array) -> Array:
@@ -227,7 +251,8 @@ def _accept(stance: Stance, scales: Scales, program: Program, x: Array, coarse: 
     parts = x.reshape(len(x), k, 3)
     depth = parts[..., 0] - _reach(stance, parts)
     over = (np.einsum("rli,ri->rl", program.G, x) - program.h).max(-1, initial=-np.inf)
-    fits = (depth.min(-1) >= -_FAIR * size) & (over <= _FAIR * size) & (lacking <= _FAIR * size)
+    rounding = np.minimum(10.0 * _FAIR, 2.0 * np.finfo(float).eps * size)  # large forces cannot balance better
+    fits = (depth.min(-1) >= -_FAIR) & (over <= _FAIR) & (lacking <= np.maximum(_FAIR, rounding))
     fits &= (np.abs(x - coarse).max(-1) <= 1e-3 * size) & (found.status == _NO_CONVERGENCE)
     bears = parts[..., 0] > _EDGE * size[:, None]
     slides = (depth <= _EDGE * size[:, None]) | (stance.mu == 0.0)

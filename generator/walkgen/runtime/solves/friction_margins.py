@@ -71,7 +71,7 @@ def foot_admissible(
     return np.where(known, share, np.nan), np.where(known, status, BAD_INPUT).astype(np.int32)
 
 
-def _scaled(problem: Problem, mu: Reals) -> Carrying:
+def scaled(problem: Problem, mu: Reals) -> Carrying:
     """The problem in which a common coefficient of 1 stands for mu."""
     size = np.stack([np.ones_like(mu), mu, mu], axis=-1).ravel()
     return replace(problem.carrying, columns=problem.carrying.columns * size)
@@ -87,7 +87,7 @@ def _share(points: Reals, normals: Reals, mu: Reals, wrench: Reals) -> tuple[flo
     problem = problem_of(points, normals, wrench)
     if problem.helpless() is not None:
         return np.inf, INFEASIBLE
-    share = needed(_scaled(problem, mu))
+    share = needed(scaled(problem, mu))
     return (np.nan, NO_CONVERGENCE) if share is None else (share, OK)
 
 
@@ -98,7 +98,7 @@ def _margin(points: Reals, normals: Reals, mu: Reals, wrench: Reals, direction: 
     problem = problem_of(points, normals, wrench)
     if problem.helpless() is not None:
         return np.nan, np.nan, INFEASIBLE
-    carrying = _scaled(problem, mu)
+    carrying = scaled(problem, mu)
     s = reach(carrying, 1.0)[0]
     lift = np.inf if s > _FAR else s * problem.stance.force
     if s < -_NONE:
