@@ -1,5 +1,6 @@
 """A biped on soles, as users call it: more points than legs, forces in both methods, the pressure under each sole."""
 
+import casadi as ca
 import numpy as np
 import pytest
 from quadruped import balance
@@ -140,3 +141,24 @@ def test_casadi_agrees(built):
     points, normals = robot.contact_points(STRIDE), robot.contact_normals(STRIDE)
     found = robot.casadi("contact_forces")(points, normals, np.full(8, 0.6), load, np.ones(8), np.full(8, np.inf), 0)
     np.testing.assert_allclose(np.array(found[0]), carried(robot, load)["least_squares"][0], rtol=0, atol=1e-8)
+
+
+def test_feet_that_share_links_in_casadi(built):
+    """The lines of docs/contact.md."""
+    robot, load = built(TEXT).c, weight_at(0.02, 0.01)
+    points, C = robot.casadi("contact_points")(STRIDE), robot.casadi("stance_compliance")(STRIDE)
+    G = ca.horzcat(*(ca.vertcat(ca.DM.eye(3), ca.skew(points[i, :])) for i in range(points.shape[0])))
+    S, misfit, wrench = ca.solve(C, G.T), ca.linspace(-1e-4, 1e-4, 24), ca.MX.sym("wrench", 6)
+    delta = ca.solve(G @ S, wrench - S.T @ misfit)
+    f = ca.Function("f", [wrench], [-S @ delta - ca.solve(C, misfit)])(load)
+    expected, status, *_ = robot.contact_forces(
+        robot.contact_points(STRIDE),
+        robot.contact_normals(STRIDE),
+        1e6,
+        load,
+        method="stiffness",
+        compliance=robot.stance_compliance(STRIDE),
+        misfit=np.linspace(-1e-4, 1e-4, 24).reshape(8, 3),
+    )
+    assert status == 0
+    np.testing.assert_allclose(np.array(f).reshape(8, 3), expected, rtol=0, atol=1e-9)
