@@ -43,6 +43,21 @@ static inline void WG_NAME(wg_friction_share)(int32_t k, const WG_REAL *WG_RESTR
     *share = found > 0 ? *share : found == 0 ? WG_INFINITY : WG_NAN;
 }
 
+/* The stance with friction above 0 and a further load: whether they are ones. */
+static inline int WG_NAME(wg_margin_read)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
+                                          const WG_REAL *wrench, const WG_REAL *direction, struct WG_NAME(wg_friction) * friction,
+                                          struct WG_NAME(wg_stance) * other) {
+    int i, fine = WG_NAME(wg_friction_read)(k, points, normals, wrench, friction) && WG_NAME(wg_friction_rough)(k, mu);
+    for (i = 0; i < k && fine; ++i) {
+        fine = mu[i] > WG_C(0.0);
+    }
+    if (!fine) {
+        return 0;
+    }
+    *other = friction->stance;
+    return WG_NAME(wg_stance_load)(direction, other) && WG_NAME(wg_stance_largest)(other->load, 6) > WG_C(0.0);
+}
+
 /* How much more load in a direction, wrench + reach . direction, the feet [k, 3] with friction mu [k] > 0 carry: reach, infinite from 1e6
  * of the load on. lift: the greatest normal force that every foot can have at once above what its friction needs, N_i - |T_i| / mu_i: at
  * this distance from slipping and lifting off is the foot nearest to it; infinite where feet can press against each other. INFEASIBLE where
@@ -54,17 +69,10 @@ static inline void WG_NAME(wg_load_margin)(int32_t k, const WG_REAL *WG_RESTRICT
     struct WG_NAME(wg_friction) friction;
     struct WG_NAME(wg_stance) other;
     WG_REAL y[6];
-    int rank, found, j, i, fine = WG_NAME(wg_friction_read)(k, points, normals, wrench, &friction) && WG_NAME(wg_friction_rough)(k, mu);
+    int rank, found, j;
     *reach = *lift = WG_NAN;
     *status = WALKGEN_BAD_INPUT;
-    for (i = 0; i < k && fine; ++i) {
-        fine = mu[i] > WG_C(0.0);
-    }
-    if (!fine) {
-        return;
-    }
-    other = friction.stance;
-    if (!WG_NAME(wg_stance_load)(direction, &other) || !(WG_NAME(wg_stance_largest)(other.load, 6) > WG_C(0.0))) {
+    if (!WG_NAME(wg_margin_read)(k, points, normals, mu, wrench, direction, &friction, &other)) {
         return;
     }
     *status = WALKGEN_NO_CONVERGENCE;

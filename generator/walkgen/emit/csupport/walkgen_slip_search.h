@@ -67,57 +67,68 @@ static inline int WG_NAME(wg_slip_eliminate)(int n, WG_REAL rows[8][9]) {
     return 1;
 }
 
+/* The sum of N sqrt(|V|^2 + blunt^2) at tau. */
+static inline WG_REAL WG_NAME(wg_slip_rubbed)(const struct WG_NAME(wg_tripod) * slip, const WG_REAL tau[3], WG_REAL blunt) {
+    WG_REAL sum = WG_C(0.0), V[3];
+    int foot;
+    for (foot = 0; foot < 3; ++foot) {
+        WG_NAME(wg_slip_velocity)(slip, foot, tau, V);
+        sum += slip->N[foot] * WG_SQRT(WG_NAME(wg_dot)(V, V) + blunt * blunt);
+    }
+    return sum;
+}
+
+/* The equations of its least value for power 1, rows [4][5], at the present tau; the sum there. */
+static inline WG_REAL WG_NAME(wg_slip_slopes)(const struct WG_NAME(wg_tripod) * slip, const WG_REAL power[3], WG_REAL blunt,
+                                              WG_REAL rows[8][9]) {
+    WG_REAL sum = WG_C(0.0), V[3], along[3], length;
+    int i, j, foot;
+    for (i = 0; i < 3; ++i) {
+        rows[3][i] = rows[i][3] = power[i];
+        rows[i][4] = WG_C(0.0);
+        for (j = 0; j < 3; ++j) {
+            rows[i][j] = WG_C(0.0);
+        }
+    }
+    rows[3][3] = WG_C(0.0);
+    rows[3][4] = WG_C(1.0) - WG_NAME(wg_dot)(power, slip->tau);
+    for (foot = 0; foot < 3; ++foot) {
+        WG_NAME(wg_slip_velocity)(slip, foot, slip->tau, V);
+        length = WG_SQRT(WG_NAME(wg_dot)(V, V) + blunt * blunt);
+        sum += slip->N[foot] * length;
+        for (i = 0; i < 3; ++i) {
+            along[i] = WG_NAME(wg_dot)(slip->speed[foot][i], V) / length;
+            rows[i][4] -= slip->N[foot] * along[i];
+        }
+        for (i = 0; i < 3; ++i) {
+            for (j = 0; j < 3; ++j) {
+                rows[i][j] +=
+                    slip->N[foot] / length * (WG_NAME(wg_dot)(slip->speed[foot][i], slip->speed[foot][j]) - along[i] * along[j]);
+            }
+        }
+    }
+    return sum;
+}
+
 /* tau with the least sum of N |V| for power 1, smoothed: sqrt(|V|^2 + blunt^2), Newton with halved steps from the present tau. */
 static inline void WG_NAME(wg_slip_ease)(struct WG_NAME(wg_tripod) * slip, const WG_REAL power[3], WG_REAL blunt) {
-    WG_REAL rows[8][9], V[3], tried[3], value = WG_INFINITY, factor;
-    int turn, i, j, foot, half;
+    WG_REAL rows[8][9], tried[3], value, sum, factor;
+    int turn, i, half;
     for (turn = 0; turn < 40; ++turn) {
-        WG_REAL sum = WG_C(0.0);
-        for (i = 0; i < 3; ++i) {
-            rows[3][i] = rows[i][3] = power[i];
-            rows[i][4] = WG_C(0.0);
-            for (j = 0; j < 3; ++j) {
-                rows[i][j] = WG_C(0.0);
-            }
-        }
-        rows[3][3] = WG_C(0.0);
-        rows[3][4] = WG_C(1.0) - WG_NAME(wg_dot)(power, slip->tau);
-        for (foot = 0; foot < 3; ++foot) {
-            WG_REAL length, along[3];
-            WG_NAME(wg_slip_velocity)(slip, foot, slip->tau, V);
-            length = WG_SQRT(WG_NAME(wg_dot)(V, V) + blunt * blunt);
-            sum += slip->N[foot] * length;
-            for (i = 0; i < 3; ++i) {
-                along[i] = WG_NAME(wg_dot)(slip->speed[foot][i], V) / length;
-                rows[i][4] -= slip->N[foot] * along[i];
-            }
-            for (i = 0; i < 3; ++i) {
-                for (j = 0; j < 3; ++j) {
-                    rows[i][j] += slip->N[foot] / length *
-                                  (WG_NAME(wg_dot)(slip->speed[foot][i], slip->speed[foot][j]) - along[i] * along[j]);
-                }
-            }
-        }
-        value = sum;
+        value = WG_NAME(wg_slip_slopes)(slip, power, blunt, rows);
         if (!WG_NAME(wg_slip_eliminate)(4, rows)) {
             return;
         }
-        factor = WG_C(1.0);
-        for (half = 0; half < 30; ++half) {
-            sum = WG_C(0.0);
+        factor = WG_C(2.0);
+        sum = WG_INFINITY;
+        for (half = 0; half < 30 && !(sum <= value); ++half) {
+            factor *= WG_C(0.5);
             for (i = 0; i < 3; ++i) {
                 tried[i] = slip->tau[i] + factor * rows[i][4];
             }
-            for (foot = 0; foot < 3; ++foot) {
-                WG_NAME(wg_slip_velocity)(slip, foot, tried, V);
-                sum += slip->N[foot] * WG_SQRT(WG_NAME(wg_dot)(V, V) + blunt * blunt);
-            }
-            if (sum <= value) {
-                break;
-            }
-            factor *= WG_C(0.5);
+            sum = WG_NAME(wg_slip_rubbed)(slip, tried, blunt);
         }
-        if (half == 30) {
+        if (!(sum <= value)) {
             return;
         }
         for (i = 0; i < 3; ++i) {
@@ -129,10 +140,43 @@ static inline void WG_NAME(wg_slip_ease)(struct WG_NAME(wg_tripod) * slip, const
     }
 }
 
+/* Columns 3 to 5 of the balance's rows for a foot that stays: friction by components, one too many: across n it is bound to 0. */
+static inline void WG_NAME(wg_slip_staying)(const struct WG_NAME(wg_tripod) * slip, int foot, WG_REAL rows[8][9]) {
+    WG_REAL wrench[6];
+    int i, j;
+    for (j = 0; j < 3; ++j) {
+        WG_REAL axis[3] = {WG_INDICATOR(j == 0), WG_INDICATOR(j == 1), WG_INDICATOR(j == 2)};
+        WG_NAME(wg_stance_push)(&slip->stance, foot, axis, wrench);
+        for (i = 0; i < 6; ++i) {
+            rows[i][3 + j] = wrench[i];
+            rows[i][7] -= slip->T[j] * wrench[i];
+        }
+    }
+}
+
+/* The same for a foot that slides where none stays; the unit vector of its velocity. */
+static inline void WG_NAME(wg_slip_sliding)(const struct WG_NAME(wg_tripod) * slip, int foot, WG_REAL rows[8][9], WG_REAL unit[3]) {
+    WG_REAL V[3], force[3], wrench[6], length;
+    int i, j;
+    WG_NAME(wg_slip_velocity)(slip, foot, slip->tau, V);
+    length = WG_MAX(WG_NAME(wg_norm)(V), WG_TINY);
+    WG_NAME(wg_add)(V, WG_C(1.0) / length - WG_C(1.0), V, unit);
+    for (j = 0; j < 3 && slip->held < 0; ++j) {
+        const WG_REAL along = WG_NAME(wg_dot)(unit, slip->speed[foot][j]);
+        for (i = 0; i < 3; ++i) {
+            force[i] = -slip->mu * slip->N[foot] / length * (slip->speed[foot][j][i] - along * unit[i]);
+        }
+        WG_NAME(wg_stance_push)(&slip->stance, foot, force, wrench);
+        for (i = 0; i < 6; ++i) {
+            rows[i][3 + j] += wrench[i];
+        }
+    }
+}
+
 /* What the forces leave unbalanced [6], with derivatives to N, tau and mu, or to N, the held foot's friction and mu, in rows [6][9]; the
  * longest part of it. */
 static inline WG_REAL WG_NAME(wg_slip_balance)(const struct WG_NAME(wg_tripod) * slip, WG_REAL rows[8][9]) {
-    WG_REAL V[3], force[3], wrench[6], worst = WG_C(0.0);
+    WG_REAL wrench[6], worst = WG_C(0.0);
     int foot, i, j;
     for (i = 0; i < 6; ++i) {
         for (j = 0; j < 7; ++j) {
@@ -141,30 +185,11 @@ static inline WG_REAL WG_NAME(wg_slip_balance)(const struct WG_NAME(wg_tripod) *
         rows[i][7] = -slip->stance.load[i];
     }
     for (foot = 0; foot < 3; ++foot) {
-        WG_REAL length, unit[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)};
+        WG_REAL unit[3] = {WG_C(0.0), WG_C(0.0), WG_C(0.0)};
         if (foot == slip->held) {
-            for (j = 0; j < 3; ++j) { /* friction by components, one too many: across n it is bound to 0 */
-                WG_REAL axis[3] = {WG_INDICATOR(j == 0), WG_INDICATOR(j == 1), WG_INDICATOR(j == 2)};
-                WG_NAME(wg_stance_push)(&slip->stance, foot, axis, wrench);
-                for (i = 0; i < 6; ++i) {
-                    rows[i][3 + j] = wrench[i];
-                    rows[i][7] -= slip->T[j] * wrench[i];
-                }
-            }
+            WG_NAME(wg_slip_staying)(slip, foot, rows);
         } else {
-            WG_NAME(wg_slip_velocity)(slip, foot, slip->tau, V);
-            length = WG_MAX(WG_NAME(wg_norm)(V), WG_TINY);
-            WG_NAME(wg_add)(V, WG_C(1.0) / length - WG_C(1.0), V, unit);
-            for (j = 0; j < 3 && slip->held < 0; ++j) {
-                const WG_REAL along = WG_NAME(wg_dot)(unit, slip->speed[foot][j]);
-                for (i = 0; i < 3; ++i) {
-                    force[i] = -slip->mu * slip->N[foot] / length * (slip->speed[foot][j][i] - along * unit[i]);
-                }
-                WG_NAME(wg_stance_push)(&slip->stance, foot, force, wrench);
-                for (i = 0; i < 6; ++i) {
-                    rows[i][3 + j] += wrench[i];
-                }
-            }
+            WG_NAME(wg_slip_sliding)(slip, foot, rows, unit);
         }
         WG_NAME(wg_stance_push)(&slip->stance, foot, unit, wrench);
         for (i = 0; i < 6; ++i) {
