@@ -71,6 +71,19 @@ def test_the_edge_of_what_can_be_carried(forces, facets):
         assert refutation(less, refused, facets)[proven].max() < 0.0
 
 
+@pytest.mark.parametrize("facets", [0, 4])
+def test_the_edge_of_bounded_feet_has_no_wrong_verdict(forces, facets):
+    stances = random_stances(60 + facets, 25, 4)
+    stances = stances.changed(n_max=np.random.default_rng(facets).uniform(60.0, 400.0, stances.mu.shape))
+    edge = least_friction(forces, stances, facets)
+    stances, edge = stances[edge > 0.0], edge[edge > 0.0]
+    assert len(edge) >= 10
+    more, less = (reference(stances.changed(mu=stances.mu * (edge * (1.0 + step))[:, None]), facets) for step in (1e-8, -1e-8))
+    assert not (more.status == INFEASIBLE).any()
+    assert not (less.status == OK).any()
+    assert (np.abs(less.certificate).sum(-1) > 0.0)[less.status == INFEASIBLE].all()
+
+
 def test_published_stances():
     for case in json.loads((Path(__file__).parents[1] / "cases" / "forces_solo12.json").read_text())["stances"]:
         com, force = np.array(case["com"]), np.array(case["load_force"])

@@ -166,8 +166,9 @@ def _solved(stance: Stance) -> Contact:
 def _decide(stance: Stance, scales: Scales, program: Program, found: Contact) -> None:
     """Near the edge of what can be carried, for feet without bounds and limits: any forces that carry the load, or a proof."""
     bound = np.isfinite(stance.n_max).any(-1) | np.any(stance.torque_rows != 0.0, axis=(-1, -2, -3))
+    near = ~bound & (found.status == _NO_CONVERGENCE)
     x = np.full(program.A[:, 0].shape, np.nan)
-    for row in np.flatnonzero(~bound & (found.status == _NO_CONVERGENCE)):
+    for row in np.flatnonzero(near):
         given = stance.points[row], stance.normals[row], stance.mu[row], stance.wrench[row]
         edge = at_corner(*given, stance.facets) if stance.facets else at_edge(*given)
         x[row] = (np.linalg.pinv(scales.bases[row]) @ edge.f[..., None]).ravel() / scales.force[row]
@@ -175,7 +176,7 @@ def _decide(stance: Stance, scales: Scales, program: Program, found: Contact) ->
     _accept(stance, scales, program, x, x, found)
     costs = _costs(stance, found)
     least = _least_product(stance, np.einsum("rkij,rki->rkj", scales.bases, costs) * scales.force[:, None, None]).min(-1)
-    proven = (found.status == _NO_CONVERGENCE) & (least >= -_EDGE)
+    proven = near & (found.status == _NO_CONVERGENCE) & (least >= -_EDGE)
     found.status[proven] = _INFEASIBLE
     found.violation[proven] = 1.0 / _sizes(costs)[proven]
     found.certificate[found.status != _INFEASIBLE] = 0.0

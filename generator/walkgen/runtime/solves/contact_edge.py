@@ -15,7 +15,7 @@ _TURNS = 250
 
 
 class Edge(NamedTuple):
-    """Forces [k,3] that may carry the load, any that do, and multipliers [6] of the balance that may prove that none does."""
+    """Forces [k,3] (N) that carry the load where any do, and a certificate [6] that none does where none do; neither is verified."""
 
     f: Reals
     certificate: Reals
@@ -65,7 +65,7 @@ def at_corner(points: Reals, normals: Reals, mu: Reals, wrench: Reals, facets: i
 
 
 def _proof(problem: Problem, y: Reals, least: Callable[[Reals], Reals], normals: Reals, wrench: Reals) -> Reals:
-    """The certificate of multipliers, with as much of a motion away from the ground as makes up for rounding.
+    """The certificate of multipliers y [6], with as much of a motion away from the ground as makes up for rounding.
 
     `least` gives the least products with forces of unit normal part.
     """
