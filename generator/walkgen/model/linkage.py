@@ -46,7 +46,7 @@ class Linkage:
     structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders and
     springs lump at its points; a link at which springs pull has one even where it weighs nothing. `sides` name how dyads are assembled, the
     first side where they are silent; `start` says how triads are, none where there is none. `size` (m) is that of the longest link, to two
-    digits. `frictions` are those of the pairs that have any.
+    digits. `frictions` are those of the pairs that have any; `sections` names every body's cross-section, empty where it is rigid.
     """
 
     structure: Structure
@@ -58,6 +58,7 @@ class Linkage:
     size: Scalar
     start: Start = Start()
     frictions: tuple[PairFriction, ...] = ()
+    sections: tuple[str, ...] = ()
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -107,7 +108,14 @@ def linkage_of(design: LegDesign, values: Values, springs: Sequence[Spring] = ()
         _size([*(end for ends in points for end in ends if end is not None), foot], values),
         _start(design, names, values),
         frictions_of(design, values),
+        _sections(design, names),
     )
+
+
+def _sections(design: LegDesign, names: Sequence[str]) -> tuple[str, ...]:
+    """Of links, then of driven cylinders."""
+    links = (design.links[name].section or "" for name in names)
+    return (*links, *(cylinder.section or "" for cylinder in design.cylinders if cylinder.driven))
 
 
 def _size(points: Iterable[Point], values: Values) -> Scalar:

@@ -32,6 +32,7 @@ def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         broken = list(_references(path, design))
         yield from broken
         yield from _passive(path, design)
+        yield from _sections(path, design)
         yield from _bolts(path, design)
         yield from _cylinders(path, design, numbers)
         if not broken:
@@ -123,6 +124,17 @@ def _passive(path: Path, design: LegDesign) -> Iterator[Finding]:
                 if not pair.driven and getattr(pair, name) is not None:
                     message = f"{name}: the pair is not driven, and only a motor has that"
                     yield Finding("WG186", (*path, key, index, name), message, f"remove {name}, or write driven = true")
+
+
+def _sections(path: Path, design: LegDesign) -> Iterator[Finding]:
+    """What cannot yield."""
+    if FRAME in design.links and design.links[FRAME].section is not None:
+        cure = "remove section; the link of the joint before the linkage may have one"
+        yield Finding("WG193", (*path, "links", FRAME, "section"), "the frame is held by what carries it, and is rigid", cure)
+    for index, cylinder in enumerate(design.cylinders):
+        if cylinder.section is not None and not cylinder.driven:
+            message = "the cylinder is not driven, so that it carries nothing that could stretch it"
+            yield Finding("WG193", (*path, "cylinders", index, "section"), message, "remove section, or write driven = true")
 
 
 def _bolts(path: Path, design: LegDesign) -> Iterator[Finding]:

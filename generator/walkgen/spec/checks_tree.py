@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from walkgen.spec.functions import FUNCTION_NAMES
 from walkgen.spec.joint_tables import JointRow
+from walkgen.spec.linkage import CylinderSpec, PlanarLinkSpec
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.schema import LegDesign, LegSpec, PlatformSpec, RobotSpec
 from walkgen.spec.shapes import STAND_IN_NAME
@@ -27,6 +28,8 @@ def check_references(spec: RobotSpec) -> Iterator[Finding]:
     for path, joint in joint_rows(spec):
         if joint.link:
             yield from _reference((*path, "link", "section"), joint.link.section, spec.sections, "section")
+    for path, part in _planar_parts(spec):
+        yield from _reference((*path, "section"), part.section, spec.sections, "section")
     functions = () if spec.generate.functions == "all" else spec.generate.functions
     for index, name in enumerate(functions):
         yield from _reference(("generate", "functions", index), name, FUNCTION_NAMES, "function")
@@ -37,6 +40,13 @@ def joint_rows(spec: RobotSpec) -> Iterator[tuple[Path, JointRow]]:
     for key in ("leg_designs", "chain_designs"):
         for name, design in getattr(spec, key).items():
             yield from (((key, name, "joints", index), joint) for index, joint in enumerate(design.joints))
+
+
+def _planar_parts(spec: RobotSpec) -> Iterator[tuple[Path, PlanarLinkSpec | CylinderSpec]]:
+    """What may have a section in linkages."""
+    for name, design in spec.leg_designs.items():
+        yield from ((("leg_designs", name, "links", link), own) for link, own in design.links.items())
+        yield from ((("leg_designs", name, "cylinders", index), own) for index, own in enumerate(design.cylinders))
 
 
 def check_tree(spec: RobotSpec) -> Iterator[Finding]:

@@ -24,6 +24,8 @@ class PlanarLinkSpec(Table):
     """Centre of mass (m)."""
     inertia: Number | None = None
     """About the centre of mass, normal to the plane (kg m^2)."""
+    section: StrictStr | None = None
+    """Name of the cross-section, in [sections]: the link bends and stretches between its two pairs that are farthest apart."""
 
 
 class PinFriction(Friction):
@@ -116,6 +118,8 @@ class CylinderSpec(PairSpec):
     between: tuple[StrictStr, StrictStr]
     """Two points, each as link.point."""
     masses: EndMasses = EndMasses()
+    section: StrictStr | None = None
+    """Name of the cross-section, in [sections]: of a driven one, which stretches by E and A."""
     limits_mm: Pair | None = None
 
 

@@ -1,7 +1,7 @@
 """Links as straight beams of constant section between their joints: what makes a locked leg or chain yield under loads (theory 4.3)."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import sympy
@@ -122,9 +122,11 @@ def beams_of(mechanism: Mechanism, limbs: Sequence[Limb], kinematics: Kinematics
 
 
 def all_have_sections(mechanism: Mechanism, leg: Limb) -> bool:
-    """Whether every link of some length has a section."""
-    links = links_of(leg, sympy.symbols(f"q:{len(leg.joints)}"), parameter_symbols(mechanism))
-    return all(joint.section or link.vector == ZERO_VECTOR for joint, link in zip(leg.joints, links, strict=True))
+    """Whether every link of some length has a section; of a linkage, one of its links: the others are rigid."""
+    if leg.linkage is not None and not (any(leg.linkage.sections) and leg.serial):
+        return any(leg.linkage.sections)
+    links = links_of(replace(leg, joints=leg.serial), sympy.symbols(f"q:{len(leg.serial)}"), parameter_symbols(mechanism))
+    return all(joint.section or link.vector == ZERO_VECTOR for joint, link in zip(leg.serial, links, strict=True))
 
 
 @dataclass(frozen=True)

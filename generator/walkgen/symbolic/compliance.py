@@ -8,10 +8,12 @@ import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
-from walkgen.symbolic.beams import Beam, Rows, all_have_sections, beams_of
+from walkgen.symbolic.beams import Beam, Rows, all_have_sections
+from walkgen.symbolic.driven import DrivenKinematics, kinematics_of
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
-from walkgen.symbolic.path import Kinematics, path_of
+from walkgen.symbolic.linkage_beams import Yielding, yields_of
+from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.robot import joint_indices
 from walkgen.symbolic.soles import Footing, footing
@@ -31,14 +33,14 @@ def foot_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
     if not all_have_sections(mechanism, leg):
         return None
     q, tape = joint_port("q", leg.joints), Tape()
-    kinematics = Kinematics(path_of((leg,), symbols_of(q), parameter_symbols(mechanism)), tape)
-    (beams,) = beams_of(mechanism, (leg,), kinematics)
+    kinematics = kinematics_of((leg,), symbols_of(q), parameter_symbols(mechanism), tape)
+    (beams,) = yields_of(mechanism, (leg,), kinematics)
     doc = f"How far the foot yields for a unit force on it {_HELD}."
     words = signature(mechanism, leg.name, "foot_compliance", [q], [Port("C", (3, 3), "m/N")], doc, _SOURCE)
     return tape.function(words, list(chain.from_iterable(_summed(beams, kinematics.position, kinematics.position, tape))))
 
 
-def _summed(beams: Sequence[Beam | None], first: Vec, second: Vec, tape: Tape) -> Rows:
+def _summed(beams: Sequence[Yielding | None], first: Vec, second: Vec, tape: Tape) -> Rows:
     """Over the links; for one point the matrix is symmetric."""
     rows = _total([beam.shared(first, second, tape) for beam in beams if beam is not None], tape)
     if first == second:
@@ -51,8 +53,8 @@ def sole_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
     if leg.sole is None or not all_have_sections(mechanism, leg):
         return None
     q, tape = joint_port("q", leg.joints), Tape()
-    kinematics = Kinematics(path_of((leg,), symbols_of(q), parameter_symbols(mechanism)), tape)
-    (beams,) = beams_of(mechanism, (leg,), kinematics)
+    kinematics = kinematics_of((leg,), symbols_of(q), parameter_symbols(mechanism), tape)
+    (beams,) = yields_of(mechanism, (leg,), kinematics)
     stands = footing(leg, kinematics)
     blocks, size = _blocks(beams, stands, stands, tape), 3 * leg.contacts
     doc = (
@@ -64,7 +66,7 @@ def sole_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
     return tape.function(words, [_entry(blocks, row, column) for row in range(size) for column in range(size)])
 
 
-def _blocks(beams: Sequence[Beam | None], first: Footing, second: Footing, tape: Tape) -> Blocks:
+def _blocks(beams: Sequence[Yielding | None], first: Footing, second: Footing, tape: Tape) -> Blocks:
     """C_ij of every contact point i of one leg and j of another, or of the same one, over the links that their routes share.
 
     What is beyond the links is rigid: a point at r from a foot yields as that foot does, and by what the foot turns, crossed with r.
@@ -128,13 +130,13 @@ class StanceCompliance:
         return found
 
     @cached_property
-    def _feet(self) -> list[Kinematics]:
+    def _feet(self) -> list[Kinematics | DrivenKinematics]:
         return [self._kinematics(route) for route in self._routes]
 
     @cached_property
-    def _beams(self) -> list[dict[int, tuple[Beam | None, ...]]]:
+    def _beams(self) -> list[dict[int, tuple[Yielding | None, ...]]]:
         """For every foot, the beams of each limb on its route, by the limb's place among the limbs."""
-        found = [beams_of(self._mechanism, route, foot) for route, foot in zip(self._routes, self._feet, strict=True)]
+        found = [yields_of(self._mechanism, route, foot) for route, foot in zip(self._routes, self._feet, strict=True)]
         places = [map(self._mechanism.limbs.index, route) for route in self._routes]
         return [dict(zip(limbs, beams, strict=True)) for limbs, beams in zip(places, found, strict=True)]
 
@@ -144,10 +146,10 @@ class StanceCompliance:
         soles = any(leg.sole for leg in self._mechanism.legs)
         return "contact point, as contact_points has them" if soles else "foot, legs in file order"
 
-    def _kinematics(self, limbs: Sequence[Limb]) -> Kinematics:
+    def _kinematics(self, limbs: Sequence[Limb]) -> Kinematics | DrivenKinematics:
         symbols = symbols_of(self._q)
         indices = chain.from_iterable(joint_indices(self._mechanism, limb) for limb in limbs)
-        return Kinematics(path_of(limbs, [symbols[index] for index in indices], parameter_symbols(self._mechanism)), self._tape)
+        return kinematics_of(limbs, [symbols[index] for index in indices], parameter_symbols(self._mechanism), self._tape)
 
     def stance_compliance(self) -> Function:
         """[3k,3k]."""
@@ -198,7 +200,7 @@ class StanceCompliance:
         for limb in self._routes[foot][:-1]:
             force, moment = self._beyond(limb, wrenches)
             for beam in self._beams[foot][self._mechanism.limbs.index(limb)]:
-                if beam is not None:
+                if isinstance(beam, Beam):
                     total = self._tape.vector("misfit", plus(total, beam.under(point, force, moment, self._tape)))
         return total
 

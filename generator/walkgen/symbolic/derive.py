@@ -108,10 +108,10 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     robot = RobotFunctions(mechanism)
     yield from (build() for name, build in robot.functions().items() if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
-    serial = all(leg.linkage is None for leg in mechanism.legs)
-    if serial:
+    stood |= StanceCompliance(mechanism).functions()
+    if all(leg.linkage is None for leg in mechanism.legs):
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-        stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
+        stood |= chain_reactions(mechanism)
     floating = FloatingFunctions(mechanism)
     yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
     if mechanism.terrain and wanted("settle"):
@@ -122,13 +122,12 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
 
 
 def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
-    """Dynamics, and the compliance of a leg of joints in series."""
+    """Dynamics, contacts, and compliance."""
     yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS | SPRUNG, wanted)
     yield from (build() for name, build in SoleFunctions(mechanism, leg).functions().items() if wanted(name))
     if leg.linkage is not None:
         yield from (linkage_function(mechanism, leg, name) for name in LINKAGE if wanted(name))
-    else:
-        yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
+    yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:

@@ -50,6 +50,17 @@ class DrivenKinematics:
         self._inner = Kinematics(path_of((*limbs[:-1], carrier(limbs[-1])), virtual, parameters), tape)
 
     @property
+    def carrier(self) -> Kinematics:
+        """Of the joints in series and the foot's motion in the plane."""
+        return self._inner
+
+    @property
+    def plane(self) -> Columns:
+        """The plane's X, Y and normal in the base's axes."""
+        x, y, z = self._inner.axes[self._serial :]
+        return (x, y, z)
+
+    @property
     def position(self) -> Vec:
         """The foot's origin in the base's axes."""
         return self._inner.position
@@ -87,7 +98,7 @@ class DrivenKinematics:
 
     def link_frame(self, body: int) -> tuple[Columns, Vec]:
         """A link's axes, by columns, and its origin in the base's axes."""
-        x, y, z = self._inner.axes[self._serial :]
+        x, y, z = self.plane
         pose, (foot_x, foot_y) = self.placing.pose(body), self._at
         cosine, sine = pose.rotor
         columns = (_mixed((x, y), (cosine, sine)), _mixed((x, y), (-sine, cosine)), z)
