@@ -12,22 +12,28 @@ from walkgen.errors import SpecError, UnsupportedMechanism
 from walkgen.graph.interpret import interpret
 from walkgen.graph.lower import lower
 from walkgen.pipeline import mechanism_of
+from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 
 TUBE = "{ E = 70e9, G = 26e9, A = 3e-4, Iy = 2e-8, Iz = 3e-8, J = 4e-8 }"
 ROD = "{ E = 210e9, G = 80e9, A = 1e-4, Iy = 1e-9, Iz = 2e-9, J = 3e-9 }"
-HEAD = f"""
+TOP = f"""
 walkgen = 1
 robot = {{ name = "bot", gravity = [0, 0, -9.81] }}
-platforms = [{{ name = "body" }}]
-legs = [
-    {{ name = "leg", design = "leg", platform = "body", mount = {{ xyz = [0.1, 0.2, 0.3], rpy_deg = [10, 20, 30] }} }},
-    {{ name = "other", mirror_of = "leg" }},
-]
 sections = {{ tube = {TUBE}, rod = {ROD} }}
+"""
+LEGS = """
+platforms = [{ name = "body" }]
+legs = [
+    { name = "leg", design = "leg", platform = "body", mount = { xyz = [0.1, 0.2, 0.3], rpy_deg = [10, 20, 30] } },
+    { name = "other", mirror_of = "leg" },
+]
+"""
+DESIGN = """
 [leg_designs.leg]
 dh = "classic"
 """
+HEAD = TOP + LEGS + DESIGN
 SERIES = """
 joints = [
     { name = "yaw", type = "revolute", a = 0.05, d = 0.0, alpha_deg = 90, link = { section = "tube" } },
@@ -81,6 +87,38 @@ def test_a_stance(pair):
     series, own = (matrix(StanceCompliance(mechanism).functions()["stance_compliance"](), Q) for mechanism in pair)
     assert np.abs(series - own).max() < 1e-13 * np.abs(series).max()
     assert np.linalg.eigvalsh(own)[0] > 0.0
+
+
+CHAINED = """
+platforms = [{ name = "body" }, { name = "rear", parent = "body", chain = "spine" }]
+legs = [
+    { name = "leg", design = "leg", platform = "body", mount = { rpy_deg = [10, 20, 30] } },
+    { name = "back", design = "leg", platform = "rear", mount = { xyz = [-0.1, 0.1, 0] } },
+]
+[chain_designs.spine]
+dh = "classic"
+joints = [
+    { name = "bend", type = "revolute", a = 0.3, d = 0.02, alpha_deg = 90, link = { section = "tube" } },
+    { name = "reach", type = "prismatic", a = 0.05, d = 0.1, alpha_deg = 20 },
+]
+"""
+
+
+def test_behind_a_chain(tmp_path):
+    """Compliance, what loads do and what the chain carries, of a robot one of whose legs stands on another platform."""
+    texts = enumerate((SERIES, OPEN))
+    robots = [mechanism_from(tmp_path, TOP + CHAINED + DESIGN + text, f"chained_{place}") for place, text in texts]
+    random = np.random.default_rng(3)
+    inputs = {"q": [0.4, 0.05, *Q], "loads": random.normal(size=12), "foot_forces": random.normal(size=6)}
+    functions = [StanceCompliance(robot).functions() | chain_reactions(robot) for robot in robots]
+    for name in ("stance_compliance", "load_misfit", "chain_reactions"):
+        wanted, found = (lower(each[name]()) for each in functions)
+        wanted, found = (
+            np.array(next(iter(interpret(one, {port.name: list(inputs[port.name]) for port in one.signature.inputs}).values())))
+            for one in (wanted, found)
+        )
+        assert np.abs(wanted).max() > 0.0
+        assert np.abs(wanted - found).max() < 1e-12 * np.abs(wanted).max()
 
 
 def yielding(name, values, drives, rigid):

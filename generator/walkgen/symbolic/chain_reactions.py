@@ -9,6 +9,7 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.symbolic.beams import links_of
 from walkgen.symbolic.compliance import carried_platforms
+from walkgen.symbolic.driven import kinematics_of
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.path import Kinematics, path_of
@@ -59,23 +60,27 @@ class _Reactions:
         for foot, leg in enumerate(self._mechanism.legs):
             route = (*self._mechanism.ancestors(leg.platform), leg)
             if limb in route:
-                push = Wrench(_vec(forces[3 * foot : 3 * foot + 3])).seen_from(self._kinematics(route).position)
+                push = Wrench(_vec(forces[3 * foot : 3 * foot + 3])).seen_from(self._foot(route))
                 total = (total + push).named(self._tape, f"{limb.name}_with_{leg.name}")
         return total
 
     def _stands(self, limb: Limb) -> Iterator[Vec]:
         """Where the chain's joints stand in the first platform's frame."""
         assert limb.child is not None
-        kinematics = self._kinematics(self._mechanism.ancestors(limb.child))
+        limbs, parameters = self._mechanism.ancestors(limb.child), parameter_symbols(self._mechanism)
+        kinematics = Kinematics(path_of(limbs, self._values(limbs), parameters), self._tape)
         own, values = kinematics.frames[-len(limb.joints) :], kinematics.path.q[-len(limb.joints) :]
-        links = links_of(limb, values, parameter_symbols(self._mechanism))
+        links = links_of(limb, values, parameters)
         for joint, (columns, origin), link in zip(limb.joints, own, links, strict=True):
             yield self._tape.vector(f"{limb.name}_{joint.name}_stand", plus(origin, times(columns, link.near)))
 
-    def _kinematics(self, limbs: Sequence[Limb]) -> Kinematics:
+    def _foot(self, route: Sequence[Limb]) -> Vec:
+        return kinematics_of(route, self._values(route), parameter_symbols(self._mechanism), self._tape).position
+
+    def _values(self, limbs: Sequence[Limb]) -> list[sympy.Symbol]:
+        """The joint values of limbs."""
         symbols = symbols_of(self._q)
-        indices = chain.from_iterable(joint_indices(self._mechanism, limb) for limb in limbs)
-        return Kinematics(path_of(limbs, [symbols[index] for index in indices], parameter_symbols(self._mechanism)), self._tape)
+        return [symbols[index] for limb in limbs for index in joint_indices(self._mechanism, limb)]
 
 
 def _vec(components: Sequence[sympy.Expr]) -> Vec:

@@ -108,10 +108,9 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     robot = RobotFunctions(mechanism)
     yield from (build() for name, build in robot.functions().items() if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
-    stood |= StanceCompliance(mechanism).functions()
     if all(leg.linkage is None for leg in mechanism.legs):
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-        stood |= chain_reactions(mechanism)
+    stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
     floating = FloatingFunctions(mechanism)
     yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
     if mechanism.terrain and wanted("settle"):
