@@ -69,6 +69,22 @@ def test_one_drive(built, backend, count):
     assert leg.inverse_distance(target)[good].max() < 1e-11
 
 
+def test_casadi_comes_from_a_seed(built):
+    """To the row near it, with the slopes of the inverse: those of the foot, inverted."""
+    wanted = '["foot_position", "foot_jacobian", "inverse_near"]'
+    head = HEAD.replace('["foot_position", "assembly_status", "inverse", "inverse_branch", "inverse_near"]', wanted)
+    robot = built(head.replace('"numpy"]', '"casadi"]') + KNEE).c
+    leg, near = robot.legs["leg"], robot.casadi("leg_inverse_near")
+    slopes = near.jacobian()
+    for q in np.random.default_rng(5).uniform([-0.5, -1.8, -0.6], [0.5, -1.1, 0.3], (6, 3)):
+        p = leg.foot_position(q)
+        found, status = near(p, q + 0.03)
+        assert status == OK
+        assert np.abs(np.array(found).ravel() - q).max() < 1e-9
+        by_p = np.array(slopes(p, q + 0.03, found, status)[0])[:, :3]
+        assert np.abs(by_p @ leg.foot_jacobian(q) - np.eye(3)).max() < 1e-6
+
+
 @pytest.fixture(scope="module")
 def knee(built):
     return built(HEAD + KNEE)

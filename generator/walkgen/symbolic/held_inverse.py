@@ -29,6 +29,7 @@ from walkgen.symbolic.held_closure import UNKNOWNS, HeldStart, Signs, held_closu
 from walkgen.symbolic.limits import row_distances
 from walkgen.symbolic.linkage_inverse import DISTANCE_DOC, Arrival, LinkageRows, dyad_rows
 from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.reach import iterated
 from walkgen.symbolic.rows import TARGET, parameters_of, row_ports
 from walkgen.symbolic.selection import by_index, nearest
 from walkgen.symbolic.tape import Tape, dot, minus, symbols_of
@@ -88,7 +89,10 @@ class HeldInverse:
         """The row nearest to a seed."""
         port = joint_port("q_seed", self._leg.joints)
         doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
-        return self._one("inverse_near", port, nearest, doc)
+        found = self._one("inverse_near", port, nearest, doc)
+        if self._start is None or self._linkage.forward.triads:
+            return found
+        return replace(found, closed_form=iterated(self._mechanism, Route(self._leg.name, (self._leg,)), TARGET, found.signature))
 
     def inverse_admissible(self) -> Solve:
         """The row within the limits, or what a search within them finds."""
