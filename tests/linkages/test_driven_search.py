@@ -100,7 +100,7 @@ def missed(leg, q, target):
 def test_no_pose_within_the_limits_is_closer(built, text):
     leg = built(HEAD + text).c.legs["leg"]
     limits = np.array(leg.limits)
-    p = targets(leg, limits, 3, 0.4)
+    p = targets(leg, limits, 2, 0.4)
     q, status = leg.inverse_admissible(p)
     assert leg.within_limits(q).all()
     assert set(status) <= {OK, UNREACHABLE}
@@ -113,7 +113,7 @@ def test_edges_of_what_assembles(built):
     """Cylinders that are longer than their dyads can stretch: closest may be where a dyad is stretched. What is said to be closest is."""
     leg = built(HEAD + YAW + CYLINDERS).c.legs["leg"]
     limits = np.array(leg.limits)
-    p = targets(leg, limits, 30, 0.3)
+    p = targets(leg, limits, 16, 0.3)
     q, status = leg.inverse_admissible(p)
     assert leg.within_limits(q).all()
     assert np.isfinite(leg.foot_position(q)).all()
@@ -183,6 +183,7 @@ def test_bad_input(built, backend):
     assert status == UNREACHABLE
 
 
+@pytest.mark.nightly
 def test_nothing_assembles_near_the_seed(built):
     """Another start finds the foot's place."""
     leg = built(HEAD + HIP + FIVE_BAR.replace("couplers = [0.3, 0.28]", "couplers = [0.22, 0.2]")).c.legs["leg"]

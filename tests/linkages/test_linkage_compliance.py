@@ -132,7 +132,7 @@ def yielding(name, values, drives, rigid):
     return text.replace("masses = {", 'section = "rod"\nmasses = {')
 
 
-SAMPLED = ("four_bar", "moving_guide", "scotch_yoke", "hydraulic", "telescope")
+SAMPLED = ("moving_guide", "hydraulic")
 REST = sorted({*TOPOLOGIES, *TRIADS} - {*SAMPLED, "pantograph"})
 
 

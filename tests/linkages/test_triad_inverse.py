@@ -69,6 +69,7 @@ def test_one_drive(built, backend, count):
     assert leg.inverse_distance(target)[good].max() < 1e-11
 
 
+@pytest.mark.nightly
 def test_casadi_comes_from_a_seed(built):
     """To the row near it, with the slopes of the inverse: those of the foot, inverted."""
     wanted = '["foot_position", "foot_jacobian", "inverse_near"]'
@@ -88,6 +89,23 @@ def test_casadi_comes_from_a_seed(built):
 @pytest.fixture(scope="module")
 def knee(built):
     return built(HEAD + KNEE)
+
+
+@pytest.mark.parametrize(("backend", "count"), [("c", 1000), ("numpy", 4)])
+def test_near_a_seed_whatever_the_way(knee, backend, count):
+    """Far beyond the limits rows come to dead points on their straight ways; from near the solution it is found all the same."""
+    leg = getattr(knee, backend).legs["leg"]
+    q = np.random.default_rng(6).uniform([-1, -np.pi, -3], [1, np.pi, 3], (count, 3))
+    q = q[leg.assembly_status(q) == OK]
+    p = leg.foot_position(q)
+    near, status = leg.inverse_near(p, q + 0.01)
+    assert (status == OK).all()
+    assert np.abs(leg.foot_position(near) - p).max() < 1e-11
+    assert (np.abs(angle(near - q)).max(-1) < 0.05).mean() > 0.99
+    if backend == "c":
+        assert ((leg.inverse(p)[1] != OK).all(-1)).mean() > 0.05
+    q[:, 0] = np.nan
+    assert (leg.inverse_near(p, q)[1] == BAD_INPUT).all()
 
 
 def test_a_knee_on_a_coupler(knee):

@@ -43,6 +43,7 @@ _KNOWN = (
     Routine("wg_closest_within", "walkgen_within.h", "within", inputs=4, inouts=2),
     Routine("wg_closest_driven", "walkgen_driven.h", "driven", inputs=5, inouts=2),
     Routine("wg_inverse_driven", "walkgen_driven.h", "driven", inputs=6, outputs=2),
+    Routine("wg_nearer_driven", "walkgen_driven.h", "driven", inputs=6, inouts=2),
     Routine("wg_inverse_reach", "walkgen_reach.h", "reach", inputs=5, outputs=2),
     Routine("wg_inverse_pose", "walkgen_reach.h", "reach", inputs=5, outputs=2),
     Routine("wg_heightmap", "walkgen_heightmap.h", "heightmap", inputs=6, outputs=1),

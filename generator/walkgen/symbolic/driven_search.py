@@ -87,6 +87,11 @@ class DrivenSearch:
         arguments = ("p", "limits", "reach", self.sequence, self.motion.signature.full_name, "q", "status")
         return Step("wg_closest_driven", arguments, ("wg_any_unreachable", ("status", 1)))
 
+    @property
+    def nearer(self) -> Step:
+        """The solution in q, or one that is nearer to the seed."""
+        return Step("wg_nearer_driven", ("p", "q_seed", "limits", "reach", self.sequence, self.motion.signature.full_name, "q", "status"))
+
     def within(self, rows: str, states: str, slots: int) -> tuple[Step, ...]:
         """The row that fits the limits best; where none does, what comes closest."""
         chosen = Step("wg_admissible_row", (rows, states, "limits", self.sequence, slots, "q", "status"))

@@ -90,9 +90,17 @@ class HeldInverse:
         port = joint_port("q_seed", self._leg.joints)
         doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
         found = self._one("inverse_near", port, nearest, doc)
-        if self._start is None or self._linkage.forward.triads:
+        if self._start is None:
             return found
-        return replace(found, closed_form=iterated(self._mechanism, Route(self._leg.name, (self._leg,)), TARGET, found.signature))
+        route = Route(self._leg.name, (self._leg,))
+        searched, triads = DrivenSearch(self._mechanism, route), self._linkage.forward.triads
+        return replace(
+            found,
+            locals=(*found.locals, *searched.ports),
+            steps=(*found.steps, searched.bounds, searched.nearer),
+            closed_form=None if triads else iterated(self._mechanism, route, TARGET, found.signature),
+            callbacks=(*found.callbacks, searched.motion),
+        )
 
     def inverse_admissible(self) -> Solve:
         """The row within the limits, or what a search within them finds."""

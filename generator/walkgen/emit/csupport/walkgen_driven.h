@@ -79,6 +79,40 @@ static inline void WG_NAME(wg_inverse_driven)(const WG_REAL *WG_RESTRICT p, cons
     }
 }
 
+/* A solution q [n] of the status, if it is one, or one that a descent from the seed comes to, whichever is nearer to the seed; where
+ * neither is one, what wg_inverse_driven finds. */
+static inline void WG_NAME(wg_nearer_driven)(const WG_REAL *WG_RESTRICT p, const WG_REAL *WG_RESTRICT seed,
+                                             const WG_REAL *WG_RESTRICT limits, WG_REAL reach, int32_t sequence,
+                                             WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
+                                             int32_t *WG_RESTRICT status) {
+    const int known = *status == WALKGEN_OK || *status == WALKGEN_SINGULAR;
+    struct WG_NAME(wg_serial) arm;
+    struct WG_NAME(wg_search) search;
+    struct WG_NAME(wg_box) bounds;
+    WG_REAL row[WG_MOST_JOINTS], apart;
+    int j;
+    if (!WG_NAME(wg_driven_read)(p, reach, sequence, motion, data, &arm) || !WG_NAME(wg_read_limits)(&arm, limits, &bounds) ||
+        !WG_NAME(wg_read_seed)(&arm, &bounds, seed, search.seed)) {
+        WG_NAME(wg_no_row)(WG_NAME(wg_joints_of)(sequence), q, status);
+        return;
+    }
+    search.arm = search.back = &arm;
+    for (j = 0; j < arm.n; ++j) {
+        row[j] = arm.slides[j] ? WG_LIBM(ldexp)(q[j], -arm.size) : q[j];
+        search.box.low[j] = -WG_INFINITY;
+        search.box.high[j] = WG_INFINITY;
+    }
+    WG_NAME(wg_search_anew)(&search);
+    WG_NAME(wg_attempt)(&search, search.seed);
+    (void)WG_NAME(wg_from_seed)(&search, row, &apart);
+    if (search.reached && !(known && apart <= search.apart)) {
+        const int32_t state = WG_NAME(wg_rank_lost)(&arm, &search.best) ? WALKGEN_SINGULAR : WALKGEN_OK;
+        WG_NAME(wg_write_arm)(&arm, &bounds, search.seed, &search.best, state, q, status);
+    } else if (!search.reached && !known) {
+        WG_NAME(wg_inverse_near)(&arm, seed, limits, q, status);
+    }
+}
+
 #undef WG_LIBM
 #undef WG_TOLERANCE
 #endif

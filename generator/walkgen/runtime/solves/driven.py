@@ -5,15 +5,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from walkgen.runtime.solves.reach import answered, flat_rows
+from walkgen.runtime.solves.boxed import Box, boxed_descent
+from walkgen.runtime.solves.reach import answered, flat_rows, in_the_callers_scale, rank_lost
 from walkgen.runtime.solves.rows import Integers, Reals, Truths, sliding_of
+from walkgen.runtime.solves.search import Search, from_seed, read_limits, read_seed
 from walkgen.runtime.solves.serial import FAR, MOST_JOINTS, TOLERANCE, Arm, Motion, every
 from walkgen.runtime.solves.within import all_closest
 from walkgen.signature import STATUSES
 
 Callback = tuple[Any, ...]
 """A function as `Motion` has it, and what it takes after q."""
-_UNREACHABLE = STATUSES.index("UNREACHABLE")
+_OK, _UNREACHABLE, _BAD_INPUT, _SINGULAR = (STATUSES.index(name) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "SINGULAR"))
 
 
 def closest_driven(
@@ -64,6 +66,56 @@ def inverse_driven(
     function, *given = callback
     shape, (target, seed, bounds, far, *data) = flat_rows((p, q_seed, limits, reach, *given), (1, 1, 2, 0, *(1 for _ in given)))
     return answered(*_arm(target, far, sequence, Motion(function, tuple(data))), seed, bounds, shape)
+
+
+def nearer_driven(
+    p: ArrayLike, q_seed: ArrayLike, limits: ArrayLike, reach: ArrayLike, sequence: int, callback: Callback, q: ArrayLike, status: ArrayLike
+) -> tuple[Reals, Integers]:
+    """A solution, or one that a descent from the seed comes to, whichever is nearer to the seed.
+
+    Args:
+        p: as of `inverse_driven`.
+        q_seed: as of `inverse_driven`.
+        limits: as of `inverse_driven`.
+        reach: as of `inverse_driven`.
+        sequence: as of `inverse_driven`.
+        callback: as of `inverse_driven`.
+        q: joint values [..., n].
+        status: theirs [...]; a solution where OK or SINGULAR.
+
+    Returns:
+        q [..., n] and status [...]; as `inverse_driven` where neither is a solution.
+    """
+    function, *given = callback
+    inputs, ranks = (p, q_seed, limits, reach, q, status, *given), (1, 1, 2, 0, 1, 0, *(1 for _ in given))
+    shape, (target, seed, bounds, far, row, state, *data) = flat_rows(inputs, ranks)
+    arm, fine = _arm(target, far, sequence, Motion(function, tuple(data)))
+    values, states = answered(None, fine, seed, bounds, (len(row),))
+    known = (state == _OK) | (state == _SINGULAR)
+    if arm is not None:
+        values, states = _nearer(arm, fine, bounds, seed, row, known)
+        kept = known & (states != _BAD_INPUT) & np.isnan(values[:, 0])
+        values, states = np.where(kept[:, None], row, values), np.where(kept, state, states).astype(np.int32)
+        rest = np.flatnonzero(~known & (states == _UNREACHABLE))
+        if rest.size:
+            values[rest], states[rest] = answered(arm.take(rest), fine[rest], seed[rest], bounds[rest], (rest.size,))
+    return values.reshape(*shape, row.shape[-1]), states.reshape(shape)
+
+
+def _nearer(arm: Arm, fine: Truths, limits: Reals, seed: Reals, row: Reals, known: Truths) -> tuple[Reals, Integers]:
+    """Where descents from the seeds end; NaN and UNREACHABLE where that is no solution, or farther from the seed than one that is known."""
+    bounds, limited = read_limits(arm, limits)
+    starts, given = read_seed(arm, bounds, seed)
+    fine = fine & limited & given
+    free = Box(np.full_like(seed, -np.inf), np.full_like(seed, np.inf))
+    search = Search(arm, free, starts)
+    at, there = boxed_descent(arm, free, starts)
+    with np.errstate(invalid="ignore", over="ignore"):
+        own = from_seed(search, np.where(arm.sliding, np.ldexp(row, -arm.size[:, None]), row))[1]
+        taken = there & ~(known & (own <= from_seed(search, at.q)[1]))
+    states = np.where(fine, np.where(taken, np.where(rank_lost(at), _SINGULAR, _OK), _UNREACHABLE), _BAD_INPUT).astype(np.int32)
+    found, states = in_the_callers_scale(arm, bounds, starts, at, states)
+    return np.where((taken & fine)[:, None], found, np.nan), states
 
 
 def _arm(p: Reals, reach: Reals, sequence: int, motion: Motion) -> tuple[Arm | None, Truths]:

@@ -98,7 +98,7 @@ def _found(arm: Arm, limits: Box, seed: Reals) -> tuple[Stance, Integers]:
         ended, rests = come_to_rest(lost, _free(astray.size, arm), at.take(astray))
         at = at.put(astray, ended)
         states[astray] = np.where(reaches(lost, ended), _OK, np.where(rests, _UNREACHABLE, _NO_CONVERGENCE))
-    states[(states == _OK) & _rank_lost(at)] = _SINGULAR
+    states[(states == _OK) & rank_lost(at)] = _SINGULAR
     return at, states
 
 
@@ -108,7 +108,7 @@ def _free(count: int, arm: Arm) -> Box:
     return Box(-wide, wide)
 
 
-def _rank_lost(at: Stance) -> Truths:
+def rank_lost(at: Stance) -> Truths:
     """Whether the Jacobians have lost rank [b]."""
     values = np.linalg.svd(np.where(np.isfinite(at.jacobian), at.jacobian, 0.0), compute_uv=False)
     return np.asarray(values[:, -1] <= _LOST * values[:, 0])
