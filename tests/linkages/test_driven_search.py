@@ -80,7 +80,7 @@ def brought_closest(leg, limits, target):
             start = minimize(distance, start, method="Nelder-Mead", options=options).x
         return float(distance(start))
 
-    return min(descended(grid[place]) for place in np.argsort(distance(grid))[:3])
+    return min(descended(grid[place]) for place in np.argsort(distance(grid))[:2])
 
 
 def targets(leg, limits, count, wide):
@@ -96,6 +96,7 @@ def missed(leg, q, target):
     return np.linalg.norm(leg.foot_position(q) - target, axis=-1)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("text", [YAW + FIVE_BAR, YAW + CRANK, HIP + FIVE_BAR], ids=["five_bar", "crank", "hip"])
 def test_no_pose_within_the_limits_is_closer(built, text):
     leg = built(HEAD + text).c.legs["leg"]
@@ -113,13 +114,13 @@ def test_edges_of_what_assembles(built):
     """Cylinders that are longer than their dyads can stretch: closest may be where a dyad is stretched. What is said to be closest is."""
     leg = built(HEAD + YAW + CYLINDERS).c.legs["leg"]
     limits = np.array(leg.limits)
-    p = targets(leg, limits, 16, 0.3)
+    p = targets(leg, limits, 10, 0.3)
     q, status = leg.inverse_admissible(p)
     assert leg.within_limits(q).all()
     assert np.isfinite(leg.foot_position(q)).all()
     assert set(status) <= {OK, UNREACHABLE, NO_CONVERGENCE}
     assert (status == NO_CONVERGENCE).mean() < 0.3
-    for row in np.flatnonzero(status == UNREACHABLE)[:2]:
+    for row in np.flatnonzero(status == UNREACHABLE)[:1]:
         assert missed(leg, q[row], p[row]) <= brought_closest(leg, limits, p[row]) + 1e-7
 
 
@@ -193,3 +194,19 @@ def test_nothing_assembles_near_the_seed(built):
     near, status = leg.inverse_near(leg.foot_position(q), apart)
     assert status == OK
     assert missed(leg, near, leg.foot_position(q)) < 1e-10
+
+
+@pytest.mark.nightly
+def test_behind_a_chain(built):
+    """From the first platform, chain and leg together."""
+    platforms = 'platforms = [{ name = "body" }, { name = "rear", parent = "body", chain = "spine" }]'
+    spine = '[chain_designs.spine]\ndh = "classic"\njoints = [{ name = "bend", type = "revolute", a = 0.3, d = 0.02, alpha_deg = 90 }]\n'
+    text = HEAD.replace('platforms = [{ name = "body" }]', platforms).replace('platform = "body"', 'platform = "rear"')
+    robot = built(text.replace("[leg_designs.leg]", f"{spine}[leg_designs.leg]") + YAW + FIVE_BAR).c
+    route = robot.routes["leg"]
+    q = np.random.default_rng(8).uniform(*np.array([[-0.5, 0.5], *robot.legs["leg"].limits]).T, (40, 4))
+    p = route.foot_position(q)
+    near, status = route.inverse_near(p, q + 0.02)
+    assert (status == OK).all()
+    assert np.abs(near - q).max() < 0.3
+    assert np.abs(route.foot_position(near) - p).max() < 1e-11

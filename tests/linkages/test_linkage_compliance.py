@@ -132,7 +132,7 @@ def yielding(name, values, drives, rigid):
     return text.replace("masses = {", 'section = "rod"\nmasses = {')
 
 
-SAMPLED = ("moving_guide", "hydraulic")
+SAMPLED = ("hydraulic",)
 REST = sorted({*TOPOLOGIES, *TRIADS} - {*SAMPLED, "pantograph"})
 
 
