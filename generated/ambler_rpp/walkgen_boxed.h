@@ -161,7 +161,8 @@ static inline WG_REAL WG_NAME(wg_boxed_step)(const struct WG_NAME(wg_serial) * a
 }
 
 /* The value of a joint at which the foot ends, between one that has a foot and one that has none; the others as at->q. */
-static inline WG_REAL WG_NAME(wg_last_foot)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_arm_state) at, int joint, WG_REAL none) {
+static inline WG_REAL WG_NAME(wg_last_foot)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_arm_state) at, int joint,
+                                            WG_REAL none) {
     WG_REAL there = at.q[joint];
     int i;
     for (i = 0; i < 64; ++i) {

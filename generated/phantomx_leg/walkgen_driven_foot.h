@@ -1,5 +1,5 @@
-/* walkgen_driven_foot.h: the foot of a chain that a function describes instead of its axes, such as a leg of closed loops; for the macros see
- * walkgen_math.h.
+/* walkgen_driven_foot.h: the foot of a chain that a function describes instead of its axes, such as a leg of closed loops; walkgen_math.h
+ * explains the macros.
  *
  * Lengths of the function are the caller's, those of its users are scaled by a power of 2.
  */
@@ -24,8 +24,8 @@
 typedef void (*WG_NAME(wg_driven_foot))(const WG_REAL *q, WG_REAL *motion, const void *data);
 
 /* The same in the scale 2^-size, for q in that scale; whether there is a foot and its derivatives are finite. */
-static inline int WG_NAME(wg_driven_foot_at)(WG_NAME(wg_driven_foot) motion, const void *data, int n, const int *slides, int size, const WG_REAL *q,
-                                        WG_REAL values[WG_MOST_MOTION]) {
+static inline int WG_NAME(wg_driven_foot_at)(WG_NAME(wg_driven_foot) motion, const void *data, int n, const int *slides, int size,
+                                             const WG_REAL *q, WG_REAL values[WG_MOST_MOTION]) {
     WG_REAL own[WG_MOST_JOINTS];
     int i, j, k, fine = 1;
     for (j = 0; j < n; ++j) {

@@ -19,8 +19,8 @@
 
 /* The arm from its function and its target, lengths scaled by a power of 2 to about 1; a target very far away comes nearer: only its
  * direction counts. Whether there is one. */
-static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int32_t sequence, WG_NAME(wg_driven_foot) motion, const void *data,
-                                          struct WG_NAME(wg_serial) * arm) {
+static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int32_t sequence, WG_NAME(wg_driven_foot) motion,
+                                          const void *data, struct WG_NAME(wg_serial) * arm) {
     const struct WG_NAME(wg_serial) nothing = {0};
     WG_REAL farthest = WG_C(0.0);
     int i, far, fine = sequence > 1 && sequence < (2 << WG_MOST_JOINTS) && reach > WG_C(0.0) && reach <= WG_HUGE;
@@ -51,8 +51,8 @@ static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int
     return 1;
 }
 
-/* As wg_closest_within: where the status is UNREACHABLE, q [n] becomes the joint values within the limits [n, 2] that bring the foot closest
- * to p, from a guess. `reach` is about how far the foot gets. Where no q that is tried has a foot the guess stays, NO_CONVERGENCE. */
+/* As wg_closest_within: where the status is UNREACHABLE, q [n] becomes the joint values within the limits [n, 2] that bring the foot
+ * closest to p, from a guess. `reach` is about how far the foot gets. Where no q that is tried has a foot the guess stays, NO_CONVERGENCE. */
 static inline void WG_NAME(wg_closest_driven)(const WG_REAL *WG_RESTRICT p, const WG_REAL *WG_RESTRICT limits, WG_REAL reach,
                                               int32_t sequence, WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
                                               int32_t *WG_RESTRICT status) {
