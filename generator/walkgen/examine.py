@@ -14,6 +14,7 @@ from walkgen.runtime.solves.triads import close_triads
 from walkgen.spec.document import open_document
 from walkgen.spec.positions import Positions
 from walkgen.spec.schema import RobotSpec
+from walkgen.symbolic.rolling_leg import hindrance
 from walkgen.symbolic.slack import Slack, slack
 
 
@@ -23,11 +24,11 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
     Raises:
         SpecError: WG189 a linkage assembles nowhere within them, so that its code would give nothing but NaN; WG191 it has other freedoms
             than the count says wherever it does; WG203 a spring goes slack within the limits of the leg's joints; WG218, WG222 to WG224 a
-            cam cannot be.
+            cam cannot be; WG234 a curved sole is under a leg whose last axes are not parallel and level.
     """
     legs = {leg.name: leg for leg in mechanism.legs}
     users = {leg.design: legs[leg.name] for leg in spec.legs if leg.design is not None}
-    if not any(leg.linkage or leg.springs or leg.cams for leg in mechanism.legs):
+    if not any(leg.linkage or leg.springs or leg.cams or leg.curved_sole for leg in mechanism.legs):
         return ()
     positions = Positions(open_document(path))
     problems: list[Problem] = []
@@ -37,6 +38,10 @@ def examined(path: Path, spec: RobotSpec, mechanism: Mechanism) -> tuple[Problem
             place, found = positions.place(("leg_designs", design)), coverage_of(mechanism, leg, leg.linkage)
             problems += _refused(f"leg_designs.{design}", place, found, leg.linkage)
             notices += _partial(f"leg_designs.{design}", place, found, leg, leg.linkage)
+        if leg.curved_sole is not None and (reason := hindrance(mechanism, leg)):
+            place = positions.place(("leg_designs", design, "curved_sole"))
+            cure = "let hip, knee and ankle turn about parallel level axes, and the foot frame's z lie along them"
+            problems.append(Problem("WG234", f"leg_designs.{design}.curved_sole: {reason}", cure, place))
         for short in slack(mechanism, leg):
             place = positions.place(("leg_designs", design, "springs", short.spring))
             problems.append(_slack(f"leg_designs.{design}", place, short, leg))

@@ -5,6 +5,7 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Literal, cast
 
+from walkgen.model.curved_sole import curved_sole_of
 from walkgen.model.lumping import with_lumps
 from walkgen.model.mechanism import Body, Joint, Limb, Sole, Transform
 from walkgen.model.springs import Spring, lumps, mirrored_springs, springs_of
@@ -36,6 +37,7 @@ def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> 
         branches=design.branches or (),
         sole=sole_of(leg.sole or design.sole, values),
         springs=springs,
+        curved_sole=curved_sole_of(design.curved_sole, values),
     )
 
 
@@ -75,8 +77,10 @@ def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> 
     senses = tuple(-sense if index == 0 else sense for index, sense in enumerate(limb.senses))
     tip = mirrored(limb.tip) + (rotation(X, HALF_TURN) if limb.linkage else ())
     sole = replace(limb.sole, turn=mirrored(limb.sole.turn)) if limb.sole else None
+    rolling = replace(limb.curved_sole, side=-limb.curved_sole.side) if limb.curved_sole else None
     mount, springs = mirrored(limb.mount), mirrored_springs(limb.springs)
-    return replace(limb, name=name, mount=mount, joints=(*joints, *drives), tip=tip, senses=senses, sole=sole, springs=springs)
+    placed = replace(limb, name=name, mount=mount, joints=(*joints, *drives), tip=tip, senses=senses)
+    return replace(placed, sole=sole, springs=springs, curved_sole=rolling)
 
 
 def _mirrored_joint(joint: Joint) -> Joint:

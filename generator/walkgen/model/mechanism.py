@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from walkgen.model.curved_sole import CurvedSole
 from walkgen.model.gait import Gait, Schedule
 from walkgen.model.linkage import Linkage
 from walkgen.model.springs import Coil, Spring
@@ -140,7 +141,8 @@ class Limb:
     `damping` is (epsilon, lambda_max) of the damped inverse, in the units of the foot's Jacobian.
     `senses`, one a joint (empty: all 1), say whether q runs with the design's own angle, so that the branches of the inverse keep
     their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
-    `branches` are the spec's names of them, empty where it gives none. A leg without `sole` stands on its foot point.
+    `branches` are the spec's names of them, empty where it gives none. A leg without `sole` stands on its foot point,
+    one with `curved_sole` where that touches level ground.
     A leg that ends in a planar linkage has it in `linkage`: `tip` is then the linkage's plane, X and Y its first two axes, and the
     last joints are the linkage's drives. `springs` pull at its links; what they weigh is part of these, at the mount of the platform.
     What moves with `cams` is part of no link.
@@ -159,6 +161,7 @@ class Limb:
     sole: Sole | None = None
     springs: tuple[Spring, ...] = ()
     cams: tuple[Cam, ...] = ()
+    curved_sole: CurvedSole | None = None
 
     @property
     def serial(self) -> tuple[Joint, ...]:

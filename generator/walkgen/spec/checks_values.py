@@ -6,13 +6,14 @@ from itertools import combinations
 
 from walkgen.spec.balance import BalanceSpec, CamMasses, CamSpec, RangeWeights
 from walkgen.spec.checks_terrain import VARIABLES
+from walkgen.spec.curved_sole import CurvedSoleSpec, DirectrixSpec
 from walkgen.spec.evaluate import Numbers, Uncomputable
 from walkgen.spec.gait import GaitSpec
 from walkgen.spec.joint_tables import Friction, JointRow, Link, Rotor
 from walkgen.spec.linkage import CylinderSpec, EndMasses, PinFriction, PinSpec, SliderFriction, SliderSpec
 from walkgen.spec.linkage_forms import DriveSpec, FiveBar, FourBar, Parallelogram, Stephenson, Watt
 from walkgen.spec.problems import Finding, did_you_mean, shown
-from walkgen.spec.scalar import Scalar, names
+from walkgen.spec.scalar import CURVE_PARAMETER, Scalar, names
 from walkgen.spec.schema import AdaptSpec, Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec, SoleSpec
 from walkgen.spec.springs import SpringSpec
 from walkgen.spec.table import Path, Table, entries, is_scalar
@@ -25,6 +26,8 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     SectionSpec: ("E", "G", "A", "Iy", "Iz", "J"),
     Damping: ("epsilon", "lambda_max"),
     SoleSpec: ("length", "length_mm", "width", "width_mm", "kn", "kt"),
+    CurvedSoleSpec: ("depth", "depth_mm", "width", "width_mm"),
+    DirectrixSpec: ("ellipse",),
     TerrainPatch: ("spacing", "kn", "kt"),
     GaitSpec: ("period", "pitch", "pitch_mm"),
     FourBar: _FOUR_BARS,
@@ -80,6 +83,8 @@ def _expression(path: Path, scalar: Scalar, spec: RobotSpec, numbers: Numbers) -
 
 def _free(path: Path, spec: RobotSpec) -> tuple[str, ...]:
     """Coordinates that the expression may use besides parameters."""
+    if path[0] == "leg_designs" and path[2:3] == ("curved_sole",) and path[-1] in ("x", "y"):
+        return (CURVE_PARAMETER,)
     if path[0] != "terrain" or not isinstance(path[1], int):
         return ()
     return VARIABLES[spec.terrain[path[1]].surface].get(str(path[2]), ())

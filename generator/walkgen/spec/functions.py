@@ -94,6 +94,28 @@ STABILITY_FUNCTIONS: Final = (
 SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_compliance")
 """Of legs with a sole; `sole_compliance` where the links have sections."""
 
+CURVED_SOLE_FUNCTIONS: Final = (
+    "link_angles",
+    "joint_angles",
+    "flat_ankle",
+    "flat_position",
+    "flat_motion",
+    "stance_position",
+    "hip_position",
+    "toe_rolling",
+    "toe_motion",
+    "heel_rolling",
+    "heel_motion",
+    "stance_forces",
+    "stance_forces_passive",
+    "stance_forces_pressure",
+    "stance_forces_load",
+    "stance_forces_ankle",
+    "stance_forces_rolling",
+    "stance_forces_sliding",
+)
+"""Of legs with a curved sole; those of toe and heel where it has them."""
+
 LINKAGE_FUNCTIONS: Final = ("assembly_status", "transmission_angles", "pair_positions", "driving_forces", "power", "joint_reactions")
 """Of legs that end in a linkage."""
 
@@ -108,6 +130,7 @@ LEG_FUNCTIONS: Final = (
     *LINKAGE_FUNCTIONS,
     "foot_compliance",
     *SOLE_FUNCTIONS,
+    *CURVED_SOLE_FUNCTIONS,
 )
 """`foot_compliance` where the links have sections."""
 

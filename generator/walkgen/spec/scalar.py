@@ -1,6 +1,7 @@
 """Exact numbers of a spec: a whitelisted arithmetic tree over decimals, pi and named parameters; never eval."""
 
 import ast
+import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -45,6 +46,9 @@ _LONGEST = 1000
 _DEEPEST = 50
 _LARGEST_POWER = 64
 _LARGEST_BITS = 1 << 15
+CURVE_PARAMETER = "lambda"
+"""What a curve's expressions run along; a keyword of Python, so its parser is given the letter instead."""
+_LETTER = "\N{GREEK SMALL LETTER LAMDA}"
 
 
 class ExpressionError(ValueError):
@@ -165,12 +169,13 @@ def parse(text: str) -> Scalar:
     """
     if len(text) > _LONGEST:
         raise ExpressionError(f"an expression is at most {_LONGEST} characters long")
+    plain = re.sub(rf"\b{CURVE_PARAMETER}\b", _LETTER, text.strip())
     try:
         with warnings.catch_warnings(action="ignore"):
-            tree = ast.parse(text.strip(), mode="eval")
+            tree = ast.parse(plain, mode="eval")
     except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
         raise ExpressionError(f"not an arithmetic expression: {text!r}") from error
-    return _scalar(tree.body, text.strip(), 0)
+    return _scalar(tree.body, plain, 0)
 
 
 def _scalar(node: ast.expr, text: str, depth: int) -> Scalar:
@@ -179,7 +184,7 @@ def _scalar(node: ast.expr, text: str, depth: int) -> Scalar:
     if isinstance(node, ast.Constant):
         return _number(node, text)
     if isinstance(node, ast.Name):
-        return Pi() if node.id == "pi" else Name(node.id)
+        return Pi() if node.id == "pi" else Name(CURVE_PARAMETER if node.id == _LETTER else node.id)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
         inner = _scalar(node.operand, text, depth + 1)
         return neg(inner) if isinstance(node.op, ast.USub) else inner

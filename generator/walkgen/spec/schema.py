@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 
 from walkgen.spec.balance import BalanceSpec
+from walkgen.spec.curved_sole import CurvedSoleSpec
 from walkgen.spec.gait import TAGS as GAIT_TAGS
 from walkgen.spec.gait import Gaits
 from walkgen.spec.joint_tables import JointRow, Pose
@@ -83,6 +84,8 @@ class LegDesign(Design):
     """Foot frame in the frame after the last joint, its origin is the foot point; of a linkage a point, as link.point."""
     sole: SoleSpec | None = None
     """Rectangle on which the leg stands; on the foot point alone where left out."""
+    curved_sole: CurvedSoleSpec | None = None
+    """Sole that rolls over toe or heel, of a leg that ends in hip, knee and ankle."""
     damping: Damping | None = None
     branches: tuple[StrictStr, ...] | None = Field(default=None, max_length=_MOST_NAMES)
     """Names of the inverse's branches, in their fixed order."""

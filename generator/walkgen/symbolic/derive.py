@@ -11,6 +11,7 @@ from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.closing import closed
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
+from walkgen.symbolic.curved_soles import curved_sole_functions
 from walkgen.symbolic.curve_inverse import curve_inverse
 from walkgen.symbolic.driven_search import admissible_driven, inverse_driven
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
@@ -124,6 +125,7 @@ def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivat
     """Dynamics, contacts, and compliance."""
     yield from _dynamics(LegFunctions(mechanism, leg).function, DYNAMICS | SPRUNG, wanted)
     yield from (build() for name, build in SoleFunctions(mechanism, leg).functions().items() if wanted(name))
+    yield from (build() for name, build in curved_sole_functions(mechanism, leg).items() if wanted(name))
     if leg.linkage is not None:
         yield from (linkage_function(mechanism, leg, name) for name in LINKAGE if wanted(name))
     yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
