@@ -38,6 +38,10 @@ class Taylor:
         """Another series of the field."""
         return Taylor(self.field, [self.field.kept(entry) for entry in coefficients])
 
+    def __int__(self) -> int:
+        """Of an exponent, which is a whole number."""
+        return int(self.c[0])
+
     def __pos__(self) -> "Taylor":
         return self
 
