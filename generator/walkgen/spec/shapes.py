@@ -27,6 +27,13 @@ _CURES = {
     "robot": 'write [robot] with name = "..." and gravity = [0.0, 0.0, -9.80665]',
     "name": 'write name = "..."',
 }
+_SOLE_CURES = {
+    "ellipse": "give two numbers: ellipse = [semi-axis along y, semi-axis along x]",
+    "flat": "give two numbers: flat = [rear edge, front edge]",
+    "flat_mm": "give two numbers: flat_mm = [rear edge, front edge]",
+    "polynomial": "give one number at least: polynomial = [c2, c3, ...]",
+    "points": "give one point at least: points = [[x, y], ...]",
+}
 _STAND_INS: Mapping[str, Any] = {
     "walkgen": 1,
     "name": "?",
@@ -95,7 +102,7 @@ def _finding(path: Path, detail: ErrorDetails, tables: Mapping[str, Any]) -> Fin
         return Finding("WG111", path, f'missing key "{path[-1]}"', _CURES.get(path[-1], f"write {path[-1]} = ..."))
     if kind == "literal_error":
         return _choice(path, context["expected"], _value(tables, path))
-    if kind in {"missing", "too_long"}:
+    if kind in {"missing", "too_long", "too_short"}:
         return _length(path, context.get("max_length"), tables)
     expected = _EXPECTED.get(kind, "something else")
     return Finding("WG112", path, f"{expected} is expected here, not {_described(_value(tables, path))}", f"give {expected}")
@@ -133,6 +140,9 @@ def _shape_cure(path: Path) -> str:
         return f"give two numbers: {key} = [first, second]"
     if path[0] == "leg_designs" and (key in SIX_BAR_POINTS or (key == "foot" and len(path) > len(("leg_designs", "name", "foot")))):
         return f"give two numbers: {key} = [x, y]"
+    named = next((part for part in reversed(path) if isinstance(part, str)), "")
+    if "curved_sole" in path and named in _SOLE_CURES:
+        return _SOLE_CURES[named]
     pair = "limits" in key or key in {"bounds", "x", "y", "u", "v"}
     return "give two numbers: [least, largest]" if pair else f"give three numbers: {key} = [x, y, z]"
 
