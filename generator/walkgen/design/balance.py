@@ -1,14 +1,14 @@
 """A spec's balance as a problem: residual moments on Gauss nodes, springs that only pull and fit, and what is left on a dense grid."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from walkgen.design.fitting import fitting
+from walkgen.design.freed import freed, varied, variables_of, with_values
 from walkgen.design.problem import Objective, Problem, Reals, Variable
 from walkgen.design.problem import Values as Valued
 from walkgen.design.ranges import SUPPORT, TRANSFER, Range, ranges_of
@@ -19,7 +19,7 @@ from walkgen.errors import UnsupportedMechanism
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.values import Values
-from walkgen.spec.scalar import Scalar, exact
+from walkgen.spec.scalar import Scalar
 from walkgen.spec.schema import RobotSpec
 
 DENSE = 2001
@@ -79,11 +79,10 @@ class Balance:
     def __init__(self, spec: RobotSpec, name: str, folder: Path, settings: Mapping[str, float] | None = None) -> None:
         self.table, self.name, self._folder = spec.balance[name], name, folder
         self.settings = dict(settings or {})
-        self.spec = _with_values(spec, self.settings)
-        bounded = (key for key, entry in spec.parameters.items() if entry.bounds and not entry.runtime)
-        self.names = tuple(key for key in self.table.vary or bounded if key not in self.settings)
-        freed = _freed(self.spec, self.names)
-        self._values, self.mechanism = Values.of(freed.parameters), assemble(freed, folder)
+        self.spec = with_values(spec, self.settings)
+        self.names = tuple(key for key in varied(spec, self.table.vary) if key not in self.settings)
+        moving = freed(self.spec, self.names)
+        self._values, self.mechanism = Values.of(moving.parameters), assemble(moving, folder)
         self.leg = _leg(self.mechanism, self.table.leg)
         self.ranges = ranges_of(self.table, self.leg, self._values)
         if self.leg.linkage is not None and self.leg.linkage.forward.triads:
@@ -93,13 +92,7 @@ class Balance:
     @property
     def variables(self) -> tuple[Variable, ...]:
         """What may move, with the spec's values."""
-        values = Values.of(self.spec.parameters)
-        found = []
-        for name in self.names:
-            entry = self.spec.parameters[name]
-            low, high = (values.number(bound) for bound in entry.bounds or ())
-            found.append(Variable(name, low, high, values.number(entry.value), entry.unit))
-        return tuple(found)
+        return variables_of(self.spec, self.names)
 
     @cached_property
     def _statics(self) -> Statics:
@@ -176,21 +169,3 @@ def _residue(each: Range, statics: Statics, x: Reals) -> Residue:
 
 def _leg(mechanism: Mechanism, name: str) -> Limb:
     return next(leg for leg in mechanism.legs if leg.name == name)
-
-
-def _with_values(spec: RobotSpec, settings: Mapping[str, float]) -> RobotSpec:
-    """With other values of parameters."""
-    found = {name: spec.parameters[name].model_copy(update={"value": exact(Fraction(value))}) for name, value in settings.items()}
-    return spec.model_copy(update={"parameters": {**spec.parameters, **found}})
-
-
-def _freed(spec: RobotSpec, names: Sequence[str]) -> RobotSpec:
-    """With parameters that may move: arguments of all that is derived."""
-    values = Values.of(spec.parameters)
-    found = {
-        name: spec.parameters[name].model_copy(
-            update={"runtime": True, "value": exact(Fraction(values.number(spec.parameters[name].value)))}
-        )
-        for name in names
-    }
-    return spec.model_copy(update={"parameters": {**spec.parameters, **found}})

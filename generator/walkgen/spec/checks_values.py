@@ -15,6 +15,7 @@ from walkgen.spec.linkage_forms import DriveSpec, FiveBar, FourBar, Parallelogra
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import CURVE_PARAMETER, Scalar, names
 from walkgen.spec.schema import AdaptSpec, Damping, ParameterSpec, PlatformSpec, RobotSpec, SectionSpec, SoleSpec
+from walkgen.spec.sole_design import SoleDesignSpec, SoleWeights
 from walkgen.spec.springs import SpringSpec
 from walkgen.spec.table import Path, Table, entries, is_scalar
 from walkgen.spec.terrain import Domain, TerrainPatch
@@ -28,6 +29,7 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     SoleSpec: ("length", "length_mm", "width", "width_mm", "kn", "kt"),
     CurvedSoleSpec: ("depth", "depth_mm", "width", "width_mm"),
     DirectrixSpec: ("ellipse",),
+    SoleDesignSpec: ("duration", "reach"),
     TerrainPatch: ("spacing", "kn", "kt"),
     GaitSpec: ("period", "pitch", "pitch_mm"),
     FourBar: _FOUR_BARS,
@@ -49,6 +51,7 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     FiveBar: ("ground",),
     GaitSpec: ("lift", "lift_mm"),
     BalanceSpec: ("load",),
+    SoleWeights: ("acceleration", "moment"),
     RangeWeights: ("support", "transfer"),
     CamSpec: ("free_length", "initial_tension"),
     CamMasses: ("spring_at_link", "spring_at_follower", "follower", "roller"),

@@ -11,6 +11,7 @@ from walkgen.spec.checks_forms import check_forms
 from walkgen.spec.checks_gait import check_gaits
 from walkgen.spec.checks_joints import check_joints, check_units
 from walkgen.spec.checks_names import check_joined_names, check_names, check_texts
+from walkgen.spec.checks_sole_design import check_sole_designs
 from walkgen.spec.checks_soles import check_soles
 from walkgen.spec.checks_terrain import check_height_maps, check_terrain
 from walkgen.spec.checks_tree import check_references, check_tree
@@ -59,6 +60,7 @@ def findings_of(spec: RobotSpec, folder: Path) -> Iterator[Finding]:
         check_joints(spec, numbers),
         check_forms(spec, numbers),
         check_soles(spec, numbers),
+        check_sole_designs(spec, numbers),
         check_units(spec, numbers),
         check_expressions(spec, numbers),
         check_ranges(spec, numbers),

@@ -12,6 +12,7 @@ from walkgen.spec.gait import Gaits
 from walkgen.spec.joint_tables import JointRow, Pose
 from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec, StartSpec
 from walkgen.spec.linkage_forms import FiveBar, FourBar, LinkageForm, Parallelogram, Stephenson, Watt
+from walkgen.spec.sole_design import SoleDesignSpec
 from walkgen.spec.springs import TAGS as SPRING_TAGS
 from walkgen.spec.springs import SpringSpec
 from walkgen.spec.table import Number, Pair, Sign, Six, Table, Triple
@@ -283,6 +284,8 @@ class RobotSpec(Table):
     """One gait, or several under names of their own: [gait.tripod], [gait.wave]."""
     balance: dict[str, BalanceSpec] = Field(default_factory=dict, max_length=_MOST_LIMBS)
     """What `walkgen design --balance NAME` searches for."""
+    sole_design: dict[str, SoleDesignSpec] = Field(default_factory=dict, max_length=_MOST_LIMBS)
+    """What `walkgen design --sole NAME` searches for."""
 
 
 def schema_json() -> str:

@@ -41,6 +41,7 @@ _STAND_INS: Mapping[str, Any] = {
     "surface": "plane",
     "kind": "free",
     **{"at": 0, "leg": "?", "does": "lift"},
+    **{"hip": [0, 1], "velocity": [1, 0], "duration": 1, "load": [0, 0]},
     "gravity": [0, 0, -1],
     **dict.fromkeys(("value", "epsilon", "lambda_max", "E", "G", "A", "Iy", "Iz", "J"), 1),
     **dict.fromkeys(("ground", "crank", "coupler", "rocker", "second_coupler", "second_rocker"), 1),

@@ -24,6 +24,7 @@ from walkgen.symbolic.sole_ports import (
     ROWS,
     STATUS,
     THIGH,
+    Exprs,
     SoleLeg,
     cross,
     inner,
@@ -103,8 +104,18 @@ class FlatStance:
         return self._own.function(tape, "flat_position", [HIP, ANKLE_X, KNEE], [ANGLES, STATUS], found, doc, "theory 8.2")
 
     def flat_motion(self) -> Function:
-        """With rates and accelerations: [BC n2 | AB n1] of the rates is what the hip does, turned round."""
+        """With rates and accelerations."""
         tape, hip, (ankle,), (knee,) = Tape(), symbols_of(HIP_MOTION), symbols_of(ANKLE_X), symbols_of(KNEE)
+        outputs, cases = self.moving(tape, hip, ankle, knee)
+        doc = (
+            f"Angles of thigh, shank and the flat foot under a hip that moves, {PLANE}; {ROWS}. knee as in flat_position. UNREACHABLE: the "
+            "ankle is too far or too near; SINGULAR: the knee is straight or the leg is folded."
+        )
+        found = settled(tape, (*hip, ankle, knee), cases, outputs)
+        return self._own.function(tape, "flat_motion", [HIP_MOTION, ANKLE_X, KNEE], [MOTION, STATUS], found, doc, "theory 8.2")
+
+    def moving(self, tape: Tape, hip: Exprs, ankle: sympy.Expr, knee: sympy.Expr) -> tuple[list[sympy.Expr], tuple[Case, ...]]:
+        """Angles, rates and accelerations [9]: [AB n1 | BC n2] times the rates is what the hip does, turned round."""
         leg, triangle = self._own.leg, self._triangle(tape, (hip[0], hip[1]), ankle, knee)
         sine = tape.let("knee_sine", cross(triangle.thigh, triangle.shank))
 
@@ -117,13 +128,7 @@ class FlatStance:
         right_x, right_y = (pulls[0] * triangle.thigh[axis] + pulls[1] * triangle.shank[axis] - hip[4 + axis] for axis in (0, 1))
         accelerations = solved("acceleration", named(tape, "right", (right_x, right_y)))
         outputs = [*triangle.angles, DOWN, *rates, sympy.S.Zero, *accelerations, sympy.S.Zero]
-        cases = (*triangle.cases, (at_most(abs(sine), STRAIGHT), SINGULAR))
-        doc = (
-            f"Angles of thigh, shank and the flat foot under a hip that moves, {PLANE}; {ROWS}. knee as in flat_position. UNREACHABLE: the "
-            "ankle is too far or too near; SINGULAR: the knee is straight or the leg is folded."
-        )
-        found = settled(tape, (*hip, ankle, knee), cases, outputs)
-        return self._own.function(tape, "flat_motion", [HIP_MOTION, ANKLE_X, KNEE], [MOTION, STATUS], found, doc, "theory 8.2")
+        return outputs, (*triangle.cases, (at_most(abs(sine), STRAIGHT), SINGULAR))
 
     def _triangle(self, tape: Tape, hip: Planar, ankle: sympy.Expr, knee: sympy.Expr) -> Triangle:
         """By its area, which keeps its digits next to a straight knee."""

@@ -111,6 +111,11 @@ class Angle(sympy.Function):
 
     nargs = 2
 
+    def fdiff(self, argindex: int = 1) -> sympy.Expr:
+        """x / (x^2 + y^2) by y, -y / (x^2 + y^2) by x."""
+        y, x = self.args
+        return (x if argindex == 1 else -y) / (x**2 + y**2)
+
 
 @dataclass(frozen=True)
 class Function:

@@ -1,6 +1,7 @@
 """Kinematics of a leg whose foot rolls over toe or heel without slipping (theory 8.3)."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import sympy
 
@@ -42,6 +43,19 @@ from walkgen.symbolic.tape import Tape, symbols_of
 _PHASES = "phase: 0 flat, 1 on the toe, -1 on the heel; contact: the curve's parameter, its start where flat; contact_point: below the ankle where flat"
 
 
+@dataclass(frozen=True)
+class RollingMotion:
+    """A leg in motion whose foot rolls: what `<curve>_motion` gives, the curve, and where the shank points to the contact point."""
+
+    curve: Directrix
+    contact: Exprs
+    angles: Exprs
+    point: Planar
+    ankle: Exprs
+    margins: Planar
+    still: sympy.Basic
+
+
 class RollingStance:
     """Functions of one leg."""
 
@@ -60,7 +74,7 @@ class RollingStance:
     def rolling(self, which: str) -> Function:
         """What a contact parameter says of the foot."""
         tape, (contact,), (edge,) = Tape(), symbols_of(CONTACT), symbols_of(EDGE)
-        curve = self._curve(which, contact, tape)
+        curve = self.curve(which, contact, tape)
         outputs = [
             *(curve.angle, curve.turning, curve.turning_rate),
             *(curve.rolled, curve.speed, curve.stretching),
@@ -76,7 +90,7 @@ class RollingStance:
 
     def motion(self, which: str) -> Solve:
         """Given hip, thigh and where the edge touched the ground."""
-        root = self._far(which)
+        root = self.far(which)
         last = self._moved(which, root)
         doc = (
             f"The leg whose foot rolls over its {which} without slipping, by the motions of hip and thigh, {PLANE}; {ROWS}; edge: where the "
@@ -89,7 +103,7 @@ class RollingStance:
 
     def stance_position(self) -> Solve:
         """In the phase in which the leg can be."""
-        roots = [self._far(which) for which in self._curves]
+        roots = [self.far(which) for which in self._curves]
         given = [self._given_thigh(which, root) for which, root in zip(self._curves, roots, strict=True)]
         doc = (
             f"The leg over a foot that stood flat with its ankle at ankle_x and may have rolled since, by hip and thigh's angle, {PLANE}. "
@@ -131,17 +145,18 @@ class RollingStance:
 
     # ---- unknowns
 
-    def _curve(self, which: str, at: sympy.Expr, tape: Tape) -> Directrix:
+    def curve(self, which: str, at: sympy.Expr, tape: Tape) -> Directrix:
+        """On the tape, at a parameter."""
         return Directrix(self._own.mechanism, self._own.leg, which, at, tape)
 
     def _bounds(self, which: str) -> Callable[[Tape], Planar]:
-        return lambda tape: self._curve(which, sympy.S.Zero, tape).bounds
+        return lambda tape: self.curve(which, sympy.S.Zero, tape).bounds
 
-    def _far(self, which: str) -> FirstRoot:
+    def far(self, which: str) -> FirstRoot:
         """The contact parameter at which the ankle is as far from the knee as the shank is long: given knee and edge."""
 
         def residual(tape: Tape, at: sympy.Expr, given: Exprs) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-            curve, (knee_x, knee_y, edge) = self._curve(which, at, tape), given
+            curve, (knee_x, knee_y, edge) = self.curve(which, at, tape), given
             ankle = curve.ankle(edge)
             away = named(tape, "away", (ankle[0] - knee_x, ankle[1] - knee_y))
             square, own = tape.let("away2", inner(away, away)), self._own.leg.shank**2
@@ -153,7 +168,7 @@ class RollingStance:
         """The contact parameter at which the curve lies along the ground: given cos and sin of the foot's angle."""
 
         def residual(tape: Tape, at: sympy.Expr, given: Exprs) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-            return self._curve(which, at, tape).tangency(given[0], given[1])
+            return self.curve(which, at, tape).tangency(given[0], given[1])
 
         return FirstRoot(self._own.mechanism, self._own.limb.name, f"{which}_tangency", 2, residual, self._bounds(which))
 
@@ -176,17 +191,31 @@ class RollingStance:
     # ---- what follows from them
 
     def _moved(self, which: str, root: FirstRoot) -> Function:
-        """The motion at the contact parameter: [BC n2 | -C'] (phi2', lambda') = -B'."""
+        """The motion at the contact parameter that was found."""
         tape, (contact,), (found,) = Tape(), symbols_of(root.root), symbols_of(root.status)
-        hip, (angle, rate, acceleration), (edge,) = symbols_of(HIP_MOTION), symbols_of(THIGH_MOTION), symbols_of(EDGE)
-        own, curve = self._own.leg, self._curve(which, contact, tape)
+        hip, thigh, (edge,) = symbols_of(HIP_MOTION), symbols_of(THIGH_MOTION), symbols_of(EDGE)
+        moving = self.moving(tape, which, contact, hip, thigh, edge)
+        cases = ((less(0, found), found), (moving.still, SINGULAR))
+        ports = [
+            Port("contact", (3,), "1, 1/s, 1/s^2"),
+            MOTION,
+            CONTACT_POINT,
+            Port("ankle", (3, 2), "m, m/s, m/s^2"),
+            Port("margins", (2,)),
+            STATUS,
+        ]
+        outputs = [*moving.contact, *moving.angles, *moving.point, *moving.ankle, *moving.margins]
+        inputs = [root.root, root.status, HIP_MOTION, THIGH_MOTION, EDGE]
+        return self._own.function(tape, f"{which}_moved", inputs, ports, settled(tape, (*hip, *thigh, edge), cases, outputs))
+
+    def moving(self, tape: Tape, which: str, contact: sympy.Expr, hip: Exprs, thigh: Exprs, edge: sympy.Expr) -> "RollingMotion":
+        """The motion at a contact parameter: [BC n2 | -C'] (phi2', lambda') = -B', and its derivative."""
+        (angle, rate, acceleration), own, curve = thigh, self._own.leg, self.curve(which, contact, tape)
         knee, (cosine, sine) = self._own.knee(tape, (hip[0], hip[1]), angle)
         swing, pull = named(tape, "swing", (own.thigh * rate, own.thigh * rate**2))
         knee_rate = named(tape, "knee_rate", (hip[2] - swing * sine, hip[3] + swing * cosine))
         push = tape.let("push", own.thigh * acceleration)
-        knee_acceleration = named(
-            tape, "knee_acceleration", (hip[4] - push * sine - pull * cosine, hip[5] + push * cosine - pull * sine)
-        )
+        knee_acceleration = named(tape, "knee_acceleration", (hip[4] - push * sine - pull * cosine, hip[5] + push * cosine - pull * sine))
         ankle, slope = curve.ankle(edge), curve.ankle_slope
         shank = named(tape, "shank", ((ankle[0] - knee[0]) / own.shank, (ankle[1] - knee[1]) / own.shank))
         across = (-shank[1], shank[0])
@@ -198,30 +227,18 @@ class RollingStance:
         gap = tape.let("gap", inner(shank, knee_acceleration) - own.shank * turn**2 - inner(shank, bend))
         rolls = tape.let("roll_acceleration", gap / reach)
         ankle_acceleration = named(tape, "ankle_acceleration", (slope[0] * rolls + bend[0], slope[1] * rolls + bend[1]))
-        turns = (inner(across, ankle_acceleration) - inner(across, knee_acceleration)) / own.shank
+        turns = tape.let("shank_turns", (inner(across, ankle_acceleration) - inner(across, knee_acceleration)) / own.shank)
+        foot = [curve.angle, curve.turning * roll, tape.let("foot_turns", curve.turning_rate * roll**2 + curve.turning * rolls)]
         start, end = curve.bounds
-        outputs = [
-            *(contact, roll, rolls),
-            *(angle, Angle(shank[1], shank[0]), curve.angle),
-            *(rate, turn, curve.turning * roll),
-            *(acceleration, turns, curve.turning_rate * roll**2 + curve.turning * rolls),
-            *curve.contact_point(edge),
-            *(*ankle, *flow, *ankle_acceleration),
-            *(contact - start, end - contact),
-        ]
-        still = at_most(reach**2, STRAIGHT**2 * inner(slope, slope))
-        cases = ((less(0, found), found), (still, SINGULAR))
-        ports = [
-            Port("contact", (3,), "1, 1/s, 1/s^2"),
-            MOTION,
-            CONTACT_POINT,
-            Port("ankle", (3, 2), "m, m/s, m/s^2"),
-            Port("margins", (2,)),
-            STATUS,
-        ]
-        given = (*hip, angle, rate, acceleration, edge)
-        inputs = [root.root, root.status, HIP_MOTION, THIGH_MOTION, EDGE]
-        return self._own.function(tape, f"{which}_moved", inputs, ports, settled(tape, given, cases, outputs))
+        return RollingMotion(
+            curve,
+            (contact, roll, rolls),
+            (angle, Angle(shank[1], shank[0]), foot[0], rate, turn, foot[1], acceleration, turns, foot[2]),
+            curve.contact_point(edge),
+            (*ankle, *flow, *ankle_acceleration),
+            (contact - start, end - contact),
+            at_most(reach**2, STRAIGHT**2 * inner(slope, slope)),
+        )
 
     def _stood(self, roots: Sequence[FirstRoot]) -> Function:
         """The phase whose root there is."""
@@ -255,13 +272,13 @@ class RollingStance:
     ) -> tuple[sympy.Expr, sympy.Expr, list[sympy.Expr], sympy.Expr]:
         """Phase, contact, then foot's angle, ankle and contact point of the first curve that the foot rolls on, and a status."""
         phase: sympy.Expr = sympy.S.Zero
-        first = self._curve(self._curves[0], symbols_of(roots[0].root)[0], tape)
+        first = self.curve(self._curves[0], symbols_of(roots[0].root)[0], tape)
         contact = first.bounds[0]
         values: list[sympy.Expr] = [DOWN, ankle_x, self._own.height, ankle_x, sympy.S.Zero]
         status: sympy.Expr = sympy.S.Zero
         for which, root in reversed(tuple(zip(self._curves, roots, strict=True))):
             (at,), (state,) = symbols_of(root.root), symbols_of(root.status)
-            curve, edge = self._curve(which, at, tape), tape.let("edge", ankle_x + self._own.edge(which))
+            curve, edge = self.curve(which, at, tape), tape.let("edge", ankle_x + self._own.edge(which))
             rolls = both(Same(state, OK), less(curve.bounds[0], at))
             own = [curve.angle, *curve.ankle(edge), *curve.contact_point(edge)]
             phase = tape.let("phase", Select(rolls, AHEAD[which], phase))

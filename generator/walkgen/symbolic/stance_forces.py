@@ -4,7 +4,7 @@ All unknowns are affine in three of them, the force on the hip and the moment of
 is a system of three equations, which sympy's zeros and ones make smaller still.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy
@@ -87,7 +87,7 @@ class Balance:
         return (*self.hip, *self.knee, *self.ankle, self.ground[1], self.ground[0], self.moment, *self.torque)
 
 
-Closing = Callable[[Balance, dict[str, Exprs]], Sequence[Affine]]
+Closing = Callable[[Balance, Mapping[str, Exprs]], Sequence[Affine]]
 """Three that are 0, by the inputs' symbols."""
 
 
@@ -102,18 +102,18 @@ class Mode:
     source: str
 
 
-def _pressed(balance: Balance, given: dict[str, Exprs]) -> Affine:
+def _pressed(balance: Balance, given: Mapping[str, Exprs]) -> Affine:
     """m_N - d N."""
     return balance.moment - balance.ground[1].scaled(given["centre"][0])
 
 
-def _loaded(balance: Balance, given: dict[str, Exprs]) -> tuple[Affine, Affine]:
+def _loaded(balance: Balance, given: Mapping[str, Exprs]) -> tuple[Affine, Affine]:
     """R01 less the load."""
     x, y = (force - Affine(value) for force, value in zip(balance.hip, given["load"], strict=True))
     return x, y
 
 
-def _general(balance: Balance, given: dict[str, Exprs]) -> list[Affine]:
+def _general(balance: Balance, given: Mapping[str, Exprs]) -> list[Affine]:
     """Rows a of a z = b."""
     entries, width = given["closing"], _UNKNOWNS + 1
     rows = [entries[width * row : width * row + width] for row in range(_FREE)]
@@ -196,14 +196,17 @@ class StanceForces:
         mode, tape = MODES[name], Tape()
         inputs = (HIP_MOTION, MOTION, *sorted((*mode.inputs, _MU), key=lambda port: bool(port.default)))
         given = {port.name: symbols_of(port) for port in inputs}
-        balance = self._balance(tape, given["hip"], given["angles"])
-        free, dead = _closed(tape, [row.named(tape, "row") for row in mode.closing(balance, given)])
-        found = self._outputs(tape, balance, free, given["mu"][0])
-        normal = found[10]
-        cases: list[Case] = [*dead, (LessEqual(normal, 0), INFEASIBLE)]
+        found, dead = self.values(tape, name, given)
+        cases: list[Case] = [*dead, (LessEqual(found[10], 0), INFEASIBLE)]
         values = [symbol for port in inputs for symbol in symbols_of(port)]
         doc = _DOC.format(what=mode.what, dead=mode.dead)
         return self._own.function(tape, name, inputs, _OUTPUTS, settled(tape, values, cases, found, INFEASIBLE), doc, mode.source)
+
+    def values(self, tape: Tape, name: str, given: Mapping[str, Exprs]) -> tuple[list[sympy.Expr], list[Case]]:
+        """All outputs of a mode but the status, and where there are none, for its inputs by their names."""
+        balance = self._balance(tape, given["hip"], given["angles"])
+        free, dead = _closed(tape, [row.named(tape, "row") for row in MODES[name].closing(balance, given)])
+        return self._outputs(tape, balance, free, given["mu"][0]), dead
 
     def _outputs(self, tape: Tape, balance: Balance, free: Exprs, mu: sympy.Expr) -> list[sympy.Expr]:
         value = lambda name, affine: tape.let(name, affine.at(free))  # noqa: E731 - a formula

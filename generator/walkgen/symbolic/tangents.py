@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import sympy
 
+from walkgen.symbolic.function import Less, Select
 from walkgen.symbolic.tape import Closure, Tape
 
 Known = dict[sympy.Symbol, sympy.Expr]
@@ -16,7 +17,7 @@ def tangents(tape: Tape, outputs: Sequence[sympy.Expr], variables: Sequence[tupl
     """Derivatives of the outputs (rows) by the variables (columns), written on the tape after what is there.
 
     Args:
-        tape: holds the lines that the outputs use; sums, products, powers, sines and cosines.
+        tape: holds the lines that the outputs use; sums, products, powers, sines, cosines and sizes.
         outputs: expressions in the tape's names and its inputs.
         variables: inputs, each with the name that its tangents end in.
     """
@@ -103,7 +104,11 @@ def _needed(tape: Tape, outputs: Sequence[sympy.Expr]) -> list[tuple[sympy.Symbo
 
 
 def _partials(expression: sympy.Expr, tape: Tape) -> dict[sympy.Symbol, sympy.Expr]:
-    """By every symbol; sines and cosines by the names that they have."""
+    """By every symbol; sines and cosines by the names that they have; sizes by signs, since symbols here are real."""
+    if isinstance(expression, sympy.Abs):
+        (inside,) = expression.args
+        sign = tape.let("sign", Select(Less(inside, 0), -1, 1))
+        return {symbol: sign * inner for symbol, inner in _partials(inside, tape).items()}
     if isinstance(expression, sympy.sin | sympy.cos):
         (angle,) = expression.args
         slope = sympy.cos(angle) if isinstance(expression, sympy.sin) else -sympy.sin(angle)
