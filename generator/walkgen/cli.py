@@ -196,20 +196,23 @@ def gait(
 
 @app.command()
 def design(
-    spec: Annotated[Path, typer.Argument(metavar="SPEC", help="A robot spec (TOML) with a [balance.NAME].")],
+    spec: Annotated[Path, typer.Argument(metavar="SPEC", help="A robot spec (TOML) with a [balance.NAME] or [sole_design.NAME].")],
     balance: Annotated[str, typer.Option("--balance", metavar="NAME", help="Which of the spec's balances; its only one if left out.")] = "",
+    sole: Annotated[
+        str | None, typer.Option("--sole", metavar="NAME", help='Instead, which of the spec\'s designs of soles; "" its only one.')
+    ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SPEC.toml", help="The spec with what was found.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="What is left: .html to look into, .png.")] = None,
     cam: Annotated[Path | None, typer.Option("--cam", metavar="FILE", help="The cam's profile: .csv, .svg, .dxf.")] = None,
     starts: Annotated[int | None, typer.Option(metavar="N", help="Random starts, instead of the spec's number.")] = None,
     seed: Annotated[int, typer.Option(metavar="N", help="Of the random starts.")] = 0,
 ) -> None:
-    """Search springs that balance a leg, or compute a cam: a table before and after, plots, the spec with the values found."""
+    """Search springs that balance a leg, a cam, or a sole to roll on: a table before and after, plots, the spec with the values found."""
     from walkgen import designing
 
     designing.check_suffixes(plot, cam)
     with progress_of(spec) as progress:
-        found = designing.designed(spec, balance, starts, seed, progress)
+        found = designing.designed(spec, balance, sole, starts, seed, progress)
     typer.echo(designing.reported(found))
     for file, content in designing.files(spec, found, output, plot, cam):
         write_new(file, content)

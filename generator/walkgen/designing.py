@@ -11,28 +11,40 @@ from walkgen.spec.problems import shown
 if TYPE_CHECKING:
     from walkgen.design.cam_search import CamDesigned
     from walkgen.design.search import Designed
+    from walkgen.design.sole_search import SoleDesigned
+
+    Found = Designed | CamDesigned | SoleDesigned
 
 SUFFIXES, CAM_SUFFIXES = (".html", ".png"), (".csv", ".svg", ".dxf")
 
 
-def designed(path: Path, balance: str, starts: int | None, seed: int, progress: Any) -> "Designed | CamDesigned":
-    """Search the springs of a spec's balance, or compute its cam.
+def designed(path: Path, balance: str, sole: str | None, starts: int | None, seed: int, progress: Any) -> "Found":
+    """Search the springs of a spec's balance, or compute its cam; where a sole is named (by "" its only one), search that.
 
     Raises:
-        SpecError: the spec is not a robot, has no such balance, or nothing that balances it.
+        SpecError: the spec is not a robot, has no such balance or sole, or there is nothing within its bounds.
         ToolchainError: scipy, which searches, is not installed.
     """
-    search = _module("search")
     if starts is not None and starts < 1:
         raise SpecError(Problem("WG219", f"{starts} starts", "one start at least: --starts 24"))
+    if sole is not None and balance:
+        raise SpecError(Problem("WG219", "a balance and a sole at once", "leave --balance or --sole out"))
+    if sole is not None:
+        rolled: SoleDesigned = _module("sole_search").sole_designed(path, sole, starts, seed, progress)
+        return rolled
+    search = _module("search")
     found: Designed | CamDesigned = search.designed(path, search.Wanted(balance, starts, seed), progress)
     return found
 
 
-def reported(found: "Designed | CamDesigned") -> str:
+def reported(found: "Found") -> str:
     """For the terminal."""
-    text: str = _module("report").report(found)
+    text: str = _module("sole_report").sole_report(found) if _rolls(found) else _module("report").report(found)
     return text
+
+
+def _rolls(found: "Found") -> bool:
+    return hasattr(found, "roll")
 
 
 def check_suffixes(plot: Path | None, cam: Path | None) -> None:
@@ -48,7 +60,7 @@ def check_suffixes(plot: Path | None, cam: Path | None) -> None:
 
 
 def files(
-    path: Path, found: "Designed | CamDesigned", output: Path | None, plot: Path | None, cam: Path | None
+    path: Path, found: "Found", output: Path | None, plot: Path | None, cam: Path | None
 ) -> Iterator[tuple[Path, str | bytes]]:
     """What is to be written: the spec with the values that were found, the plot, the cam.
 
@@ -64,17 +76,18 @@ def files(
         yield cam, _cam_text(found, cam)
 
 
-def _plotted(found: "Designed | CamDesigned", output: Path) -> str | bytes:
+def _plotted(found: "Found", output: Path) -> str | bytes:
     """By the file's suffix."""
-    drawn: str | bytes = _module("page").page(found) if output.suffix == ".html" else _module("picture").picture(found)
+    kind = ("sole_" if _rolls(found) else "") + ("page" if output.suffix == ".html" else "picture")
+    drawn: str | bytes = getattr(_module(kind), kind)(found)
     return drawn
 
 
-def _cam_text(found: "Designed | CamDesigned", output: Path) -> str:
+def _cam_text(found: "Found", output: Path) -> str:
     """By the file's suffix."""
     cut = getattr(found, "profile", None)
     if cut is None:
-        raise SpecError(Problem("WG219", f"{shown(output.name)}: the balance has springs, no cam", "leave --cam out"))
+        raise SpecError(Problem("WG219", f"{shown(output.name)}: the design has no cam", "leave --cam out"))
     module = _module("cam_dxf" if output.suffix == ".dxf" else "cam_files")
     text: str = getattr(module, output.suffix[1:])(cut)
     return text

@@ -12,11 +12,12 @@ from walkgen.design.report import columns, report
 from walkgen.design.search import Designed
 
 _COLOURS = ("#8a8f98", "#1f5fa8", "#d9772b")
-_HEAD = """<!DOCTYPE html>
+HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="generator" content="walkgen"><title>{title}</title><link rel="icon" href="data:,">
 <style>body {{ font: 15px/1.5 system-ui, sans-serif; margin: 1.5em auto; max-width: 72em; color: #222 }} h1 {{ font-size: 1.3em }}</style>
 </head><body><h1>{title}</h1><pre>{table}</pre>
 """
+"""Of a page of a design, with its `title` and its `table`."""
 
 
 def page(found: Designed | CamDesigned) -> str:
@@ -35,4 +36,4 @@ def page(found: Designed | CamDesigned) -> str:
     figure.update_layout(template="plotly_white", height=80 + 320 * len(names), margin={"l": 60, "r": 20, "t": 50, "b": 50})
     body: str = figure.to_html(full_html=False, include_plotlyjs=True, div_id="balance")
     drawn = svg(found.profile) if isinstance(found, CamDesigned) else ""
-    return _HEAD.format(title=title, table=escape(report(found))) + drawn + body + "</body></html>\n"
+    return HEAD.format(title=title, table=escape(report(found))) + drawn + body + "</body></html>\n"

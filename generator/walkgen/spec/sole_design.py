@@ -56,9 +56,9 @@ class SoleDesignSpec(Table):
     knee_deg: Number | None = None
     """The same in degrees."""
     weights: SoleWeights = SoleWeights()
-    instants: StrictInt = Field(default=61, ge=5, le=2000)
+    instants: StrictInt = Field(default=41, ge=5, le=2000)
     """At which all this is looked at."""
-    starts: StrictInt = Field(default=8, ge=1, le=10_000)
+    starts: StrictInt = Field(default=6, ge=1, le=10_000)
     """Random starts of the search, besides the spec's own values."""
     front: StrictInt = Field(default=7, ge=2, le=200)
     """Designs between the best of each objective, ends included, that are told."""
