@@ -1,6 +1,7 @@
 """What the self-test expects: every forward function of a path of limbs, from a 50-digit matrix walk over the Mechanism.
 
-A leg's linkage is closed by Newton's method on its loops; second derivatives are central differences there.
+A leg's linkage is closed by Newton's method on its loops; second derivatives are central differences there. A curved sole's foot point is
+where it touches level ground, and slopes are those of the foot's point there.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -8,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from walkgen.emit.touching import touched
 from walkgen.model.closing import KnownStart, Posture, closed
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import CORNERS, Joint, Limb, Mechanism
@@ -30,8 +32,14 @@ class Sample:
     start: KnownStart | None = None
 
     @cached_property
+    def _held(self) -> tuple[Limb, ...]:
+        """The limbs, a curved sole with its foot point held where it touches the ground."""
+        leg = self.limbs[-1]
+        return (*self.limbs[:-1], touched(self.mechanism, leg, self.q[len(self.q) - len(leg.joints) :]))
+
+    @cached_property
     def _walked(self) -> "Walk":
-        return _walk(self.mechanism, self.limbs, self.q, self.start)
+        return _walk(self.mechanism, self._held, self.q, self.start)
 
     @property
     def poses(self) -> list[Matrix]:
@@ -61,7 +69,7 @@ class Sample:
 
     def _change(self, rates: Sequence[Any]) -> list[Numbers]:
         """Of every column [6] while q moves at these rates, by central differences."""
-        ahead, behind = (_walk(self.mechanism, self.limbs, self._moved(side * _STEP, rates), self.start).columns for side in (1, -1))
+        ahead, behind = (_walk(self.mechanism, self._held, self._moved(side * _STEP, rates), self.start).columns for side in (1, -1))
         return [
             [(a - b) / (2 * _STEP) for a, b in zip(_six(*new), _six(*old), strict=True)] for new, old in zip(ahead, behind, strict=True)
         ]

@@ -1,4 +1,4 @@
-"""Functions of linkages with triads: what closes these is found first, from the spec's start, then all follows in closed form."""
+"""Functions that rest on unknowns, which are found first: what closes a linkage's triads, and where a curved sole touches the ground."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -10,8 +10,11 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Table
 from walkgen.symbolic.closure import assembled_port, drive_count, driven_closure, point_parameters, unknowns_port
 from walkgen.symbolic.closure_steps import advance, begin, finish, unknown_slopes
+from walkgen.symbolic.first_root import FirstRoot, whole
 from walkgen.symbolic.function import Angle, Derivation, Function, LessEqual, Select, Solve, Step
+from walkgen.symbolic.path import touch_port
 from walkgen.symbolic.ports import DRIVE, signature
+from walkgen.symbolic.sole_touch import SoleTouch
 from walkgen.symbolic.starts import found_start
 from walkgen.symbolic.tape import Tape, symbols_of
 
@@ -20,7 +23,7 @@ _REPEATS = 72
 
 
 def closed(mechanism: Mechanism, derivation: Derivation) -> Derivation:
-    """The derivation, with the unknowns of linkages found before the functions that use them; itself where there are none.
+    """The derivation, with the unknowns of legs found before the functions that use them; itself where there are none.
 
     Raises:
         UnsupportedMechanism: a triad assembles nowhere (WG189).
@@ -42,10 +45,14 @@ def _rests_on_unknowns(mechanism: Mechanism, derivation: Derivation) -> bool:
 
 def _extra(leg: Limb, function: Function) -> tuple[Port, ...]:
     """What a function needs of the leg's closing."""
-    if leg.linkage is None or not leg.linkage.forward.triads:
+    if leg.curved_sole is not None:
+        unknown: tuple[Port, ...] = (touch_port(leg),)
+    elif leg.linkage is not None and leg.linkage.forward.triads:
+        unknown = (unknowns_port(leg), assembled_port(leg))
+    else:
         return ()
     free = _free(function)
-    return tuple(port for port in (unknowns_port(leg), assembled_port(leg)) if not free.isdisjoint(symbols_of(port)))
+    return tuple(port for port in unknown if not free.isdisjoint(symbols_of(port)))
 
 
 def _free(function: Function) -> set[sympy.Basic]:
@@ -59,7 +66,7 @@ def _free(function: Function) -> set[sympy.Basic]:
 
 @dataclass(frozen=True)
 class _Joints:
-    """Where a leg's drives stand: in which argument, from which element on."""
+    """Where a linkage's drives, or all joints of a leg with a curved sole, stand: in which argument, from which element on."""
 
     leg: Limb
     port: Port
@@ -79,7 +86,7 @@ class _Closing:
 
     def result(self, derivation: Derivation, form: Solve | None) -> Solve:
         """The function with its closings, and what stands in for it where there are no routines."""
-        own = derivation if isinstance(derivation, Solve) else Solve(derivation.signature, (), (_whole(derivation),))
+        own = derivation if isinstance(derivation, Solve) else Solve(derivation.signature, (), (whole(derivation),))
         steps = tuple(step for each in own.steps for step in self._steps(each))
         found, tables = tuple(dict.fromkeys((*own.locals, *self._locals))), tuple(dict.fromkeys((*own.tables, *self._tables)))
         slopes = tuple(self._slopes) if isinstance(derivation, Function) else ()
@@ -107,6 +114,9 @@ class _Closing:
     def _closing(self, joints: _Joints, step: Step) -> Iterator[Step]:
         """From the drives, and the parameters that matter, to the unknowns."""
         leg = joints.leg
+        if leg.curved_sole is not None:
+            yield from self._touching(joints, step)
+            return
         gathered = _gathered(self._mechanism, joints)
         point = gathered.signature.outputs[0]
         assert isinstance(step.callee, Function)
@@ -117,6 +127,24 @@ class _Closing:
         if self._mechanism.parameters:
             slopes = unknown_slopes(self._mechanism, leg)
             self._slopes.append(Step(slopes, (point.name, unknowns_port(leg).name, slopes.signature.outputs[0].name)))
+
+    def _touching(self, joints: _Joints, step: Step) -> Iterator[Step]:
+        """From all joints to where the sole touches the ground."""
+        assert isinstance(step.callee, Function)
+        touch = SoleTouch(self._mechanism, joints.leg)
+        upright = touch.upright(joints.port, joints.first)
+        given = dict(zip((port.name for port in step.callee.signature.inputs), step.arguments, strict=False))
+        self._locals += [touch.up, touch_port(joints.leg)]
+        yield Step(upright, (*(given[port.name] for port in upright.signature.inputs), touch.up.name))
+        for root in touch.roots():
+            yield whole(touch.given(root))
+            yield from self._rooted(root)
+        yield whole(touch.place())
+
+    def _rooted(self, root: FirstRoot) -> tuple[Step, ...]:
+        self._locals += root.locals
+        self._callbacks.append(root.callback)
+        return root.steps()
 
     def _rest(self, leg: Limb) -> tuple[Port, ...]:
         return (unknowns_port(leg), assembled_port(leg))
@@ -133,6 +161,10 @@ class _Closing:
 class _Iterated(_Closing):
     """The same by so many steps, for targets without routines."""
 
+    def _rooted(self, root: FirstRoot) -> tuple[Step, ...]:
+        self._locals += root.repeated_locals
+        return root.repeated()
+
     def _rest(self, leg: Limb) -> tuple[Port, ...]:
         return (begin(self._mechanism, leg).signature.outputs[0], *super()._rest(leg))
 
@@ -144,12 +176,6 @@ class _Iterated(_Closing):
         yield Step(last, (point.name, state, unknowns_port(leg).name, assembled_port(leg).name))
 
 
-def _whole(function: Function) -> Step:
-    """All of a function as a step."""
-    ports = (*function.signature.inputs, *function.signature.outputs)
-    return Step(function, tuple(port.name for port in ports))
-
-
 def _with_inputs(function: Function, extras: Sequence[Port]) -> Function:
     """A function that takes what closes legs as well."""
     words = replace(function.signature, inputs=(*function.signature.inputs, *extras))
@@ -159,8 +185,9 @@ def _with_inputs(function: Function, extras: Sequence[Port]) -> Function:
 def _joints(mechanism: Mechanism, leg: Limb, function: Function) -> _Joints:
     """Of the robot's q where the function takes all of it, else the last of the path's, or the one drive of a curve."""
     port = next(port for port in function.signature.inputs if port.name in ("q", DRIVE.name))
-    whole = not function.signature.owner
-    first = mechanism.offset(leg) + len(leg.serial) if whole else port.size - drive_count(leg)
+    count = drive_count(leg) if leg.linkage is not None else len(leg.joints)
+    of_robot = not function.signature.owner
+    first = mechanism.offset(leg) + len(leg.joints) - count if of_robot else port.size - count
     return _Joints(leg, port, first)
 
 
@@ -189,7 +216,7 @@ def _near(value: sympy.Expr, centre: sympy.Expr, tape: Tape) -> sympy.Expr:
 
 def called_back(function: Function, name: str) -> Solve:
     """A function as routines call it."""
-    return Solve(replace(function.signature, name=name), (), (_whole(function),))
+    return Solve(replace(function.signature, name=name), (), (whole(function),))
 
 
 def _callback(mechanism: Mechanism, leg: Limb) -> Solve:

@@ -48,8 +48,11 @@ BRANCHED: dict[str, LegBuilder] = {
 ITERATED: dict[str, PathBuilder] = {"inverse_near": inverse_reach, "inverse_pose": inverse_pose}
 """Of longer legs and routes."""
 
+LIMITED: dict[str, PathBuilder] = {"within_limits": within_limits}
+"""Of every leg and route, whatever it stands on."""
+
 JOINTED: dict[str, PathBuilder] = {
-    "within_limits": within_limits,
+    **LIMITED,
     "inverse_velocity": inverse_velocity,
     "inverse_acceleration": inverse_acceleration,
 }
@@ -109,9 +112,11 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     robot = RobotFunctions(mechanism)
     yield from (build() for name, build in robot.functions().items() if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
-    if all(leg.linkage is None for leg in mechanism.legs):
+    pointed = all(leg.curved_sole is None for leg in mechanism.legs)
+    if pointed and all(leg.linkage is None for leg in mechanism.legs):
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-    stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
+    if pointed:
+        stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
     floating = FloatingFunctions(mechanism)
     yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
     if mechanism.terrain and wanted("settle"):
@@ -128,7 +133,8 @@ def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivat
     yield from (build() for name, build in curved_sole_functions(mechanism, leg).items() if wanted(name))
     if leg.linkage is not None:
         yield from (linkage_function(mechanism, leg, name) for name in LINKAGE if wanted(name))
-    yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
+    if leg.curved_sole is None:
+        yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
@@ -155,8 +161,10 @@ def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted:
 
 
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
-    """All branches where they are known."""
-    if leg.linkage is not None:
+    """All branches where they are known; a leg with a curved sole has functions of its own."""
+    if leg.curved_sole is not None:
+        pass
+    elif leg.linkage is not None:
         yield from (function for function in _linkage_inverse(mechanism, leg) if wanted(function.signature.name))
     elif inverse_class(mechanism, leg).name:
         yield from (build(mechanism, leg) for name, build in BRANCHED.items() if wanted(name))
@@ -177,7 +185,8 @@ def _linkage_inverse(mechanism: Mechanism, leg: Limb) -> Iterable[Derivation]:
 
 def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:
     """What any path has; the iterated inverse where there are too many joints for branches."""
-    yield from (build(mechanism, route) for name, build in (JOINTED | _iterated(mechanism, route)).items() if wanted(name))
+    builders = LIMITED if route.limbs[-1].curved_sole else JOINTED | _iterated(mechanism, route)
+    yield from (build(mechanism, route) for name, build in builders.items() if wanted(name))
 
 
 def _iterated(mechanism: Mechanism, route: Route) -> dict[str, PathBuilder]:

@@ -159,6 +159,10 @@ CHAIN: dict[str, Entry] = {
 }
 
 
+_ROLLING = " The foot is where its sole touches level ground, below the ankle where flat; slopes are those of the foot's point there."
+"""Of legs with curved soles."""
+
+
 @dataclass(frozen=True)
 class Route:
     """A path by its owner's name: a leg, a chain, or the chains and the leg from the root platform to a foot."""
@@ -193,5 +197,6 @@ class PathFunctions:
         """One entry as a Function of this path."""
         inputs = [self._ports[port] for port in entry.inputs]
         outputs = entry.outputs(self._route.joints)
-        words = signature(self._mechanism, self._route.owner, name, inputs, outputs, entry.doc, entry.source)
+        doc = entry.doc + (_ROLLING if self._route.limbs[-1].curved_sole and name != "joint_frames" else "")
+        words = signature(self._mechanism, self._route.owner, name, inputs, outputs, doc, entry.source)
         return self.tape.function(words, entry.build(self.motion))

@@ -17,6 +17,7 @@ from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.driven import planar_joints
 from walkgen.symbolic.frames import Frame, frame_of, parameter_symbols
 from walkgen.symbolic.inertia import inertia_of
+from walkgen.symbolic.path import touched
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import Planar
 from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
@@ -71,7 +72,8 @@ def _grow_series(
     places = [Attachment(start.link, start.frame * frame_of(limb.mount, growth.parameters))]
     for joint, index in zip(limb.serial, indices, strict=False):
         places.append(growth.joint(joint, places[-1], spread.joint(index, q[index]), prefix + joint.name))
-    return [*places, Attachment(places[-1].link, places[-1].frame * frame_of(limb.tip, growth.parameters))]
+    tip = frame_of(limb.tip, growth.parameters)
+    return [*places, Attachment(places[-1].link, places[-1].frame * (tip * touched(limb) if limb.curved_sole else tip))]
 
 
 def grow_leg(

@@ -11,8 +11,9 @@ from functools import cached_property
 import sympy
 
 from walkgen.model.mechanism import Joint, Limb
+from walkgen.signature import Port
 from walkgen.symbolic.frames import Frame, Parameters, cosine_sine, expression, frame_of
-from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Columns, Tape, Vec, cross, plus, scaled, times
+from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Columns, Tape, Vec, cross, plus, scaled, symbols_of, times
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,22 @@ def path_of(limbs: Sequence[Limb], q: Sequence[sympy.Expr], parameters: Paramete
             pending = frame_of(joint.after, parameters)
             afters.append(pending)
         pending = pending * frame_of(limb.tip, parameters)
+    if limbs[-1].curved_sole is not None:
+        pending = pending * touched(limbs[-1])
     joints = tuple(joint for limb in limbs for joint in limb.joints)
     mount = frame_of(limbs[0].mount, parameters)
     return Path(joints, (*links, pending), tuple(afters), mount, tuple(q), parameters)
+
+
+def touched(leg: Limb) -> Frame:
+    """From the foot frame of a leg with a curved sole to where that touches the ground, an unknown."""
+    x, y = symbols_of(touch_port(leg))
+    return Frame(origin=(x, y, sympy.S.Zero))
+
+
+def touch_port(leg: Limb) -> Port:
+    """The foot point of a leg with a curved sole, in its foot's axes."""
+    return Port(f"{leg.name}_touch", (2,), "m")
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,96 @@
+"""Where a curved sole touches level ground, in its foot's axes, for any posture: what kinematics and dynamics take for the foot point.
+
+It is an unknown of the functions that rest on it, found before them: on the toe's or the heel's curve by Newton's method, at the end of a
+curve where the foot is turned further, below the ankle where the sole lies flat.
+"""
+
+from collections.abc import Sequence
+
+import sympy
+
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.signature import Port
+from walkgen.symbolic.choices import at_most, both, less
+from walkgen.symbolic.directrix import Directrix
+from walkgen.symbolic.first_root import FirstRoot
+from walkgen.symbolic.frames import expression, parameter_symbols
+from walkgen.symbolic.function import Function, Residue, Same, Select
+from walkgen.symbolic.path import Kinematics, path_of, touch_port
+from walkgen.symbolic.ports import signature
+from walkgen.symbolic.rolling_leg import Planar
+from walkgen.symbolic.sole_ports import SoleLeg
+from walkgen.symbolic.tape import Tape, dot, symbols_of
+
+_FLAT = sympy.Rational(1, 10**9)
+"""A foot turned by less (rad) stands flat."""
+
+
+class SoleTouch:
+    """Of one leg."""
+
+    def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
+        self._own = SoleLeg.of(mechanism, leg)
+        self._mechanism, self._leg = mechanism, leg
+
+    @property
+    def up(self) -> Port:
+        """The vertical in the sole's plane, as a rotor: forward and towards the ankle's far side."""
+        return Port(f"{self._leg.name}_up", (2,))
+
+    def upright(self, q: Port, first: int) -> Function:
+        """q -> the vertical, `first` the place of the leg's first joint in q."""
+        tape, parameters = Tape(), parameter_symbols(self._mechanism)
+        values = symbols_of(q)[first : first + len(self._leg.joints)]
+        rotation = Kinematics(path_of((self._leg,), values, parameters), tape).rotation
+        gravity = [expression(entry, parameters) for entry in self._mechanism.gravity]
+        against = [-entry for entry in gravity] if any(entry != 0 for entry in gravity) else [sympy.S.Zero, sympy.S.Zero, sympy.S.One]
+        size = sympy.sqrt(dot(against, against))
+        down, ahead = (dot(column, against) / size for column in rotation[:2])
+        words = signature(self._mechanism, self._leg.name, f"up_in_{q.name}_{q.size}", [q], [self.up], "", "")
+        return tape.function(words, [self._own.leg.sole.side * ahead, down])
+
+    def given(self, root: FirstRoot) -> Function:
+        """What a curve's root takes, out of the vertical."""
+        return self._own.function(Tape(), f"{root.name}_upright", [self.up], [root.given], symbols_of(self.up))
+
+    def roots(self) -> list[FirstRoot]:
+        """Of the curves that the sole has."""
+        return [self._root(which) for which in self._own.leg.sole.curves()]
+
+    def _root(self, which: str) -> FirstRoot:
+        def residual(tape: Tape, at: sympy.Expr, given: Sequence[sympy.Expr]) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+            return self._curve(which, at, tape).tangency(given[0], given[1])
+
+        name = f"{self._leg.name}_{which}"
+        return FirstRoot(
+            self._mechanism, self._leg.name, name, 2, residual, lambda tape: self._curve(which, sympy.S.Zero, tape).bounds
+        )
+
+    def _curve(self, which: str, at: sympy.Expr, tape: Tape) -> Directrix:
+        return Directrix(self._mechanism, self._own.leg, which, at, tape)
+
+    def place(self) -> Function:
+        """Vertical and roots -> the foot point."""
+        tape, (ahead, _) = Tape(), symbols_of(self.up)
+        sole, parameters = self._own.leg.sole, parameter_symbols(self._mechanism)
+        depth, rear, front = (expression(entry, parameters) for entry in (sole.depth, sole.rear, sole.front))
+        below = -self._own.leg.foot[1]
+        below = Select(less(below, rear), rear, Select(less(front, below), front, below))
+        sides = {"toe": (depth, front), "heel": (depth, rear)}
+        inputs = [self.up]
+        for which, root in zip(sole.curves(), self.roots(), strict=True):
+            sides[which] = self._on(tape, which, root)
+            inputs += [root.root, root.status]
+        toe = less(ahead, 0)
+        flat = at_most(abs(ahead), _FLAT)
+        x, y = (Select(flat, level, Select(toe, *pair)) for level, pair in zip((depth, below), zip(*sides.values(), strict=True), strict=True))
+        taint = Residue(ahead)
+        return self._own.function(tape, "touched", inputs, [touch_port(self._leg)], [x + taint, sole.side * y + taint])
+
+    def _on(self, tape: Tape, which: str, root: FirstRoot) -> Planar:
+        """The point of a curve, its end where the foot is turned beyond it, from the foot frame's origin."""
+        (at,), (status,) = symbols_of(root.root), symbols_of(root.status)
+        end = self._curve(which, at, tape).bounds[1]
+        held = tape.let(f"{which}_at", Select(both(Same(status, 0), at_most(at, end)), at, end))
+        x, y = self._curve(which, held, tape).point
+        return x - self._own.leg.foot[0], y - self._own.leg.foot[1]
