@@ -42,6 +42,8 @@ _FUNCTIONS = (
 """What a walk calls, of those that the robot has."""
 _DRIVEN = ("foot_position", "foot_jacobian")
 """And where a leg has a path of its own."""
+_ROLLING = ("foot_position", "joint_angles", "flat_motion", "hip_position", "toe_rolling")
+"""And where a leg rolls on a curved sole."""
 _WITHOUT_BRANCHES = ("inverse_near",)
 """And where a leg has more than three joints."""
 SUFFIXES = (".html", ".csv")
@@ -117,7 +119,8 @@ def _robot(path: Path, mechanism: Mechanism, progress: Progress) -> Robot:
 def functions_of(mechanism: Mechanism) -> tuple[str, ...]:
     """Names of the functions that a walk of the robot calls."""
     counts = [len(leg.joints) for leg in mechanism.legs]
-    return _FUNCTIONS + (_WITHOUT_BRANCHES if max(counts) > 3 else ()) + (_DRIVEN if min(counts) < 3 else ())
+    rolling = _ROLLING if any(leg.curved_sole for leg in mechanism.legs) else ()
+    return _FUNCTIONS + (_WITHOUT_BRANCHES if max(counts) > 3 else ()) + (_DRIVEN if min(counts) < 3 else ()) + rolling
 
 
 def _patches(mechanism: Mechanism) -> tuple[Any, ...]:

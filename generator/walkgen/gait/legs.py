@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkgen.gait.driven import is_driven
+from walkgen.gait.planned import is_planned
 from walkgen.runtime.robot import Leg, Robot
 from walkgen.signature import STATUSES
 
@@ -24,14 +24,14 @@ def postures(robot: Robot, feet: np.ndarray, chains: np.ndarray) -> Postures:
     Args:
         robot: with `inverse` or `inverse_near` of every leg.
         feet: targets [t,k,3] in the first platform's frame (m).
-        chains: robot's joint values [t,nq] of which those of the chains, and of legs with a path of their own, are kept.
+        chains: robot's joint values [t,nq] of which those of the chains, and of legs that are planned by their joints, are kept.
     """
     q = chains.copy()
     near = middle(robot.limits)
     status = np.zeros(feet.shape[:2], np.int32)
     targets = _on_platforms(robot, feet, chains)
     for foot, leg in enumerate(robot.legs.values()):
-        if is_driven(leg):
+        if is_planned(leg):
             continue
         q[:, leg.slice], status[:, foot] = _leg(leg, targets[:, foot], near[leg.slice])
     return Postures(q, status)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from walkgen.gait.chains import Bending, joints
-from walkgen.gait.driven import is_driven
+from walkgen.gait.planned import is_planned
 from walkgen.runtime.robot import Leg, Robot, Route
 
 _SMALL = 1e-10
@@ -17,7 +17,7 @@ def rates(robot: Robot, q: np.ndarray, bending: Bending, velocity: np.ndarray, a
     Args:
         robot: with `foot_jacobians` and `foot_bias_acceleration`.
         q: joint values [t,nq].
-        bending: of the chains, and of legs with a path of their own.
+        bending: of the chains, and of legs that are planned by their joints.
         velocity: of the feet in the first platform's frame [t,k,3] (m/s).
         acceleration: of the feet there [t,k,3] (m/s^2).
     """
@@ -34,7 +34,7 @@ def _fill(robot: Robot, q: np.ndarray, rate: tuple[np.ndarray, np.ndarray], velo
     bent = qd[:, chains].T, qdd[:, chains].T
     jacobians = robot.foot_jacobians(q)
     for foot, leg in enumerate(robot.legs.values()):
-        if is_driven(leg):
+        if is_planned(leg):
             continue
         inverse = _inverse(_last(jacobians[:, foot, :, leg.slice]))
         carried = _last(jacobians[:, foot][..., chains])

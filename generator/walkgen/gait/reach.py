@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from walkgen.gait.chains import held
-from walkgen.gait.driven import is_driven
 from walkgen.gait.legs import carriers, missing, platform_poses, postures
+from walkgen.gait.planned import is_planned
 from walkgen.gait.trajectory import Trajectory
 from walkgen.runtime.robot import Leg, Robot
 
@@ -44,7 +44,7 @@ class Shortfall:
 def shortfalls(
     robot: Robot, trajectory: Trajectory, twist: Any = None, samples: int = _SAMPLES, *, limits: bool = True
 ) -> tuple[Shortfall, ...]:
-    """Legs that cannot follow a gait's feet on level ground, with connecting chains straight; but those with a path of their own.
+    """Legs that cannot follow a gait's feet on level ground, with connecting chains straight; but those that are planned by their joints.
 
     Args:
         robot: built with its legs' `inverse_admissible` and `foot_position`, or without limits with `inverse` and `foot_positions`, and
@@ -65,7 +65,7 @@ def _missed(robot: Robot, trajectory: Trajectory, twist: Any, samples: int, *, l
     local, away = _distances(robot, feet, limits=limits)
     for foot, (name, leg) in enumerate(robot.legs.items()):
         worst = int(np.argmax(away[:, foot]))
-        if away[worst, foot] > _HAIR and not is_driven(leg):
+        if away[worst, foot] > _HAIR and not is_planned(leg):
             x, y, z = local[worst, foot].tolist()
             u = float(phases[worst, foot])
             yield Shortfall(name, u, (x, y, z), float(away[worst, foot]), _part(u, gait.duty_factor[foot]))

@@ -17,7 +17,9 @@ from walkgen.gait.ground import Ground, Slope
 from walkgen.gait.legs import missing, postures
 from walkgen.gait.motion import Motion, composed
 from walkgen.gait.power import Contact, Power, power
+from walkgen.gait.planned import is_planned
 from walkgen.gait.rates import rates
+from walkgen.gait.rolling import is_rolling, rolled
 from walkgen.gait.stance_margins import Margins, margins
 from walkgen.gait.steps import Standing, Steps, place_steps
 from walkgen.gait.trajectory import FootMotion, Trajectory
@@ -26,7 +28,7 @@ from walkgen.runtime.robot import Robot
 from walkgen.signature import STATUSES
 
 _USUAL_MU = 0.7
-_SINGULAR = STATUSES.index("SINGULAR")
+_SINGULAR, _UNREACHABLE = STATUSES.index("SINGULAR"), STATUSES.index("UNREACHABLE")
 _REACHED = 1e-9
 _WITHIN = 1e-9
 _TOUCHED = 1e-6
@@ -106,8 +108,8 @@ def simulate(robot: Robot, trajectory: Trajectory | Steps, ground: Ground = _LEV
     if options.cycles < 1 or not options.rate > 0.0:
         raise ValueError(f"{options.cycles} cycles at {options.rate:g} instants a second: one and more than 0 are needed")
     trajectory = trajectory.ordered(tuple(robot.legs))
-    if isinstance(trajectory, Steps) and any(map(is_driven, robot.legs.values())):
-        raise ValueError("legs with a path of their own walk in cycles, not by a list of events")
+    if isinstance(trajectory, Steps) and any(map(is_planned, robot.legs.values())):
+        raise ValueError("legs with a path of their own, or that roll on their soles, walk in cycles, not by a list of events")
     if options.body != "level":
         trajectory = balance.with_room(trajectory)
     plan = planned(trajectory, ground, options)
@@ -156,19 +158,29 @@ def state(robot: Robot, plan: Plan, adapt: bool, times: np.ndarray) -> State:
     if led and isinstance(plan.footholds, Footholds):
         drives = driven(robot, plan.footholds, plan.body, times)
         bending = Bending(bending.q + drives.q, bending.qd + drives.qd, bending.qdd + drives.qdd, bending.failed)
+    rolls = [foot for foot, leg in enumerate(robot.legs.values()) if is_rolling(leg)]
+    status = np.zeros(support.shape, np.int32)
+    if rolls and isinstance(plan.footholds, Footholds):
+        turned = rolled(robot, plan.footholds, plan.body, times)
+        bending = Bending(bending.q + turned.q, bending.qd + turned.qd, bending.qdd + turned.qdd, bending.failed)
+        status = turned.status
     found = postures(robot, motion.inward(feet.position - motion.position[:, None]), bending.q)
-    if led:
-        feet = _on_their_way(robot, motion, feet, support, led, found.q)
+    found = found._replace(status=np.where(status == 0, found.status, status))
+    if led or rolls:
+        feet = _on_their_way(robot, motion, feet, support, (led, rolls), found.q)
     has_mass = hasattr(robot, "com")
     com = robot.com(motion.pose, found.q) if has_mass else np.full((len(times), 3), np.nan)
     return State(motion, feet, support, bending, found.q, found.status, com)
 
 
-def _on_their_way(robot: Robot, motion: Motion, feet: FootMotion, support: np.ndarray, led: list[int], q: np.ndarray) -> FootMotion:
-    """The feet, those that have a path of their own and are in transfer where it takes them."""
-    position = feet.position.copy()
+def _on_their_way(
+    robot: Robot, motion: Motion, feet: FootMotion, support: np.ndarray, which: tuple[list[int], list[int]], q: np.ndarray
+) -> FootMotion:
+    """The feet, those that have a path of their own and are in transfer where it takes them, those that roll where they touch the ground."""
+    position, (led, rolls) = feet.position.copy(), which
     own = motion.position[:, None] + motion.outward(robot.foot_positions(q))
     position[:, led] = np.where(support[:, led, None], position[:, led], own[:, led])
+    position[:, rolls] = np.where(np.isfinite(own[:, rolls]), own[:, rolls], position[:, rolls])
     return feet._replace(position=position)
 
 
@@ -260,6 +272,8 @@ def _faults(
     yield from worst("ground", legs, times, np.where(nowhere, np.inf, np.nan), "m", 0.0)
     away = missing(robot, now.motion.inward(point - now.motion.position[:, None]), now.q)
     own = np.array([is_driven(leg) for leg in robot.legs.values()])
+    lost = now.status == _UNREACHABLE
+    away = np.where(lost & np.isnan(away), np.inf, away)
     yield from worst("reach", legs, times, np.where(own, np.nan, away), "m", _REACHED)
     yield from worst("off", legs, times, np.where(own, away, np.nan), "m", max(options.give, _REACHED))
     yield from worst("singular", legs, times, np.where(now.status == _SINGULAR, np.inf, np.nan), "m", 0.0)

@@ -1,0 +1,163 @@
+"""Legs with curved soles: each foot stands flat, rolls over its toe in the last part of its support, and turns back on its way.
+
+The foot's angle is planned; where the sole rolls without slipping gives the ankle, and hip and ankle the joints.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from walkgen.gait.footholds import Footholds
+from walkgen.gait.motion import Motion
+from walkgen.runtime.robot import Leg, Robot
+from walkgen.runtime.solves.gait import gait_step
+from walkgen.signature import STATUSES
+
+_OK = STATUSES.index("OK")
+_FLAT = -0.5 * np.pi
+_HEEL_OFF = 0.5
+"""Share of the support after which the foot begins to roll."""
+_ROLL = 0.7
+"""How far, of what the toe's curve allows."""
+_KNEE = 1
+_LOOKS = 721
+Rows = np.ndarray
+
+
+class Rolled(NamedTuple):
+    """Of the legs that `is_rolling`: joint values, rates, accelerations [t,nq], 0 elsewhere; and every leg's status [t,k]."""
+
+    q: Rows
+    qd: Rows
+    qdd: Rows
+    status: Rows
+
+
+def is_rolling(leg: Leg) -> bool:
+    """Whether the leg has a sole with a toe to roll over."""
+    return "toe_rolling" in leg.functions
+
+
+def rolled(robot: Robot, footholds: Footholds, body: Callable[[Rows], Motion], t: Rows) -> Rolled:
+    """Joint motions that keep every supporting sole on the ground, flat and then rolling, and lead it to the next foothold in between.
+
+    Args:
+        robot: with the functions of such legs, whose planes are along its first platform's x and z; the ground is level.
+        footholds: below the ankles of flat feet.
+        body: motion of the first platform at times, which does not turn.
+        t: instants [t] (s).
+    """
+    none = np.zeros((len(t), len(robot.joint_names)))
+    found = Rolled(none, none.copy(), none.copy(), np.zeros((len(t), len(robot.legs)), np.int32))
+    for foot, leg in enumerate(robot.legs.values()):
+        if is_rolling(leg):
+            joints = slice(leg.slice.stop - 3, leg.slice.stop)
+            *parts, found.status[:, foot] = _joints(leg, foot, footholds, body, t)
+            for whole, part in zip(found[:3], parts, strict=True):
+                whole[:, joints] = part
+    return found
+
+
+def _joints(leg: Leg, foot: int, footholds: Footholds, body: Callable[[Rows], Motion], t: Rows) -> tuple[Rows, ...]:
+    """q, qd, qdd [t,3] and status [t]."""
+    gait = footholds.trajectory.gait
+    number, support = footholds.support(t)
+    u, duty = gait.leg_phase(t)[:, foot], gait.duty_factor[foot]
+    stays = footholds.skipped[foot, number[:, foot]]
+    here, there = (footholds.points[foot, number[:, foot] + step] for step in (0, 1))
+    stands = support[:, foot] | stays
+    angle, end = _planned(np.where(stays, 0.0, u), duty, gait.period, _limit(leg))
+    last = _on_toe(leg, np.array([[end], [0.0], [0.0]]))[0, 0]
+    share = np.clip((u - duty) / (1.0 - duty), 0.0, 1.0)
+    over = last - [0.0, _height(leg)]
+    moving = _carried(share, 1.0 / ((1.0 - duty) * gait.period), footholds.trajectory.lift, here[:, [0, 2]] + over, there[:, [0, 2]])
+    moving[0, :, 1] += _height(leg)
+    ankle = np.where(stands[None, :, None], _placed(here, _on_toe(leg, angle)), moving)
+    at, velocity, acceleration = body(t).seen(*(_spread(part) for part in ankle))
+    away = np.stack([part[:, 0][:, [0, 2]] for part in (at, velocity, acceleration)], 1)
+    still = np.zeros(2)
+    relative = np.array([_hip(leg) + [0.0, _height(leg)], still, still]) - away
+    links, status = leg.flat_motion(relative, 0.0, _KNEE)
+    links = np.concatenate([links[:, :, :2], angle.T[:, :, None]], axis=2)
+    zero = leg.joint_angles(np.zeros(3))
+    q, qd, qdd = (leg.joint_angles(np.ascontiguousarray(links[:, order])) for order in range(3))
+    return q, qd - zero, qdd - zero, status
+
+
+def _spread(part: Rows) -> Rows:
+    """Points of one foot [t,2] in the world's x and z as [t,1,3]; sideways the foothold does not matter."""
+    return np.stack([part[:, 0], np.zeros(len(part)), part[:, 1]], -1)[:, None]
+
+
+def _planned(u: Rows, duty: float, period: float, limit: float) -> tuple[Rows, float]:
+    """The foot's angle with rate and acceleration [3,t], and where its roll ends."""
+    end = _FLAT + _ROLL * (limit - _FLAT)
+    rest = np.zeros_like(u)
+    start, off = _HEEL_OFF * duty, duty
+    rolling = _eased((u - start) / (off - start), (off - start) * period, _FLAT, end)
+    turning = _eased((u - off) / (1.0 - off), (1.0 - off) * period, end, _FLAT)
+    flat = np.array([_FLAT + rest, rest, rest])
+    return np.where(u < start, flat, np.where(u < off, rolling, turning)), end
+
+
+def _eased(share: Rows, span: float, start: float, end: float) -> Rows:
+    """From rest to rest, with rate and acceleration [3,t]."""
+    there = np.clip(share, 0.0, 1.0)
+    moving = gait_step(there, np.full(len(there), 1.0 / span), 0.0, np.full(3, start), np.full(3, end))
+    return np.array([part[:, 0] for part in moving])
+
+
+def _limit(leg: Leg) -> float:
+    """The angle beyond which the foot has no more toe to roll over."""
+    angles = np.linspace(_FLAT, -1.5 * np.pi, _LOOKS)
+    links = np.stack([np.full(_LOOKS, _FLAT), np.full(_LOOKS, _FLAT), angles], -1)
+    status = leg.hip_position(links, 0.0)[-1]
+    beyond = np.flatnonzero(status != _OK)
+    return float(angles[beyond[0] - 1] if len(beyond) else angles[-1])
+
+
+def _on_toe(leg: Leg, angle: Rows) -> Rows:
+    """The ankle over a foothold at 0 with rate and acceleration [3,t,2], by the foot's angle with those [3,t]."""
+    rest = np.full(angle.shape[1], _FLAT)
+    _, phase, contact, ankle, _, _ = leg.hip_position(np.stack([rest, rest, np.minimum(angle[0], _FLAT)], -1), 0.0)
+    rolls = phase == 1
+    turning, _, _, by_contact = leg.toe_rolling(contact, _edge(leg))
+    rate = np.where(rolls, angle[1] / turning[:, 1], 0.0)[:, None]
+    second = np.where(rolls, (angle[2] - turning[:, 2] * rate[:, 0] ** 2) / turning[:, 1], 0.0)[:, None]
+    return np.stack([ankle, by_contact[:, 1] * rate, by_contact[:, 2] * rate**2 + by_contact[:, 1] * second])
+
+
+def _edge(leg: Leg) -> float:
+    """How far the flat part goes ahead of the ankle (m): where the foot touches the ground once it is a little turned."""
+    flat = np.array([_FLAT, _FLAT, _FLAT])
+    turned = flat - [0.0, 0.0, 1e-7]
+    return float(leg.hip_position(turned, 0.0)[4][0])
+
+
+def _hip(leg: Leg) -> Rows:
+    """Where the hip is in the platform's x and z (m)."""
+    angles = np.full(3, _FLAT)
+    q = np.zeros(len(leg.joints))
+    q[-3:] = leg.joint_angles(angles)
+    hip, _, _, _, point, _ = leg.hip_position(angles, 0.0)
+    found: Rows = leg.foot_position(q)[[0, 2]] + hip - point
+    return found
+
+
+def _height(leg: Leg) -> float:
+    """Of a flat foot's ankle (m)."""
+    return float(leg.hip_position(np.full(3, _FLAT), 0.0)[3][1])
+
+
+def _placed(foothold: Rows, ankle: Rows) -> Rows:
+    """[3,t,2] in the world's x and z: over footholds at rest [t,3]."""
+    placed = ankle.copy()
+    placed[0] += foothold[:, [0, 2]]
+    return placed
+
+
+def _carried(share: Rows, rate: float, lift: float, start: Rows, end: Rows) -> Rows:
+    """A point on its way, in the world's x and z, with rates and accelerations [3,t,2]."""
+    begin, there = (np.stack([place[:, 0], np.zeros(len(place)), place[:, 1]], -1) for place in (start, end))
+    return np.stack([part[:, [0, 2]] for part in gait_step(share, np.full(len(share), rate), lift, begin, there)])
