@@ -142,7 +142,15 @@ def main() -> None:
     solved = {leg.name: _solved(leg) for leg in legs}
     worst = max(medians[f"{leg.name}: rolling"][0] for leg in legs) / yard
     print(f"rows with a state: {solved} of {ROWS}; a rolling state takes {worst:.1f} times three sincos, at most {BOUND:g} asked for")
-    content = {"rows": ROWS, "solved": solved, "ns": medians, "times_three_sincos": worst, "bound": BOUND, "core": core, "compilers": versions()}
+    content = {
+        "rows": ROWS,
+        "solved": solved,
+        "ns": medians,
+        "times_three_sincos": worst,
+        "bound": BOUND,
+        "core": core,
+        "compilers": versions(),
+    }
     print("written:", write("soles", content))
     assert worst <= BOUND
 

@@ -59,9 +59,7 @@ def check_suffixes(plot: Path | None, cam: Path | None) -> None:
             raise SpecError(Problem("WG219", message, "name a file with one of them"))
 
 
-def files(
-    path: Path, found: "Found", output: Path | None, plot: Path | None, cam: Path | None
-) -> Iterator[tuple[Path, str | bytes]]:
+def files(path: Path, found: "Found", output: Path | None, plot: Path | None, cam: Path | None) -> Iterator[tuple[Path, str | bytes]]:
     """What is to be written: the spec with the values that were found, the plot, the cam.
 
     Raises:

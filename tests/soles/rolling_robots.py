@@ -76,7 +76,7 @@ def foot_forward(made, contact, edge, which="toe"):
 
 
 def random_states(made, bounds, rows, seed, which="toe"):
-    """Hips, thighs and edges of states that forward kinematics makes, with any rates: and the contact parameters and links that made them."""
+    """Hips, thighs and edges of states that forward kinematics makes, with any rates; the contact parameters and shanks that made them."""
     random = np.random.default_rng(seed)
     contact = bounds[0] + random.uniform(0.02, 0.98, rows) * (bounds[1] - bounds[0])
     edge, thigh, shank = random.uniform(-1, 1, rows), random.uniform(-1.6, -0.9, rows), random.uniform(-2.7, -2.1, rows)

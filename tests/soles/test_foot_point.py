@@ -26,7 +26,9 @@ mirror_of = "leg"
 
 def two_legs():
     """A yaw joint before the hip, a shifted and turned foot frame, and the mirrored leg."""
-    text = LEG.replace('[[leg_designs.leg.joints]]\nname = "hip"', YAW, 1).replace("mount = { rpy_deg = [90, 0, 0] }", "mount = { xyz = [0.0, 0.1, 0.0] }")
+    text = LEG.replace('[[leg_designs.leg.joints]]\nname = "hip"', YAW, 1).replace(
+        "mount = { rpy_deg = [90, 0, 0] }", "mount = { xyz = [0.0, 0.1, 0.0] }"
+    )
     text = text.replace("foot = { xyz = [0.0, 0.0, 0.0] }", "foot = { xyz = [0.01, 0.02, 0.0], rpy_deg = [0, 0, 10] }")
     wanted = ", ".join(f'"{name}"' for name in (*FUNCTIONS, *MORE, "foot_positions", "foot_jacobians", "floating_inverse_dynamics"))
     return text.replace('name = "anthropomorphic_leg"', 'name = "pair"') + PAIR + f"\n[generate]\nfunctions = [{wanted}]\n"
@@ -39,7 +41,7 @@ def single(built):
 
 @pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])
 def test_of_rolling_states(single, backend):
-    """From the hip it is where the theory has it; the joints' motion moves it back as fast as the hip goes; torques are those of the forces."""
+    """It is where the theory has it; the joints move it back as fast as the hip goes on; torques are those of the forces."""
     hip, thigh, edge, _, _ = random_states(single, (0.0, np.radians(75)), 30, 21)
     leg = single.c.legs["leg"]
     _, angles, point, ankle, _, status = leg.toe_motion(hip, thigh, edge)

@@ -156,7 +156,9 @@ def test_phases(built, backend):
     made = built(leg_text())
     hip, ankle = np.array([0.34, 0.80]), 0.18
     thigh = made.c.legs["leg"].flat_position(hip, ankle, 1)[0][0]
-    states = [called(made, backend, "stance_position", hip + [ahead, 0.0], thigh, ankle) for ahead in (0.0, 0.02, 0.05, -0.02, 0.5)]
+    states = [
+        called(made, backend, "stance_position", hip + np.array([ahead, 0.0]), thigh, ankle) for ahead in (0.0, 0.02, 0.05, -0.02, 0.5)
+    ]
     assert [int(state[5]) for state in states] == [0, 0, 0, 0, 1]
     assert [int(state[0]) for state in states[:4]] == [0, 1, 1, -1]
     assert states[0][1] == 0.0 < states[1][1] < states[2][1]
@@ -164,7 +166,7 @@ def test_phases(built, backend):
     assert np.isnan(states[4][2]).all()
     for state, ahead in zip(states[:4], (0.0, 0.02, 0.05, -0.02), strict=True):
         back = called(made, backend, "hip_position", state[2], ankle)
-        assert back[0] == pytest.approx(hip + [ahead, 0.0], abs=1e-12)
+        assert back[0] == pytest.approx(hip + np.array([ahead, 0.0]), abs=1e-12)
         assert (int(back[1]), int(back[5])) == (int(state[0]), 0)
 
 

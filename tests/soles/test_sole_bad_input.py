@@ -11,7 +11,7 @@ from walkgen.spec.read import read
 TOE = CURVES["ellipse"]
 FLAT = "flat = [-0.06, 0.12]"
 ANKLE = 'name = "ankle"\ntype = "revolute"\na = 0.0\nalpha_deg = 0'
-PARAMETER = '[parameters]\nbig = { value = 0.15, runtime = true }\n\n[leg_designs.leg]\ndh'
+PARAMETER = "[parameters]\nbig = { value = 0.15, runtime = true }\n\n[leg_designs.leg]\ndh"
 BAD = {
     "misspelt": ("WG110", TOE, "toe = { elipse = [0.09, 0.06] }", "ellipse"),
     "one axis": ("WG112", "[0.09, 0.06]", "[0.09]", "semi-axis along y"),
@@ -24,7 +24,7 @@ BAD = {
     "negative depth": ("WG161", "depth = 0.09", "depth = -0.09", "positive"),
     "no flat": ("WG111", FLAT, "", "flat"),
     "crossed flat": ("WG160", FLAT, "flat = [0.12, -0.06]", "rear"),
-    "no curve": ("WG111", TOE + '\nheel = { ellipse = [0.05, 0.05], end_deg = 60 }', "", "toe"),
+    "no curve": ("WG111", TOE + "\nheel = { ellipse = [0.05, 0.05], end_deg = 60 }", "", "toe"),
     "empty curve": ("WG111", TOE, "toe = {}", "not given"),
     "two ways": ("WG124", TOE, "toe = { ellipse = [0.09, 0.06], polynomial = [5], end = 0.1 }", "polynomial and ellipse"),
     "x alone": ("WG111", TOE, 'toe = { x = "0.09 - lambda**2", end = 0.1 }', '"y"'),
@@ -36,7 +36,12 @@ BAD = {
     "other names": ("WG141", TOE, 'toe = { x = "0.09 - mu**2", y = "0.12 + lambda", end = 0.1 }', "mu"),
     "lambda elsewhere": ("WG141", "depth = 0.09", 'depth = "0.09 + lambda"', "lambda"),
     "no arithmetic": ("WG114", TOE, 'toe = { x = "__import__(lambda)", y = "0.12 + lambda", end = 0.1 }', "allowed"),
-    "no value": ("WG164", TOE, 'toe = { x = "0.09 - lambda**2", y = "0.12 + sqrt(0.05 - lambda) - sqrt(0.05) + 2*lambda", end = 0.1 }', "mend"),
+    "no value": (
+        "WG164",
+        TOE,
+        'toe = { x = "0.09 - lambda**2", y = "0.12 + sqrt(0.05 - lambda) - sqrt(0.05) + 2*lambda", end = 0.1 }',
+        "mend",
+    ),
     "not regular": ("WG231", TOE, 'toe = { x = "0.09 - lambda**6", y = "0.12 + lambda**3", end = 0.1 }', "does not move"),
     "point twice": ("WG231", TOE, "toe = { points = [[0.08, 0.16], [0.08, 0.16]] }", "apart"),
     "point on the edge": ("WG231", TOE, "toe = { points = [[0.09, 0.12]] }", "apart"),
@@ -49,7 +54,12 @@ BAD = {
     "half a turn": ("WG233", TOE, "toe = { ellipse = [0.09, 0.06], end_deg = 185 }", "degrees"),
     "two joints": ("WG230", "[[leg_designs.leg.joints]]\n" + ANKLE, "[[chain_designs.leg.joints]]\n" + ANKLE, "hip, a knee and an ankle"),
     "sliding ankle": ("WG230", ANKLE, ANKLE.replace("revolute", "prismatic"), "hip, a knee and an ankle"),
-    "flat sole as well": ("WG124", "[leg_designs.leg.curved_sole]", "[leg_designs.leg.sole]\nlength = 0.2\nwidth = 0.1\n[leg_designs.leg.curved_sole]", "one"),
+    "flat sole as well": (
+        "WG124",
+        "[leg_designs.leg.curved_sole]",
+        "[leg_designs.leg.sole]\nlength = 0.2\nwidth = 0.1\n[leg_designs.leg.curved_sole]",
+        "one",
+    ),
     "flat sole of the leg": ("WG124", "mount =", "sole = { length = 0.2, width = 0.1 }\nmount =", "leave"),
     "runtime points": ("WG235", "[leg_designs.leg]\ndh", PARAMETER, "runtime"),
 }

@@ -217,7 +217,7 @@ def inertia_terms(angles, link, base):
     c, s = direction(angles[0, link])
     lever = np.array([[c, -s], [s, c]]) @ CENTRES[link]
     moved = base + angles[2, link] * np.array([-lever[1], lever[0]]) - angles[1, link] ** 2 * lever
-    return inertia, lever, MASSES[link] * (moved + [0.0, GRAVITY])
+    return inertia, lever, MASSES[link] * (moved + np.array([0.0, GRAVITY]))
 
 
 def test_centres_of_mass(rolling):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from lagrange import energy_rate, input_power, residual
-from rolling_robots import CURVES, FORCES, STANCE, leg_text, random_states
+from rolling_robots import CURVES, FORCES, STANCE, direction, leg_text, random_states
 
 OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE, INFEASIBLE = range(6)
 MU = 0.6
@@ -118,7 +118,7 @@ def test_a_straight_knee_is_named(leg):
     hip = np.zeros((3, 2))
     for bent, wanted in ((0.0, SINGULAR), (1e-3, OK)):
         angles = np.array([[-1.2, -1.2 - bent, -np.pi / 2], [0.1, 0.2, 0.0], [0.0, 0.0, 0.0]])
-        hip[0] = [0.18, 0.09] - 0.42 * (np.array([np.cos(-1.2), np.sin(-1.2)]) + [np.cos(-1.2 - bent), np.sin(-1.2 - bent)])
+        hip[0] = [0.18, 0.09] - 0.42 * (direction(-1.2) + direction(-1.2 - bent))
         found = leg.stance_forces_passive(hip, angles, MU)
         assert found[7] in (wanted, INFEASIBLE) if wanted == OK else found[7] == wanted
         assert np.isnan(found[0]).all() == (wanted == SINGULAR)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from walkgen.design.fitting import fitting
-from walkgen.design.freed import freed, varied, variables_of, with_values
+from walkgen.design.freed import freed, variables_of, varied, with_values
 from walkgen.design.problem import Objective, Problem, Reals, Variable
 from walkgen.design.problem import Values as Valued
 from walkgen.design.ranges import SUPPORT, TRANSFER, Range, ranges_of

@@ -32,8 +32,8 @@ def sole_page(found: SoleDesigned) -> str:
     peaks = np.array([[point.peak(name) for name in PEAKS] for point in found.front])
     texts = ["<br>".join(f"{name} = {value:.5g}" for name, value in zip(found.roll.names, point.x, strict=True)) for point in found.front]
     figure.add_trace(go.Scatter(x=peaks[:, 0], y=peaks[:, 1], text=texts, mode="lines+markers", name="front"), row=2, col=2)
-    words = [(f"largest {name} ({UNITS[name]})") for name in PEAKS]
-    for place, (x, y) in enumerate((*_AXES, (words[0], words[1]))):
+    largest = [f"largest {name} ({UNITS[name]})" for name in PEAKS]
+    for place, (x, y) in enumerate((*_AXES, (largest[0], largest[1]))):
         figure.update_xaxes(title_text=x, row=place // 2 + 1, col=place % 2 + 1)
         figure.update_yaxes(title_text=y, row=place // 2 + 1, col=place % 2 + 1)
     figure.update_yaxes(scaleanchor="x", row=1, col=1)

@@ -54,7 +54,9 @@ class SoleDesigned:
         return dict(zip(self.roll.names, map(float, self.found.x), strict=True))
 
 
-def sole_designed(path: Path, name: str = "", starts: int | None = None, seed: int = 0, progress: Progress = lambda _: None) -> SoleDesigned:
+def sole_designed(
+    path: Path, name: str = "", starts: int | None = None, seed: int = 0, progress: Progress = lambda _: None
+) -> SoleDesigned:
     """Search the sole of a spec's design.
 
     Args:

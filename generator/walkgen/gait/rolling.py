@@ -76,8 +76,9 @@ def _joints(leg: Leg, foot: int, footholds: Footholds, body: Callable[[Rows], Mo
     ankle = np.where(stands[None, :, None], _placed(here, _on_toe(leg, angle)), moving)
     at, velocity, acceleration = body(t).seen(*(_spread(part) for part in ankle))
     away = np.stack([part[:, 0][:, [0, 2]] for part in (at, velocity, acceleration)], 1)
-    still = np.zeros(2)
-    relative = np.array([_hip(leg) + [0.0, _height(leg)], still, still]) - away
+    relative = -away
+    relative[:, 0] += _hip(leg)
+    relative[:, 0, 1] += _height(leg)
     links, status = leg.flat_motion(relative, 0.0, _KNEE)
     links = np.concatenate([links[:, :, :2], angle.T[:, :, None]], axis=2)
     zero = leg.joint_angles(np.zeros(3))

@@ -16,8 +16,8 @@ from walkgen.gait.footholds import Footholds, place
 from walkgen.gait.ground import Ground, Slope
 from walkgen.gait.legs import missing, postures
 from walkgen.gait.motion import Motion, composed
-from walkgen.gait.power import Contact, Power, power
 from walkgen.gait.planned import is_planned
+from walkgen.gait.power import Contact, Power, power
 from walkgen.gait.rates import rates
 from walkgen.gait.rolling import is_rolling, rolled
 from walkgen.gait.stance_margins import Margins, margins
@@ -176,7 +176,7 @@ def state(robot: Robot, plan: Plan, adapt: bool, times: np.ndarray) -> State:
 def _on_their_way(
     robot: Robot, motion: Motion, feet: FootMotion, support: np.ndarray, which: tuple[list[int], list[int]], q: np.ndarray
 ) -> FootMotion:
-    """The feet, those that have a path of their own and are in transfer where it takes them, those that roll where they touch the ground."""
+    """The feet: in transfer those with a path of their own where it takes them, always those that roll where they touch the ground."""
     position, (led, rolls) = feet.position.copy(), which
     own = motion.position[:, None] + motion.outward(robot.foot_positions(q))
     position[:, led] = np.where(support[:, led, None], position[:, led], own[:, led])

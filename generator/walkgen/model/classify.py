@@ -51,6 +51,10 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     """
     if leg.linkage is not None:
         return linkage_class(leg, leg.linkage)
+    if leg.curved_sole is not None:
+        return InverseClass(
+            "", (), "the foot rolls on a curved sole: hip, knee and ankle follow from flat_position, stance_position, *_motion"
+        )
     kinds = "".join(joint.kind[0].upper() for joint in leg.joints)
     if len(kinds) > BRANCHED_JOINTS:
         return InverseClass("", (), f"{len(kinds)} joints leave the foot position redundant: solved by iteration from a seed")

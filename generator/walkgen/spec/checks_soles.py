@@ -1,4 +1,4 @@
-"""Rules of curved soles: a leg that has an ankle, curves given in one way, which leave the flat part along it and bulge towards the ground."""
+"""Rules of curved soles: a leg with an ankle, curves given in one way, which leave the flat part along it and bulge to the ground."""
 
 import math
 from collections.abc import Iterator
@@ -49,7 +49,9 @@ def _sole(path: Path, sole: CurvedSoleSpec, spec: RobotSpec, numbers: Numbers) -
     for key in missing:
         yield Finding("WG111", (*path, key), f'missing key "{key}"', "write depth = 0.09 and flat = [-0.06, 0.12] (m)")
     if sole.toe is None and sole.heel is None:
-        yield Finding("WG111", (*path, "toe"), "the sole has no curve", "describe its toe, its heel or both: toe = { ellipse = [0.09, 0.06] }")
+        yield Finding(
+            "WG111", (*path, "toe"), "the sole has no curve", "describe its toe, its heel or both: toe = { ellipse = [0.09, 0.06] }"
+        )
     rear, front = (numbers.number(edge) for edge in sole.si("flat") or (None, None))
     if rear is not None and front is not None and rear >= front:
         key = "flat" if sole.flat is not None else "flat_mm"
@@ -76,7 +78,11 @@ def _given(path: Path, curve: DirectrixSpec, spec: RobotSpec) -> Iterator[Findin
     for key in needed:
         if curve.si(key) is None:
             yield Finding("WG111", (*path, key), f'missing key "{key}" of a curve given by {form}', f"write {key} = ...")
-    unwanted = [key for key, owners in (("start", ("x",)), ("end", FORMS[:3]), ("end_deg", ("x", "ellipse"))) if getattr(curve, key) is not None and form not in owners]
+    unwanted = [
+        key
+        for key, owners in (("start", ("x",)), ("end", FORMS[:3]), ("end_deg", ("x", "ellipse")))
+        if getattr(curve, key) is not None and form not in owners
+    ]
     for key in unwanted:
         yield Finding("WG124", (*path, key), f"{key} does not belong to a curve given by {form}", f"leave {key} out")
     runtime = {name for name, entry in spec.parameters.items() if entry.runtime}
@@ -148,7 +154,9 @@ def _tangent(path: Path, first: Jet, ahead: int, sole: CurvedSoleSpec, numbers: 
     depth, side = (float(numbers.number(scalar) or 0.0) for scalar in (sole.si("depth"), edge))
     size = max(abs(depth), abs(side), _CLOSE)
     if math.hypot(first.x[0] - depth, first.y[0] - side) > _CLOSE * size:
-        message = f"the curve begins at x = {first.x[0]:.6g}, y = {first.y[0]:.6g} m, the flat part ends at x = {depth:.6g}, y = {side:.6g} m"
+        message = (
+            f"the curve begins at x = {first.x[0]:.6g}, y = {first.y[0]:.6g} m, the flat part ends at x = {depth:.6g}, y = {side:.6g} m"
+        )
         yield Finding("WG232", path, message, "let it begin at the edge of the flat part, or set start")
     elif abs(first.x[1]) > _CLOSE * first.speed or ahead * first.y[1] < 0.0:
         angle = math.degrees(math.atan2(-first.x[1], ahead * first.y[1]))

@@ -7,7 +7,24 @@ from fractions import Fraction
 from typing import Any
 
 from walkgen.spec.curved_sole import CurvedSoleSpec, DirectrixSpec
-from walkgen.spec.scalar import CURVE_PARAMETER, ONE, ZERO, Exact, Name, Pi, Scalar, add, apply, div, evaluate, exact, mul, power, sub, total
+from walkgen.spec.scalar import (
+    CURVE_PARAMETER,
+    ONE,
+    ZERO,
+    Exact,
+    Name,
+    Pi,
+    Scalar,
+    add,
+    apply,
+    div,
+    evaluate,
+    exact,
+    mul,
+    power,
+    sub,
+    total,
+)
 from walkgen.spec.spline import Segment, quintic
 from walkgen.spec.taylor import ORDER, Arithmetic, Field, Taylor, constant, variable
 
@@ -54,7 +71,8 @@ def _whole(given: DirectrixSpec, edge: tuple[Scalar, Scalar], ahead: int) -> Pie
         along, across = given.ellipse
         x = sub(depth, mul(across, sub(ONE, apply("cos", LAMBDA))))
         return Piece(x, _beside(side, ahead, mul(along, apply("sin", LAMBDA))), ZERO, given.si("end") or div(Pi(), exact(2)))
-    assert given.x is not None and given.y is not None
+    assert given.x is not None
+    assert given.y is not None
     return Piece(given.x, given.y, given.start or ZERO, given.si("end"))
 
 

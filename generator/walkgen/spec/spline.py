@@ -1,6 +1,7 @@
 """Quintic splines through points of a plane: knots at the chords' lengths, the start's direction given, the end natural."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import factorial, sqrt
 from typing import NamedTuple
 
@@ -26,7 +27,7 @@ def quintic(points: Sequence[Pair], direction: Pair) -> tuple[Segment, ...]:
     Raises:
         ValueError: two points next to each other are one.
     """
-    spans = [sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) for a, b in zip(points, points[1:], strict=False)]
+    spans = [sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) for a, b in pairwise(points)]
     if not all(span > 0.0 for span in spans):
         raise ValueError("two points next to each other are one")
     x, y = (_coefficients(spans, [point[axis] for point in points], direction[axis]) for axis in (0, 1))

@@ -26,7 +26,9 @@ def nodes(count: int) -> tuple[tuple[Any, Any], ...]:
 
 
 def _node(count: int, number: int) -> tuple[Any, Any]:
-    place = CONTEXT.cos(CONTEXT.pi * (number - CONTEXT.mpf(1) / 4) / (count + CONTEXT.mpf(1) / 2)) if 2 * number != count + 1 else CONTEXT.zero
+    place = (
+        CONTEXT.cos(CONTEXT.pi * (number - CONTEXT.mpf(1) / 4) / (count + CONTEXT.mpf(1) / 2)) if 2 * number != count + 1 else CONTEXT.zero
+    )
     for _ in range(_NEWTON_STEPS):
         value, slope = _legendre(count, place)
         place -= value / slope

@@ -11,8 +11,8 @@ from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.closing import closed
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
-from walkgen.symbolic.curved_soles import curved_sole_functions
 from walkgen.symbolic.curve_inverse import curve_inverse
+from walkgen.symbolic.curved_soles import curved_sole_functions
 from walkgen.symbolic.driven_search import admissible_driven, inverse_driven
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation

@@ -11,7 +11,7 @@ from typing import Any
 import sympy
 
 from walkgen.model.mechanism import Mechanism
-from walkgen.spec.directrix import AHEAD, Piece, series
+from walkgen.spec.directrix import AHEAD, series
 from walkgen.spec.spline import DEGREE
 from walkgen.spec.taylor import ORDER, Field, Taylor, variable
 from walkgen.symbolic.arc_length import length, node_count, nodes

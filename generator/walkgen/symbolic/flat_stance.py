@@ -98,8 +98,8 @@ class FlatStance:
         triangle = self._triangle(tape, (hip[0], hip[1]), ankle, knee)
         found = settled(tape, (*hip, ankle, knee), triangle.cases, [*triangle.angles, DOWN])
         doc = (
-            f"Angles of thigh, shank and the flat foot under a hip, {PLANE}; knee: 1 where the thigh is turned on from the line between hip "
-            "and ankle, -1 back. UNREACHABLE: the ankle is too far or too near; SINGULAR: it is at the hip."
+            f"Angles of thigh, shank and the flat foot under a hip, {PLANE}; knee: 1 where the thigh is turned on from the line "
+            "between hip and ankle, -1 back. UNREACHABLE: the ankle is too far or too near; SINGULAR: it is at the hip."
         )
         return self._own.function(tape, "flat_position", [HIP, ANKLE_X, KNEE], [ANGLES, STATUS], found, doc, "theory 8.2")
 

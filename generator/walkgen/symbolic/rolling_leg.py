@@ -104,7 +104,9 @@ def hindrance(mechanism: Mechanism, leg: Limb) -> str:
 
 def _frames(leg: Limb, parameters: Parameters) -> tuple[Frame, Frame, Frame]:
     hip, knee, ankle = leg.joints[-3:]
-    first, second, third = (frame_of(way, parameters) for way in (hip.after + knee.before, knee.after + ankle.before, ankle.after + leg.tip))
+    first, second, third = (
+        frame_of(way, parameters) for way in (hip.after + knee.before, knee.after + ankle.before, ankle.after + leg.tip)
+    )
     return first, second, third
 
 

@@ -12,7 +12,7 @@ from walkgen.symbolic.choices import at_most, both, less
 from walkgen.symbolic.directrix import Directrix
 from walkgen.symbolic.first_root import FirstRoot, whole
 from walkgen.symbolic.flat_stance import STRAIGHT
-from walkgen.symbolic.function import Angle, Derivation, Function, Opposite, Same, Select, Solve, Step
+from walkgen.symbolic.function import Angle, Derivation, Function, Opposite, Same, Select, Solve
 from walkgen.symbolic.ports import signature
 from walkgen.symbolic.rolling_leg import Planar
 from walkgen.symbolic.settled import settled
@@ -40,7 +40,10 @@ from walkgen.symbolic.sole_ports import (
 )
 from walkgen.symbolic.tape import Tape, symbols_of
 
-_PHASES = "phase: 0 flat, 1 on the toe, -1 on the heel; contact: the curve's parameter, its start where flat; contact_point: below the ankle where flat"
+_PHASES = (
+    "phase: 0 flat, 1 on the toe, -1 on the heel; contact: the curve's parameter, its start where flat; contact_point: below the ankle "
+    "where flat"
+)
 
 
 @dataclass(frozen=True)
@@ -93,8 +96,8 @@ class RollingStance:
         root = self.far(which)
         last = self._moved(which, root)
         doc = (
-            f"The leg whose foot rolls over its {which} without slipping, by the motions of hip and thigh, {PLANE}; {ROWS}; edge: where the "
-            "flat part's edge touched the ground. contact: the curve's parameter; margins: how far it is from the flat part and from the "
+            f"The leg whose foot rolls over its {which} without slipping, by the motions of hip and thigh, {PLANE}; {ROWS}; edge: "
+            "where the flat part's edge touched the ground. contact: the curve's parameter; margins: how far it is from the flat part and from the "
             "curve's end, so that the phase ends where one comes to 0. UNREACHABLE: the foot would roll on its flat part or beyond the "
             "curve; SINGULAR: the shank points to where the foot touches the ground."
         )
@@ -109,7 +112,9 @@ class RollingStance:
             f"The leg over a foot that stood flat with its ankle at ankle_x and may have rolled since, by hip and thigh's angle, {PLANE}. "
             f"{_PHASES}. UNREACHABLE: no shank's length leads from the knee to a foot that touches the ground within its curves."
         )
-        return self._solve("stance_position", [HIP, THIGH, ANKLE_X], self._stood(roots), given, roots, doc, "theory 8.3: first |C - B| = BC")
+        return self._solve(
+            "stance_position", [HIP, THIGH, ANKLE_X], self._stood(roots), given, roots, doc, "theory 8.3: first |C - B| = BC"
+        )
 
     def hip_position(self) -> Solve:
         """The way back: the hip for angles of the links."""
@@ -180,9 +185,7 @@ class RollingStance:
     def _given_thigh(self, which: str, root: FirstRoot) -> Function:
         tape, (x, y), (thigh,), (ankle,) = Tape(), symbols_of(HIP), symbols_of(THIGH), symbols_of(ANKLE_X)
         knee, _ = self._own.knee(tape, (x, y), thigh)
-        return self._own.function(
-            tape, f"{which}_stance_knee", [HIP, THIGH, ANKLE_X], [root.given], [*knee, ankle + self._own.edge(which)]
-        )
+        return self._own.function(tape, f"{which}_stance_knee", [HIP, THIGH, ANKLE_X], [root.given], [*knee, ankle + self._own.edge(which)])
 
     def _given_foot(self, root: FirstRoot) -> Function:
         tape, (_, _, foot) = Tape(), symbols_of(ANGLES)

@@ -62,9 +62,7 @@ class SoleTouch:
             return self._curve(which, at, tape).tangency(given[0], given[1])
 
         name = f"{self._leg.name}_{which}"
-        return FirstRoot(
-            self._mechanism, self._leg.name, name, 2, residual, lambda tape: self._curve(which, sympy.S.Zero, tape).bounds
-        )
+        return FirstRoot(self._mechanism, self._leg.name, name, 2, residual, lambda tape: self._curve(which, sympy.S.Zero, tape).bounds)
 
     def _curve(self, which: str, at: sympy.Expr, tape: Tape) -> Directrix:
         return Directrix(self._mechanism, self._own.leg, which, at, tape)
@@ -83,7 +81,9 @@ class SoleTouch:
             inputs += [root.root, root.status]
         toe = less(ahead, 0)
         flat = at_most(abs(ahead), _FLAT)
-        x, y = (Select(flat, level, Select(toe, *pair)) for level, pair in zip((depth, below), zip(*sides.values(), strict=True), strict=True))
+        x, y = (
+            Select(flat, level, Select(toe, *pair)) for level, pair in zip((depth, below), zip(*sides.values(), strict=True), strict=True)
+        )
         taint = Residue(ahead)
         return self._own.function(tape, "touched", inputs, [touch_port(self._leg)], [x + taint, sole.side * y + taint])
 

@@ -37,10 +37,12 @@ _OUTPUTS = (
     STATUS,
 )
 _DOC = (
-    "{what} of a leg that stands on its sole, " + PLANE + ", by the motions of its hip and its links. torque: of hip, knee and ankle, on the "
+    "{what} of a leg that stands on its sole, "
+    + PLANE
+    + ", by the motions of its hip and its links. torque: of hip, knee and ankle, on the "
     "link after the joint; forces: of the body on the thigh, thigh on shank, foot on shank, ground on foot; pressure_centre: ahead of the "
-    "ankle. margins: the normal force; mu times it less the tangential one; how far the pressure is inside the flat part. SINGULAR: {dead}; "
-    "INFEASIBLE: the ground would have to pull."
+    "ankle. margins: the normal force; mu times it less the tangential one; how far the pressure is inside the flat part. SINGULAR: "
+    "{dead}; INFEASIBLE: the ground would have to pull."
 )
 _STRAIGHT = "thigh and shank are in line"
 
@@ -130,7 +132,8 @@ MODES: dict[str, Mode] = {
     "stance_forces": Mode(
         (_CLOSING,),
         _general,
-        "Forces and torques, closed by the three rows (a, b) of a z = b in z = (R01x, R01y, R12x, R12y, R32x, R32y, N, T, m_N, M01, M12, M23),",
+        "Forces and torques, closed by the three rows (a, b) of a z = b in z = (R01x, R01y, R12x, R12y, R32x, R32y, N, T, m_N, M01, M12, "
+        "M23),",
         "the rows say one thing twice, or none",
         "theory 8.4: a 9x12 system and three closing rows",
     ),
@@ -209,7 +212,9 @@ class StanceForces:
         return self._outputs(tape, balance, free, given["mu"][0]), dead
 
     def _outputs(self, tape: Tape, balance: Balance, free: Exprs, mu: sympy.Expr) -> list[sympy.Expr]:
-        value = lambda name, affine: tape.let(name, affine.at(free))  # noqa: E731 - a formula
+        def value(name: str, affine: Affine) -> sympy.Expr:
+            return tape.let(name, affine.at(free))
+
         torque = [value("torque", entry) for entry in balance.torque]
         forces = [value("force", entry) for pair in (balance.hip, balance.knee, balance.ankle) for entry in pair]
         tangential, normal = (value(name, entry) for name, entry in zip(("tangential", "normal"), balance.ground, strict=True))
@@ -265,9 +270,7 @@ class _Spin:
         return base[0] - self.acceleration * y - self.square * x, base[1] + self.acceleration * x - self.square * y
 
 
-def _assembled(
-    tape: Tape, loads: Sequence[Planar], moments: Exprs, levers: Sequence[Planar], places: Sequence[Planar]
-) -> Balance:
+def _assembled(tape: Tape, loads: Sequence[Planar], moments: Exprs, levers: Sequence[Planar], places: Sequence[Planar]) -> Balance:
     """The equations of theory 8.4, solved for all but three unknowns: link by link from the hip, then back from the ground."""
     one, nil = sympy.S.One, sympy.S.Zero
     hip = (Affine(nil, (one, nil, nil)), Affine(nil, (nil, one, nil)))
@@ -297,9 +300,7 @@ def _closed(tape: Tape, rows: Sequence[Affine]) -> tuple[list[sympy.Expr], list[
     matrix = [row.factors for row in rows]
     right = [-row.constant for row in rows]
     others = ((1, 2), (2, 0), (0, 1))
-    minors = [
-        [tape.let("minor", matrix[i][k] * matrix[j][m] - matrix[i][m] * matrix[j][k]) for k, m in others] for i, j in others
-    ]
+    minors = [[tape.let("minor", matrix[i][k] * matrix[j][m] - matrix[i][m] * matrix[j][k]) for k, m in others] for i, j in others]
     determinant = tape.let("determinant", sympy.Add(*(matrix[0][k] * minors[0][k] for k in range(_FREE))))
     free = [tape.let("free", sympy.Add(*(right[i] * minors[i][k] for i in range(_FREE))) / determinant) for k in range(_FREE)]
     if determinant.is_number:
