@@ -9,6 +9,9 @@ from walkgen.pipeline import stale
 ROOT = Path(__file__).parent.parent
 GENERATED = ROOT / "generated"
 LARGE = {
+    "anthropomorphic_biped",
+    "anthropomorphic_leg",
+    "anthropomorphic_leg_poly",
     "mero",
     "mero_star",
     "mero_style",

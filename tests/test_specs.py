@@ -21,6 +21,9 @@ FOLDER = Path(__file__).parents[1] / "specs"
 NAMES = (
     "ambler_rpp",
     "ambler_rrp",
+    "anthropomorphic_biped",
+    "anthropomorphic_leg",
+    "anthropomorphic_leg_poly",
     "balanced_leg_cam1",
     "balanced_leg_cam2",
     "balanced_leg_total",

@@ -10,7 +10,20 @@ from walkgen.emit.emit import emit
 
 SPECS = {path.stem: path for path in sorted((Path(__file__).parents[2] / "specs").glob("*.toml"))}
 # kin of those that every run compiles
-LARGE = ("bessonov", "garrec", "mero", "mero_star", "mero_style", "minitaur", "odex", "pantograph", "quadruped", "solo12")
+LARGE = (
+    "anthropomorphic_biped",
+    "anthropomorphic_leg_poly",
+    "bessonov",
+    "garrec",
+    "mero",
+    "mero_star",
+    "mero_style",
+    "minitaur",
+    "odex",
+    "pantograph",
+    "quadruped",
+    "solo12",
+)
 EVERY = [pytest.param(name, marks=pytest.mark.nightly) if name in LARGE else name for name in SPECS]
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
 LANGUAGES = {"c99": ("gcc", "-std=c99"), "c++11": ("g++", "-x", "c++", "-std=c++11")}

@@ -7,7 +7,7 @@ from rolling_robots import CURVES, LEG, called, leg_text, random_states
 from walkgen.selftest import run
 
 FUNCTIONS = ("foot_position", "foot_jacobian", "foot_velocity", "foot_acceleration", "inverse_dynamics", "toe_motion", "toe_rolling")
-MORE = ("joint_angles", "link_angles", "stance_forces_load", "flat_motion", "foot_rotation", "foot_pose", "joint_frames")
+MORE = ("contact_line", "joint_angles", "link_angles", "stance_forces_load", "flat_motion", "foot_rotation", "foot_pose", "joint_frames")
 YAW = """[[leg_designs.leg.joints]]
 name = "yaw"
 type = "revolute"
@@ -90,6 +90,9 @@ def test_it_is_the_lowest_point_of_the_sole(built, backend):
         assert np.abs(place[:, 2] - lowest).max() < 1e-7
         assert np.linalg.norm(world - place[:, None], axis=2).min(axis=1).max() < 1e-4
         assert np.abs(pose[:, :3, 3] - place).max() == 0.0
+        line = leg.contact_line(q)
+        assert np.abs(line.mean(axis=1) - place).max() < 1e-15
+        assert np.abs(line[:, 0] - line[:, 1] - 0.1 * rotation[:, :, 2]).max() < 1e-15
     mine, theirs = (leg.foot_position(q) for leg in robot.legs.values())
     assert np.abs(mine * [1, -1, 1] - theirs).max() < 1e-13
     whole = np.concatenate([q, q], axis=1)

@@ -106,6 +106,7 @@ CURVED_SOLE_FUNCTIONS: Final = (
     "toe_motion",
     "heel_rolling",
     "heel_motion",
+    "contact_line",
     "stance_forces",
     "stance_forces_passive",
     "stance_forces_pressure",
@@ -114,7 +115,7 @@ CURVED_SOLE_FUNCTIONS: Final = (
     "stance_forces_rolling",
     "stance_forces_sliding",
 )
-"""Of legs with a curved sole; those of toe and heel where it has them."""
+"""Of legs with a curved sole; those of toe and heel where it has them, `contact_line` where it has a width."""
 
 LINKAGE_FUNCTIONS: Final = ("assembly_status", "transmission_angles", "pair_positions", "driving_forces", "power", "joint_reactions")
 """Of legs that end in a linkage."""

@@ -96,10 +96,10 @@ class RollingStance:
         root = self.far(which)
         last = self._moved(which, root)
         doc = (
-            f"The leg whose foot rolls over its {which} without slipping, by the motions of hip and thigh, {PLANE}; {ROWS}; edge: "
-            "where the flat part's edge touched the ground. contact: the curve's parameter; margins: how far it is from the flat part and from the "
-            "curve's end, so that the phase ends where one comes to 0. UNREACHABLE: the foot would roll on its flat part or beyond the "
-            "curve; SINGULAR: the shank points to where the foot touches the ground."
+            f"The leg whose foot rolls over its {which} without slipping, by the motions of hip and thigh, {PLANE}; {ROWS}; "
+            "edge: where the flat part's edge touched the ground. contact: the curve's parameter; margins: how far it is from the flat "
+            "part and from the curve's end, so that the phase ends where one comes to 0. UNREACHABLE: the foot would roll on its flat part "
+            "or beyond the curve; SINGULAR: the shank points to where the foot touches the ground."
         )
         inputs = [HIP_MOTION, THIGH_MOTION, EDGE]
         return self._solve(f"{which}_motion", inputs, last, [self._given_hip(which, root)], [root], doc, "theory 8.3, errata 8.5, 8.8")
