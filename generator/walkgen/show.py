@@ -152,6 +152,10 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
     yield from (f"    cam {cam.name}  on the {cam.on}, balances {limb.joints[cam.joint].name}" for cam in limb.cams)
     if limb.sole:
         yield f"    sole  {scalar_text(limb.sole.length)} by {scalar_text(limb.sole.width)}, {_transform(limb.sole.turn)}"
+    if limb.curved_sole:
+        flat = " to ".join(scalar_text(edge) for edge in (limb.curved_sole.rear, limb.curved_sole.front))
+        curves = ", ".join(limb.curved_sole.curves())
+        yield f"    curved sole  flat from {flat} at {scalar_text(limb.curved_sole.depth)} below the ankle; rolls over {curves}"
 
 
 def _ends(limb: Limb, spring: Spring) -> str:

@@ -31,7 +31,11 @@ def two_legs():
     )
     text = text.replace("foot = { xyz = [0.0, 0.0, 0.0] }", "foot = { xyz = [0.01, 0.02, 0.0], rpy_deg = [0, 0, 10] }")
     wanted = ", ".join(f'"{name}"' for name in (*FUNCTIONS, *MORE, "foot_positions", "foot_jacobians", "floating_inverse_dynamics"))
-    return text.replace('name = "anthropomorphic_leg"', 'name = "pair"') + PAIR + f"\n[generate]\nfunctions = [{wanted}]\n"
+    return (
+        text.replace('name = "anthropomorphic_leg"', 'name = "pair"')
+        + PAIR
+        + f"\n[generate]\nfunctions = [{wanted}]\ntargets = ['c', 'numpy']\n"
+    )
 
 
 @pytest.fixture
@@ -121,6 +125,7 @@ def test_self_test(built, capfd):
     assert ", 0 failed" in capfd.readouterr().out
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("curve", ["spline", "late"])
 def test_self_test_of_other_toes(built, curve):
     made = built(leg_text(CURVES[curve], FUNCTIONS[:4], "toed"))

@@ -5,9 +5,9 @@ import pytest
 from rolling_robots import (
     CURVES,
     DEPTH,
+    EVERY,
     FRONT,
     SHANK,
-    STANCE,
     THIGH,
     called,
     direction,
@@ -23,11 +23,11 @@ STARTS = {"late": 2.0}
 ROWS = 200
 
 
-@pytest.fixture(params=CURVES)
+@pytest.fixture(params=EVERY)
 def toe(request, built):
     """A robot, the bounds of its contact parameter, its curve by formulas of this file."""
     name = request.param
-    return built(leg_text(CURVES[name], STANCE, "roller")), STARTS.get(name, 0.0), ENDS[name], name
+    return built(leg_text(CURVES[name])), STARTS.get(name, 0.0), ENDS[name], name
 
 
 def contacts(start, end, rows=ROWS, seed=5):
@@ -172,7 +172,7 @@ def test_phases(built, backend):
 
 def test_spline_passes_its_points(built):
     """By the sum of chords; smooth in the third derivative, so that accelerations are continuous."""
-    made = built(leg_text(CURVES["spline"], STANCE, "roller"))
+    made = built(leg_text(CURVES["spline"]))
     points = np.array([(0.09, 0.12), (0.085, 0.15), (0.07, 0.18), (0.04, 0.205)])
     knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     angle, arc, point, ankle = foot_forward(made, knots, 0.0)

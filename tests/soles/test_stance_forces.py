@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from lagrange import energy_rate, input_power, residual
-from rolling_robots import CURVES, FORCES, STANCE, direction, leg_text, random_states
+from rolling_robots import CURVES, direction, leg_text, random_states
 
 OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE, INFEASIBLE = range(6)
 MU = 0.6
@@ -139,7 +139,7 @@ def wild(random, shape):
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("curve", ["ellipse", "spline"])
 def test_random_states_give_a_status_and_never_nan_with_ok(built, backend, curve):
-    made = built(leg_text(CURVES[curve]) if curve == "ellipse" else leg_text(CURVES[curve], STANCE + FORCES, "roller"))
+    made = built(leg_text(CURVES[curve]))
     leg, rows = (made.c if backend == "c" else made.numpy).legs["leg"], 100_000 if backend == "c" else 3_000
     random = np.random.default_rng(11)
     hip, thigh, edge = wild(random, (rows, 3, 2)), wild(random, (rows, 3)), wild(random, rows)
@@ -176,7 +176,7 @@ def test_random_states_give_a_status_and_never_nan_with_ok(built, backend, curve
 
 @pytest.mark.parametrize("curve", ["ellipse", "spline"])
 def test_backends_agree_on_random_states(built, curve):
-    made = built(leg_text(CURVES[curve]) if curve == "ellipse" else leg_text(CURVES[curve], STANCE + FORCES, "roller"))
+    made = built(leg_text(CURVES[curve]))
     random = np.random.default_rng(12)
     rows = 2000
     hip, thigh = np.array([0.42, 0.8]) + 0.1 * random.normal(size=(rows, 2)), -1.15 + 0.2 * random.normal(size=rows)

@@ -17,6 +17,7 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.values import Values as Numbers
 from walkgen.model.walk import defaults
 from walkgen.runtime.solves.first_root import first_root
+from walkgen.spec.scalar import Scalar
 from walkgen.spec.schema import RobotSpec
 from walkgen.symbolic.arrays import compiled
 from walkgen.symbolic.flat_stance import FlatStance
@@ -30,7 +31,7 @@ from walkgen.symbolic.tape import Tape
 _MODE = "stance_forces_load"
 _BEYOND = 3.0
 """How far beyond its end, in lengths of its range, the curve is followed while a search is on its way."""
-_REACH_DIGITS = 50
+_DIGITS = 50
 Exprs = Sequence[sympy.Expr]
 QUANTITIES = (
     *("foot_angle", "foot_rate", "foot_acceleration", "hip_moment", "knee_moment", "ankle_moment"),
@@ -109,8 +110,8 @@ class SoleRoll:
         given = getattr(self.table.weights, key)
         return usual if given is None else self._number(given)
 
-    def _number(self, scalar: object) -> float:
-        return self._numbers.number(scalar)  # type: ignore[arg-type]
+    def _number(self, scalar: Scalar) -> float:
+        return self._numbers.number(scalar)
 
     def _parameters(self, x: Reals) -> list[float]:
         return list((self._defaults | dict(zip(self.names, map(float, x), strict=True))).values())
@@ -189,9 +190,9 @@ class _Functions:
     def _driven(self, tape: Tape, own: SoleLeg, given: _Given) -> tuple[Exprs, Exprs, sympy.Expr]:
         """Motions of hip and thigh: the thigh begins as over the flat foot, which makes the take-off smooth (theory 8.3)."""
         t, nil = self._time, sympy.S.Zero
-        start, velocity = ([sympy.Float(repr(entry), _REACH_DIGITS) for entry in pair] for pair in (given.hip, given.velocity))
+        start, velocity = ([sympy.Float(repr(entry), _DIGITS) for entry in pair] for pair in (given.hip, given.velocity))
         flat, _ = FlatStance(own).moving(tape, (*start, *velocity, nil, nil), nil, sympy.S.One)
-        end = [sympy.Float(repr(entry), _REACH_DIGITS) for entry in given.thigh]
+        end = [sympy.Float(repr(entry), _DIGITS) for entry in given.thigh]
         thigh = _quintic(tape, t, given.duration, (flat[0], flat[3], flat[6]), end)
         hip = [start[0] + velocity[0] * t, start[1] + velocity[1] * t, *velocity, nil, nil]
         return hip, thigh, own.edge("toe")
@@ -200,7 +201,7 @@ class _Functions:
         """`QUANTITIES` on the tape."""
         hip, thigh, edge = driven
         moving = RollingStance(own).moving(tape, "toe", self._contact, hip, thigh, edge)
-        load = [sympy.Float(repr(entry), _REACH_DIGITS) for entry in given.load]
+        load = [sympy.Float(repr(entry), _DIGITS) for entry in given.load]
         inputs = {"hip": hip, "angles": moving.angles, "load": load, "centre": (moving.point[0] - moving.ankle[0],), "mu": (sympy.S.Zero,)}
         (first, second, third, *_), _ = StanceForces(own).values(tape, _MODE, inputs)
         away = [tape.let("extent", moving.ankle[axis] - hip[axis]) for axis in (0, 1)]
@@ -215,7 +216,7 @@ class _Functions:
 
 def _quintic(tape: Tape, t: sympy.Expr, span: float, start: Exprs, end: Exprs) -> Exprs:
     """Value, rate and acceleration of the quintic with these at both ends."""
-    T = sympy.Float(repr(span), _REACH_DIGITS)
+    T = sympy.Float(repr(span), _DIGITS)
     p, v, a = start
     gap = tape.let("gap", end[0] - p - v * T - a * T**2 / 2)
     rise, bend = tape.let("rise", (end[1] - v - a * T) * T), tape.let("bend", (end[2] - a) * T**2)
