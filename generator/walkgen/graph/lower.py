@@ -16,8 +16,6 @@ from walkgen.symbolic.function import Derivation, Function, Solve
 
 Shape = tuple[Any, ...]
 _DIGITS = 40
-_NAN = Decimal("NaN")
-"""One object, which is equal to itself in tuples: programs that hold it can be compared."""
 _UNARY = {sympy.sin: Code.SIN, sympy.cos: Code.COS, sympy.tan: Code.TAN, sympy.Abs: Code.ABS}
 _DIRECT: dict[type, Code] = {
     symbolic.Less: Code.LESS,
@@ -184,8 +182,6 @@ def _is_reciprocal(factor: sympy.Expr) -> bool:
 def _decimal(number: sympy.Expr) -> Decimal:
     if number.is_Integer:
         return Decimal(int(number))
-    if number is sympy.nan:
-        return _NAN
     if number.is_infinite:
         return Decimal("-Infinity" if number.is_extended_negative else "Infinity")
     return Decimal(str(number.evalf(_DIGITS)))

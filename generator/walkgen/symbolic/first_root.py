@@ -27,6 +27,11 @@ def whole(function: Function) -> Step:
     return Step(function, tuple(port.name for port in ports))
 
 
+def nothing(anything: sympy.Expr) -> sympy.Expr:
+    """NaN, as a value that programs can be compared by."""
+    return sympy.sqrt(-1 - anything**2)
+
+
 @dataclass(frozen=True)
 class FirstRoot:
     """An unknown of a leg, called `name`, between bounds that depend on runtime parameters alone, given some numbers [count]."""
@@ -140,5 +145,5 @@ class FirstRoot:
         missed = Select(both(less(sign * first_slope, 0), Less(behind, high)), SINGULAR, UNREACHABLE)
         status = tape.let("status", Select(Finite(first), Select(there, OK, missed), BAD_INPUT))
         clamped = chosen(began, low, Select(Less(at, low), low, Select(Less(high, at), high, at)))
-        root = Select(LessEqual(status, 0), clamped, sympy.nan)
+        root = Select(LessEqual(status, 0), clamped, nothing(first))
         return self._function("finish", [self.given, self.ends, self._state], [self.root, self.status], tape, [root, status])
