@@ -119,6 +119,7 @@ def test_flat_feet_stand_below_the_ankle(single):
     assert leg.foot_position(q) == pytest.approx(ankle - [0.0, 0.0, 0.09], abs=1e-14)
 
 
+@pytest.mark.nightly
 def test_self_test(built, capfd):
     made = built(two_legs())
     assert run(made.folder) == 0

@@ -172,7 +172,7 @@ def test_phases(built, backend):
 
 def test_spline_passes_its_points(built):
     """By the sum of chords; smooth in the third derivative, so that accelerations are continuous."""
-    made = built(leg_text(CURVES["spline"]))
+    made = built(leg_text(CURVES["spline"], ("toe_rolling",), "splined"))
     points = np.array([(0.09, 0.12), (0.085, 0.15), (0.07, 0.18), (0.04, 0.205)])
     knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     angle, arc, point, ankle = foot_forward(made, knots, 0.0)

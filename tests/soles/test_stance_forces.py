@@ -8,6 +8,7 @@ from rolling_robots import CURVES, direction, leg_text, random_states
 OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE, INFEASIBLE = range(6)
 MU = 0.6
 BACKENDS = ["c", "numpy"]
+TWO = ["ellipse", pytest.param("spline", marks=pytest.mark.nightly)]
 HIP = np.array([0.34, 0.80])
 
 
@@ -137,7 +138,7 @@ def wild(random, shape):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("curve", ["ellipse", "spline"])
+@pytest.mark.parametrize("curve", TWO)
 def test_random_states_give_a_status_and_never_nan_with_ok(built, backend, curve):
     made = built(leg_text(CURVES[curve]))
     leg, rows = (made.c if backend == "c" else made.numpy).legs["leg"], 100_000 if backend == "c" else 3_000
@@ -174,7 +175,7 @@ def test_random_states_give_a_status_and_never_nan_with_ok(built, backend, curve
         assert (status[~taken] == BAD_INPUT).all(), name
 
 
-@pytest.mark.parametrize("curve", ["ellipse", "spline"])
+@pytest.mark.parametrize("curve", TWO)
 def test_backends_agree_on_random_states(built, curve):
     made = built(leg_text(CURVES[curve]))
     random = np.random.default_rng(12)
