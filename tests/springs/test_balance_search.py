@@ -1,6 +1,7 @@
 """The search for springs: exact slopes, catalogue and boxes, the spec that comes out, what cannot be searched."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from typer.testing import CliRunner
 
 from walkgen.cli import app
 from walkgen.design.balance import Balance
+from walkgen.design.masses import weighed
 from walkgen.design.multistart import solved
 from walkgen.design.problem import Constraint, Objective, Problem, Values, Variable
 from walkgen.design.rewrite import rewritten
@@ -197,3 +199,59 @@ def test_too_many_choices_are_refused(tmp_path):
     rows = ", ".join(f"{{ k = {number}.0 }}" for number in range(20))
     with pytest.raises(SpecError, match=r"WG216.*400 choices"):
         designed(written(tmp_path, text.replace("stretch =", f"catalogue = [{rows}]\nstretch =", 1)))
+
+
+MASSES = 'front_mass = 0.0\nrear_mass = { value = 0.0, unit = "kg" }\n\n[leg_designs.link]\n'
+
+
+def weighed_text(text, per_mass):
+    """A mass for each spring, half of it on the link; J/kg."""
+    text = text.replace("[leg_designs.link]\n", MASSES, 1).replace("stretch =", f"energy_per_mass = {per_mass}\nstretch =")
+    for spring in ("front", "rear"):
+        text = text.replace(
+            "masses = { at_second = 0.3 }", f'masses = {{ at_first = "{spring}_mass/2", at_second = "{spring}_mass/2" }}', 1
+        )
+    return text
+
+
+def test_springs_weigh_what_their_energy_asks_for(tmp_path):
+    """Masses and springs agree: those that were found store T^2 / (2 k) at their longest, and are the best ones at these masses."""
+    path = written(tmp_path, weighed_text(TEXT, 60.0))
+    found = designed(path, Wanted(starts=2))
+    for spring, longest, free in zip(("front", "rear"), found.lengths[1], found.lengths[2], strict=True):
+        pull = found.values[f"{spring}_tension"] + 9000 * (longest - free)
+        assert found.values[f"{spring}_mass"] == pytest.approx(pull**2 / (2 * 9000 * 60.0), rel=1e-5)
+        assert found.values[f"{spring}_mass"] > 0.5
+    (after,) = found.after
+    assert after.rms < 0.8
+    (tmp_path / "again").mkdir()
+    text = re.sub(r"energy_per_mass = .*\n", "", rewritten(path, found.values))
+    (again,) = designed(written(tmp_path / "again", text), Wanted(starts=2)).after
+    assert again.rms == pytest.approx(after.rms, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("front_mass = 0.0\n", "", "front_mass"),
+        ("energy_per_mass = 60", "energy_per_mass = -60", "energy_per_mass"),
+        ("stretch =", 'vary = ["rear_mass"]\nstretch =', "rear_mass"),
+    ],
+)
+def test_masses_that_cannot_be_found(tmp_path, old, new, says):
+    text = weighed_text(TEXT, 60.0)
+    assert old in text
+    with pytest.raises(SpecError, match=f"(?s)WG(214|161).*{says}"):
+        read(written(tmp_path, text.replace(old, new, 1)))
+
+
+def test_masses_that_never_settle_are_refused():
+    """Springs that ask for other masses every time."""
+    variables = (Variable("x", 0.0, 1.0, 0.5),)
+    problem = Problem(variables, (Objective("all", lambda x: Values(x - 0.3, np.eye(1))),))
+    turn = iter(range(100))
+    swinging = SimpleNamespace(
+        name="swing", table=SimpleNamespace(energy_per_mass=1.0), problem=problem, masses=lambda _: {"s_mass": 1.0 + next(turn) % 2}
+    )
+    with pytest.raises(SpecError, match=r"WG226.*swing.*do not settle"):
+        weighed(lambda _: swinging, {}, 1, 0, lambda _: None)

@@ -137,6 +137,16 @@ class Balance:
         """Of every spring (m)."""
         return Numbers(self.mechanism, [spring.free_length for spring in self.leg.springs], self.names).at(x)[0]
 
+    def masses(self, x: Reals) -> dict[str, float]:
+        """What every spring must weigh to store its energy at its largest tension, T^2 / (2 k) (kg), by the names of parameters."""
+        assert self.table.energy_per_mass is not None
+        springs, (_, longest) = self.leg.springs, self.stretches(x)
+        scalars = [entry for spring in springs for entry in (spring.stiffness, spring.free_length, spring.tension)]
+        rows = Numbers(self.mechanism, scalars, self.names).at(x)[0].reshape(-1, 3).T
+        energies = (rows[2] + rows[0] * (longest - rows[1])) ** 2 / (2 * rows[0])
+        per_mass = self.number(self.table.energy_per_mass)
+        return {f"{spring.name}_mass": float(energy) / per_mass for spring, energy in zip(springs, energies, strict=True)}
+
     @property
     def problem(self) -> Problem:
         """To be solved."""

@@ -11,7 +11,8 @@ from walkgen.design.apart import check_apart
 from walkgen.design.balance import Balance, Residue
 from walkgen.design.cam_search import CamDesigned, cam_designed
 from walkgen.design.fitting import limits_of
-from walkgen.design.multistart import Found, Progress, solved
+from walkgen.design.masses import weighed
+from walkgen.design.multistart import Found, Progress
 from walkgen.design.problem import Reals
 from walkgen.errors import Problem, SpecError
 from walkgen.spec.checks_balance import CAMS
@@ -72,16 +73,16 @@ def springs_designed(spec: RobotSpec, name: str, path: Path, wanted: Wanted = Wa
     """Search the springs of a spec's balance.
 
     Raises:
-        SpecError: joints that are to be balanced each by itself are not apart, or no springs within the bounds only pull and fit.
+        SpecError: joints that are to be balanced each by itself are not apart, no springs within the bounds only pull and fit, or their
+            masses do not settle.
     """
     starts = spec.balance[name].starts if wanted.starts is None else wanted.starts
     given = Balance(spec, name, path.parent)
     check_apart(given)
     best: tuple[Found, Balance] | None = None
     for settings in _choices(given, path):
-        balance = Balance(spec, name, path.parent, settings)
-        found = solved(balance.problem, starts, wanted.seed, progress)
-        best = (found, balance) if best is None or found.better(best[0]) else best
+        made = weighed(lambda values: Balance(spec, name, path.parent, values), settings, starts, wanted.seed, progress)
+        best = made if best is None or made[0].better(best[0]) else best
     assert best is not None
     return _rounded(given, *best)
 

@@ -93,6 +93,8 @@ class BalanceSpec(Table):
     """By link, two corners of the box in which springs may be hooked on there, in the link's axes (m)."""
     catalogue: tuple[dict[StrictStr, Number], ...] = Field(default=(), max_length=_MOST_ROWS)
     """Springs that can be bought: of each what parameters called SPRING_KEY are worth when SPRING is one of these."""
+    energy_per_mass: Number | None = None
+    """What a kilogram of a spring stores (J/kg): parameters called SPRING_mass are then found with the springs."""
     weights: RangeWeights = RangeWeights()
     cam: CamSpec | None = None
     """Of a balance by a cam."""

@@ -145,6 +145,18 @@ def _catalogue(path: Path, balance: BalanceSpec, spec: RobotSpec) -> Iterator[Fi
                     yield Finding("WG214", (*path, "catalogue", index, key), message, cure)
 
 
+def _weighed(path: Path, balance: BalanceSpec, spec: RobotSpec) -> Iterator[Finding]:
+    """Every spring has a parameter for its mass."""
+    leg = next((leg for leg in spec.legs if leg.name == balance.leg), None)
+    design = design_of(spec, leg) if leg else None
+    for name in (f"{spring.name}_mass" for spring in (design.springs if design else ())):
+        if name not in spec.parameters:
+            cure = f'write {name} = 0.3 among [parameters], and masses = {{ at_second = "{name}/2" }} at the spring'
+            yield Finding("WG214", path, f"there is no parameter {shown(name)} for the spring's mass", cure)
+        elif name in (balance.vary or ()) or any("mass" in row for row in balance.catalogue):
+            yield Finding("WG214", path, f"{shown(name)} is varied or chosen, and cannot be found", "leave it out there, or remove the key")
+
+
 def _parameters(path: Path, balance: BalanceSpec, spec: RobotSpec) -> Iterator[Finding]:
     for index, name in enumerate(balance.vary or ()):
         here = (*path, "vary", index)
@@ -154,6 +166,8 @@ def _parameters(path: Path, balance: BalanceSpec, spec: RobotSpec) -> Iterator[F
             cure = f"write {name} = {{ value = ..., bounds = [low, high] }}"
             yield Finding("WG214", here, f"the parameter {name} has no bounds to vary between", cure)
     yield from _catalogue(path, balance, spec)
+    if balance.energy_per_mass is not None:
+        yield from _weighed((*path, "energy_per_mass"), balance, spec)
     if balance.device not in CAMS and balance.vary is None and not any(entry.bounds for entry in spec.parameters.values()):
         yield Finding(
             "WG214", (*path, "vary"), "no parameter has bounds to vary between", "write x = { value = 0.1, bounds = [0.05, 0.2] }"

@@ -39,6 +39,7 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     **dict.fromkeys((DriveSpec, PinSpec, SliderSpec, CylinderSpec), ("max_speed", "max_effort")),
     PinFriction: ("radius",),
     SpringSpec: ("stiffness",),
+    BalanceSpec: ("energy_per_mass",),
     CamSpec: ("start", "roller", "stiffness", "arm", "anchor"),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
