@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkgen.design.balance import Residue
+from walkgen.design.cam import Profile
 from walkgen.design.cam_search import CamDesigned
 from walkgen.design.search import Designed
 
@@ -14,7 +15,7 @@ _UNITS = {"rad": ("N m", "J"), "m": ("N", "J")}
 def report(found: Designed | CamDesigned) -> str:
     """Of springs values of the parameters and lengths, of a cam its shape; moments before and after, energy of a stride."""
     if isinstance(found, CamDesigned):
-        return "\n".join(["cam:", *_shape(found), "left for the drives:", *_moments(found)])
+        return "\n".join([*_varied(found), "cam:", *_shape(found.profile), "left for the drives:", *_moments(found)])
     return "\n".join(["found:", *_values(found), "springs:", *_springs(found), "left for the drives:", *_moments(found)])
 
 
@@ -25,8 +26,15 @@ def columns(found: Designed | CamDesigned) -> tuple[tuple[str, tuple[Residue, ..
     return (("no springs", found.before), ("as in the spec", found.given), ("found", found.after))
 
 
-def _shape(found: CamDesigned) -> Iterator[str]:
-    cut = found.profile
+def _varied(found: CamDesigned) -> Iterator[str]:
+    """What was found, and the cam that it stands for."""
+    if found.values:
+        yield from ("found:", *_values(found))
+    if found.given is not None:
+        yield from ("cam of the spec:", *_shape(found.given))
+
+
+def _shape(cut: Profile) -> Iterator[str]:
     yield f"  {len(cut.phi)} points, {cut.r.min():.4g} to {cut.r.max():.4g} m from the hip to the roller's centre"
     yield f"  pressure angle at most {np.rad2deg(np.abs(cut.pressure).max()):.4g} degrees"
     yield f"  the roller is pressed with {np.abs(cut.force).min():.4g} to {np.abs(cut.force).max():.4g} N"
@@ -37,7 +45,7 @@ def _shape(found: CamDesigned) -> Iterator[str]:
     yield f"  its spring is {cut.lengths.min():.4g} to {cut.lengths.max():.4g} m long"
 
 
-def _values(found: Designed) -> Iterator[str]:
+def _values(found: Designed | CamDesigned) -> Iterator[str]:
     for name, value in found.values.items():
         entry = found.balance.spec.parameters[name]
         unit = f" {entry.unit}" if entry.unit != "1" else ""

@@ -21,6 +21,7 @@ from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
 
 _MOST_CHOICES = 256
+_SPRING_STARTS, _CAM_STARTS = 24, 8
 _DIGITS = 9
 """Of the values that are written: what is told is what these give."""
 
@@ -65,7 +66,7 @@ def designed(path: Path, wanted: Wanted = Wanted(), progress: Progress = lambda 
     spec = read(path)
     name = _chosen(spec, wanted.balance, path)
     if spec.balance[name].device in CAMS:
-        return cam_designed(spec, name, path, progress)
+        return cam_designed(spec, name, path, _starts(spec, name, wanted, _CAM_STARTS), wanted.seed, progress)
     return springs_designed(spec, name, path, wanted, progress)
 
 
@@ -76,8 +77,7 @@ def springs_designed(spec: RobotSpec, name: str, path: Path, wanted: Wanted = Wa
         SpecError: joints that are to be balanced each by itself are not apart, no springs within the bounds only pull and fit, or their
             masses do not settle.
     """
-    starts = spec.balance[name].starts if wanted.starts is None else wanted.starts
-    given = Balance(spec, name, path.parent)
+    starts, given = _starts(spec, name, wanted, _SPRING_STARTS), Balance(spec, name, path.parent)
     check_apart(given)
     best: tuple[Found, Balance] | None = None
     for settings in _choices(given, path):
@@ -85,6 +85,11 @@ def springs_designed(spec: RobotSpec, name: str, path: Path, wanted: Wanted = Wa
         best = made if best is None or made[0].better(best[0]) else best
     assert best is not None
     return _rounded(given, *best)
+
+
+def _starts(spec: RobotSpec, name: str, wanted: Wanted, usual: int) -> int:
+    """What the command line asks for, else the spec, else as many as usual."""
+    return next(starts for starts in (wanted.starts, spec.balance[name].starts, usual) if starts is not None)
 
 
 def _chosen(spec: RobotSpec, name: str, path: Path) -> str:

@@ -1,6 +1,6 @@
 """Cams that balance legs: which joint of which leg, how follower and spring lie there, and the total potential in numbers."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal
@@ -85,7 +85,7 @@ def placed(mechanism: Mechanism, leg: Limb, cam: Cam) -> Placed:
     ways = ((roller, ZERO), (at_follower, neg(cam.reach) if cam.on == "link" else cam.reach), (follower, cam.centre))
     hook: Lump = (at_link, carried(to_link, (cam.lever, ZERO, ZERO)))
     return Placed(
-        _potential(mechanism, leg, cam, gravity, values),
+        potential_of(cam, weight_of(mechanism, leg, cam, values), gravity, lambda scalar: evaluate(scalar, CONTEXT, values)),
         guide + rotation(Y, QUARTER_TURN),
         with_lumps(None, [(mass, (ZERO, ZERO, way)) for mass, way in ways if mass != ZERO]),
         with_lumps(None, [hook] if cam.on == "link" and at_link != ZERO else []),
@@ -121,6 +121,15 @@ def _up(mechanism: Mechanism, leg: Limb, cam: Cam, values: Numbers) -> tuple[Any
     return CONTEXT.atan2(y, x), size
 
 
+def gravity_of(mechanism: Mechanism, leg: Limb, cam: Cam, values: Numbers) -> Any:
+    """Its size where it pulls across the joint of a leg's cam (m/s^2).
+
+    Raises:
+        CamError: the joint is not level, or there is no gravity.
+    """
+    return _up(mechanism, leg, cam, values)[1]
+
+
 def _angle(angle: Any) -> Scalar:
     """As exact as in a spec: multiples of 15 degrees are what they are."""
     twelfths = CONTEXT.nint(_TWELFTHS * angle / CONTEXT.pi)
@@ -135,22 +144,28 @@ def _posture(cam: Cam, angle: Any, values: Numbers) -> list[Any]:
     return q
 
 
-def _potential(mechanism: Mechanism, leg: Limb, cam: Cam, gravity: Any, values: Numbers) -> OnLink | OnFrame:
-    def number(scalar: Scalar) -> Any:
-        return evaluate(scalar, CONTEXT, values)
+def potential_of(cam: Cam, weight: Weight, gravity: Any, number: Callable[[Scalar], Any]) -> OnLink | OnFrame:
+    """The total potential of a cam.
 
+    Args:
+        cam: of a leg.
+        weight: of all that its joint moves, without what the cam's spring weighs on the link.
+        gravity: its size (m/s^2).
+        number: gives numbers of a kind.
+    """
     at_link, at_follower, follower, roller = (number(mass) for mass in cam.masses)
     stiffness, lever, reach = number(cam.spring.stiffness), number(cam.lever), number(cam.reach)
     spring = Pull(stiffness, number(cam.spring.tension) - stiffness * number(cam.spring.free_length))
-    weight = _weight(mechanism, leg, cam, values)
     if cam.on == "link":
         own = Weight(weight.a - gravity * at_link * lever, weight.b)
         return OnLink(own, spring, gravity, lever, reach, at_follower + follower + roller)
     return OnFrame(weight, spring, gravity, lever, reach, (at_follower, follower, roller), number(cam.centre))
 
 
-def _weight(mechanism: Mechanism, leg: Limb, cam: Cam, values: Numbers) -> Weight:
-    """Of all that the joint moves, load included: its potential is a constant + b cos(phi) - a sin(phi)."""
+def weight_of(mechanism: Mechanism, leg: Limb, cam: Cam, values: Numbers) -> Weight:
+    """Of all that the joint of a leg's cam moves, load included, for the runtime parameters' values: b cos(phi) - a sin(phi) and a constant
+    are its potential.
+    """
     pull = [evaluate(component, CONTEXT, values) for component in mechanism.gravity]
     load = evaluate(cam.load, CONTEXT, values)
 

@@ -33,6 +33,15 @@ class CamMasses(Table):
     roller: Number | None = None
 
 
+class CamWeights(Table):
+    """How much what a search makes small counts; 1 where left out."""
+
+    pressure: Number | None = None
+    """The mean square of the pressure angle's tangent."""
+    force: Number | None = None
+    """The mean square of the force on the roller, as a share of the largest moment without cam at the hip's distance `start`."""
+
+
 class CamSpec(Table):
     """A cam with a roller, which a spring presses on it; lengths in m."""
 
@@ -55,6 +64,10 @@ class CamSpec(Table):
     centre: Number | None = None
     """cam_on_frame: from the roller's centre outwards to the follower's centre of mass; 0 where left out."""
     masses: CamMasses = CamMasses()
+    most_pressure_deg: Number | None = None
+    """The largest pressure angle that a search may leave; any where left out."""
+    weights: CamWeights = CamWeights()
+    """Of a search: parameters with bounds in this table are varied."""
     points: StrictInt = Field(default=1801, ge=5, le=100_001)
     """Of the profile, ends included."""
 
@@ -100,8 +113,8 @@ class BalanceSpec(Table):
     """Of a balance by a cam."""
     nodes: StrictInt = Field(default=12, ge=2, le=200)
     """Gauss nodes of every range."""
-    starts: StrictInt = Field(default=24, ge=1, le=10_000)
-    """Random starts of the search, besides the spec's own values."""
+    starts: StrictInt | None = Field(default=None, ge=1, le=10_000)
+    """Random starts of the search, besides the spec's own values; 24 of springs, 8 of a cam where left out."""
 
     @property
     def supported(self) -> Ranges:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations
 
-from walkgen.spec.balance import BalanceSpec, CamMasses, CamSpec, RangeWeights
+from walkgen.spec.balance import BalanceSpec, CamMasses, CamSpec, CamWeights, RangeWeights
 from walkgen.spec.checks_terrain import VARIABLES
 from walkgen.spec.curved_sole import CurvedSoleSpec, DirectrixSpec
 from walkgen.spec.evaluate import Numbers, Uncomputable
@@ -40,7 +40,7 @@ _POSITIVE: Mapping[type[Table], tuple[str, ...]] = {
     PinFriction: ("radius",),
     SpringSpec: ("stiffness",),
     BalanceSpec: ("energy_per_mass",),
-    CamSpec: ("start", "roller", "stiffness", "arm", "anchor"),
+    CamSpec: ("start", "roller", "stiffness", "arm", "anchor", "most_pressure_deg"),
 }
 _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     Link: ("mass",),
@@ -54,6 +54,7 @@ _NOT_NEGATIVE: Mapping[type[Table], tuple[str, ...]] = {
     BalanceSpec: ("load",),
     SoleWeights: ("acceleration", "moment"),
     RangeWeights: ("support", "transfer"),
+    CamWeights: ("pressure", "force"),
     CamSpec: ("free_length", "initial_tension"),
     CamMasses: ("spring_at_link", "spring_at_follower", "follower", "roller"),
     SpringSpec: ("free_length", "free_length_mm", "initial_tension"),
