@@ -143,6 +143,21 @@ def test_erratum_7_10_sign_of_the_load(tmp_path):
     assert found.profile.r == pytest.approx(profile(carried, found.profile.phi, 0.36, R).r, rel=1e-12)
 
 
+def test_erratum_7_10_the_follower_bears_the_springs_end_at_h():
+    """R93 with the spring's mass at H balances the follower; with that at F, as printed, another force and a moment would be left."""
+    at_link, at_follower = 0.1, 0.5
+    cam = OnLink(Weight(-G * (2.72 + at_link * 0.12)), Pull(2500.0, -180.0), G, 0.12, 0.10, 1.2 + at_follower)
+    found = profile(cam, np.deg2rad(np.linspace(-35, 55, 91)), 0.36, R)
+    phi, Y, slopes = found.phi, found.r, found.slopes
+    F, H, D = 0.12 * np.exp(1j * phi), 1j * (Y - 0.10), 1j * Y
+    pull = (2500 * np.abs(H - F) - 180) * (H - F) / np.abs(H - F)
+    normal = (1j * Y - slopes) / np.hypot(Y, slopes)
+    for mass, low, high in ((at_follower, 0.0, 1e-10), (at_link, 0.5, 5.0)):
+        push = ((1.2 + mass) * G + pull.imag) / normal.imag
+        left = (np.conj(F) * pull).imag - (np.conj(D) * push * normal).imag - G * (2.72 + at_link * 0.12) * np.cos(phi)
+        assert low <= np.abs(left).max() <= high
+
+
 def test_errata_7_13_to_7_15_the_printed_forces_leave_a_moment():
     """(23) without sin phi at the weights and with BD cos(phi - alpha), R29 over cos(phi - alpha), leaves tens of N m; corrected, none."""
     _, found = cut("cam16")

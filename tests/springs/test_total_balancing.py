@@ -53,6 +53,45 @@ def test_reactions(request, name, backend):
     assert reactions(made, backend=backend) == pytest.approx((complex(*oracle["R34"]), complex(*oracle["R56"])), rel=REL)
 
 
+def freed(phi3, phi5, points):
+    """R34 and R56 from six equations: links 4 and 6 in balance, each by itself, the load up at P; points as at Q, links turned about B."""
+    C, E = abs(points["C"]) * np.exp(1j * phi3), abs(points["E"]) * np.exp(1j * phi5)
+    CD, ED = abs(points["D"] - points["C"]), abs(points["D"] - points["E"])
+    gap = E - C
+    along = (CD**2 - ED**2 + abs(gap) ** 2) / (2 * abs(gap))
+    side = np.sign(((points["E"] - points["C"]).conjugate() * (points["D"] - points["C"])).imag)
+    D = C + gap / abs(gap) * (along + 1j * side * np.sqrt(CD**2 - along**2))
+    turned4, turned6 = (D - C) / (points["D"] - points["C"]), (D - E) / (points["D"] - points["E"])
+    P, G4, G6 = (
+        C + (points["P"] - points["C"]) * turned4,
+        C + (points["G4"] - points["C"]) * turned4,
+        E + (points["G6"] - points["E"]) * turned6,
+    )
+
+    def moment(at):
+        return [-at.imag, at.real]
+
+    system, known = np.zeros((6, 6)), np.zeros(6)  # unknowns: R34, R56, and the force of 4 on 6 at D
+    system[[0, 1], [0, 1]], system[[0, 1], [4, 5]], system[2] = 1, -1, [*moment(C), 0, 0, *np.negative(moment(D))]
+    system[[3, 4], [2, 3]], system[[3, 4], [4, 5]], system[5] = 1, 1, [0, 0, *moment(E), *moment(D)]
+    known[1], known[2] = WEIGHT * (M4 - LOAD), WEIGHT * (M4 * G4.real - LOAD * P.real)
+    known[4], known[5] = WEIGHT * M6, WEIGHT * M6 * G6.real
+    found = np.linalg.solve(system, known)
+    return complex(*found[:2]), complex(*found[2:4])
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])
+@pytest.mark.parametrize("name", ["parallel", "general"])
+def test_reactions_beside_free_bodies(request, name, backend):
+    C, E = 0.4 * np.exp(-0.3j), 0.2 * np.exp(-1.9j)
+    points = {**POINTS, "G4": 0.33 - 0.3j, "G6": 0.14 - 0.27j}
+    if name == "parallel":
+        points = {"C": C, "E": E, "D": C + E, "P": C + 2.5 * E, "G4": C + E, "G6": E + C / 2}
+    made, random = request.getfixturevalue(name), np.random.default_rng(6)
+    for q in Q + random.uniform(-0.25, 0.25, (8, 2)):
+        assert reactions(made, q, backend) == pytest.approx(freed(*q, points), rel=1e-11)
+
+
 @pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])
 def test_moments_of_the_active_pairs(parallel, backend):
     oracle = ORACLES["fig14_parallelogram"]

@@ -1,27 +1,25 @@
-"""Solves a problem from many starts: least squares with soft constraints, then, from every answer of its own, with hard ones.
+"""Solves a problem from many starts: sequential quadratic programming from each, and more closely from the best answer.
 
-What least squares leave is no measure of what the hard constraints will make of it, so that none is dropped for its cost.
+Least squares with soft constraints before that lead to no better answers, and their costs say nothing of what hard constraints will make
+of them.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares, minimize
+from scipy.optimize import minimize
 
 from walkgen.design.blocks import blocks_of
 from walkgen.design.problem import Problem, Reals, Values
 
 Progress = Callable[[str], None]
-_SOFT, _HARD = 10.0, 300.0
-"""What a broken constraint weighs, first and then."""
-_STEPS = 40
-_POLISH_STEPS = 300
+_ROUGHLY, _CLOSELY = 1e-10, 1e-15
+"""Changes of the cost that are none: from every start, from the best answer."""
+_STEPS = 300
 _FEASIBLE = 1e-7
 _BAD = 10.0
 """A residual or a broken constraint where there is none: a linkage that does not assemble."""
-_SAME = 1e-3
-"""Two answers nearer than this in all variables, as shares of their bounds, are one."""
 
 
 @dataclass(frozen=True)
@@ -64,16 +62,13 @@ def solved(problem: Problem, starts: int, seed: int = 0, progress: Progress = la
 
 def _solved(problem: Problem, starts: int, seed: int, progress: Progress) -> Found:
     unit = _Unit(problem)
-    rough: list[tuple[float, Reals]] = []
-    for number, y in enumerate(_starts(problem, starts, seed), 1):
-        rough.append(unit.rough(y))
-        progress(f"start {number} of {starts + 1}, best {min(cost for cost, _ in rough):.4g}")
     best = Found(problem.start, problem.cost(problem.start), problem.violation(problem.start))
-    for y in _different(sorted(rough, key=lambda pair: pair[0])):
-        found = unit.polished(y)
+    for number, y in enumerate(_starts(problem, starts, seed), 1):
+        found = unit.polished(y, _ROUGHLY)
         best = found if found.better(best) else best
-        progress(f"polished, best {best.cost:.4g}")
-    return best
+        progress(f"start {number} of {starts + 1}, best {best.cost:.4g}")
+    found = unit.polished(unit.y(best.x), _CLOSELY)
+    return found if found.better(best) else best
 
 
 def _starts(problem: Problem, starts: int, seed: int) -> Iterator[Reals]:
@@ -82,15 +77,6 @@ def _starts(problem: Problem, starts: int, seed: int) -> Iterator[Reals]:
     yield (problem.start - problem.low) / (problem.high - problem.low)
     cells = generator.permuted(np.tile(np.arange(starts), (len(problem.variables), 1)), axis=1).T
     yield from (cells + generator.uniform(size=cells.shape)) / max(starts, 1)
-
-
-def _different(ordered: list[tuple[float, Reals]]) -> list[Reals]:
-    """Those that are not alike."""
-    kept: list[Reals] = []
-    for _, y in ordered:
-        if all(np.abs(y - other).max() > _SAME for other in kept):
-            kept.append(y)
-    return kept
 
 
 class _Unit:
@@ -116,28 +102,12 @@ class _Unit:
         """With slopes by shares of the bounds; what does not exist is bad."""
         return Values(np.nan_to_num(part.values, nan=bad), np.nan_to_num(part.slopes * self._span))
 
-    def rough(self, y: Reals) -> tuple[float, Reals]:
-        """Least squares with broken constraints as residuals, softly and then hard."""
-        inside = np.clip(y, 1e-9, 1 - 1e-9)
-        for weight in (_SOFT, _HARD):
-            answer = least_squares(
-                lambda y, weight=weight: self._soft(y, weight)[0],
-                np.clip(inside, 1e-9, 1 - 1e-9),
-                jac=lambda y, weight=weight: self._soft(y, weight)[1],
-                bounds=(0.0, 1.0),
-                max_nfev=_STEPS,
-            )
-            inside = answer.x
-        return float(answer.cost), inside
+    def y(self, x: Reals) -> Reals:
+        """Shares of the bounds."""
+        return (x - self._low) / self._span
 
-    def _soft(self, y: Reals, weight: float) -> tuple[Reals, Reals]:
-        residuals, margins = self._at(y)
-        broken = np.minimum(margins.values, 0.0)
-        slopes = np.where((broken < 0.0)[:, None], margins.slopes, 0.0)
-        return np.concatenate([residuals.values, weight * broken]), np.concatenate([residuals.slopes, weight * slopes])
-
-    def polished(self, y: Reals) -> Found:
-        """Sequential quadratic programming from there."""
+    def polished(self, y: Reals, closeness: float) -> Found:
+        """Sequential quadratic programming from there, until the cost changes by no more."""
         constraint = {"type": "ineq", "fun": lambda y: self._at(y)[1].values, "jac": lambda y: self._at(y)[1].slopes}
         answer = minimize(
             lambda y: 0.5 * float(np.sum(self._at(y)[0].values ** 2)),
@@ -146,7 +116,7 @@ class _Unit:
             bounds=[(0.0, 1.0)] * len(y),
             constraints=[constraint] if len(self._at(y)[1].values) else [],
             method="SLSQP",
-            options={"maxiter": _POLISH_STEPS, "ftol": 1e-15},
+            options={"maxiter": _STEPS, "ftol": closeness},
         )
         found = [self._found(answer.x), self._found(y)]
         return found[0] if found[0].better(found[1]) else found[1]
