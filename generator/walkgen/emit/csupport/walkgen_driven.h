@@ -17,14 +17,26 @@
 #define WG_TOLERANCE (WG_C(16.0) * WG_EPSILON)
 #endif
 
+/* No axes and no foot: a function knows them. */
+static inline void WG_NAME(wg_no_geometry)(struct WG_NAME(wg_serial) * arm) {
+    int i, j;
+    for (i = 0; i < 9; ++i) {
+        arm->rotation[i] = WG_C(0.0);
+    }
+    for (i = 0; i < 3; ++i) {
+        arm->foot[i] = WG_C(0.0);
+        for (j = 0; j < WG_MOST_JOINTS; ++j) {
+            arm->axis[j][i] = arm->point[j][i] = arm->lever[j][i] = WG_C(0.0);
+        }
+    }
+}
+
 /* The arm from its function and its target, lengths scaled by a power of 2 to about 1; a target very far away comes nearer: only its
  * direction counts. Whether there is one. */
 static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int32_t sequence, WG_NAME(wg_driven_foot) motion,
                                           const void *data, struct WG_NAME(wg_serial) * arm) {
-    const struct WG_NAME(wg_serial) nothing = {0};
     WG_REAL farthest = WG_C(0.0);
     int i, far, fine = sequence > 1 && sequence < (2 << WG_MOST_JOINTS) && reach > WG_C(0.0) && reach <= WG_HUGE;
-    *arm = nothing;
     for (i = 0; i < 3; ++i) {
         fine = fine && isfinite(p[i]);
         farthest = WG_MAX(farthest, WG_ABS(p[i]));
@@ -32,6 +44,7 @@ static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int
     if (!fine) {
         return 0;
     }
+    WG_NAME(wg_no_geometry)(arm);
     arm->n = WG_NAME(wg_joints_of)(sequence);
     arm->rows = 3;
     arm->motion = motion;
