@@ -118,7 +118,7 @@ class RollingStance:
 
     def hip_position(self) -> Solve:
         """The way back: the hip for angles of the links."""
-        roots = [self._along(which) for which in self._curves]
+        roots = [self.along(which, f"{which}_tangency") for which in self._curves]
         given = [self._given_foot(root) for root in roots]
         doc = (
             f"The hip over a foot that stood flat with its ankle at ankle_x and has rolled to its angle, by the links' angles, {PLANE}. "
@@ -169,13 +169,13 @@ class RollingStance:
 
         return FirstRoot(self._own.mechanism, self._own.limb.name, which, 3, residual, self._bounds(which))
 
-    def _along(self, which: str) -> FirstRoot:
+    def along(self, which: str, name: str) -> FirstRoot:
         """The contact parameter at which the curve lies along the ground: given cos and sin of the foot's angle."""
 
         def residual(tape: Tape, at: sympy.Expr, given: Exprs) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
             return self.curve(which, at, tape).tangency(given[0], given[1])
 
-        return FirstRoot(self._own.mechanism, self._own.limb.name, f"{which}_tangency", 2, residual, self._bounds(which))
+        return FirstRoot(self._own.mechanism, self._own.limb.name, name, 2, residual, self._bounds(which))
 
     def _given_hip(self, which: str, root: FirstRoot) -> Function:
         tape, hip, thigh, (edge,) = Tape(), symbols_of(HIP_MOTION), symbols_of(THIGH_MOTION), symbols_of(EDGE)

@@ -4,20 +4,18 @@ It is an unknown of the functions that rest on it, found before them: on the toe
 curve where the foot is turned further, below the ankle where the sole lies flat.
 """
 
-from collections.abc import Sequence
-
 import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.symbolic.choices import at_most, both, less
-from walkgen.symbolic.directrix import Directrix
 from walkgen.symbolic.first_root import FirstRoot
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.function import Function, Residue, Same, Select
 from walkgen.symbolic.path import Kinematics, path_of, touch_port
 from walkgen.symbolic.ports import signature
 from walkgen.symbolic.rolling_leg import Planar
+from walkgen.symbolic.rolling_stance import RollingStance
 from walkgen.symbolic.sole_ports import SoleLeg
 from walkgen.symbolic.tape import Tape, dot, symbols_of
 
@@ -30,7 +28,7 @@ class SoleTouch:
 
     def __init__(self, mechanism: Mechanism, leg: Limb) -> None:
         self._own = SoleLeg.of(mechanism, leg)
-        self._mechanism, self._leg = mechanism, leg
+        self._mechanism, self._leg, self._rolling = mechanism, leg, RollingStance(self._own)
 
     @property
     def up(self) -> Port:
@@ -55,17 +53,7 @@ class SoleTouch:
 
     def roots(self) -> list[FirstRoot]:
         """Of the curves that the sole has."""
-        return [self._root(which) for which in self._own.leg.sole.curves()]
-
-    def _root(self, which: str) -> FirstRoot:
-        def residual(tape: Tape, at: sympy.Expr, given: Sequence[sympy.Expr]) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-            return self._curve(which, at, tape).tangency(given[0], given[1])
-
-        name = f"{self._leg.name}_{which}"
-        return FirstRoot(self._mechanism, self._leg.name, name, 2, residual, lambda tape: self._curve(which, sympy.S.Zero, tape).bounds)
-
-    def _curve(self, which: str, at: sympy.Expr, tape: Tape) -> Directrix:
-        return Directrix(self._mechanism, self._own.leg, which, at, tape)
+        return [self._rolling.along(which, f"{self._leg.name}_{which}") for which in self._own.leg.sole.curves()]
 
     def place(self) -> Function:
         """Vertical and roots -> the foot point."""
@@ -90,7 +78,7 @@ class SoleTouch:
     def _on(self, tape: Tape, which: str, root: FirstRoot) -> Planar:
         """The point of a curve, its end where the foot is turned beyond it, from the foot frame's origin."""
         (at,), (status,) = symbols_of(root.root), symbols_of(root.status)
-        end = self._curve(which, at, tape).bounds[1]
+        end = self._rolling.curve(which, at, tape).bounds[1]
         held = tape.let(f"{which}_at", Select(both(Same(status, 0), at_most(at, end)), at, end))
-        x, y = self._curve(which, held, tape).point
+        x, y = self._rolling.curve(which, held, tape).point
         return x - self._own.leg.foot[0], y - self._own.leg.foot[1]
