@@ -105,6 +105,32 @@ def test_after_says_when_an_output_can_be_written():
     assert [text.after for text in body.outputs] == [1, 0, 2]
 
 
+def test_angles_that_wait_for_nothing_of_each_other_are_one_statement():
+    b = Builder(Q)
+    angle = b.add(Code.ADD, 0, 1)
+    sine, cosine, other = b.add(Code.SIN, 0), b.add(Code.COS, 0, name="c"), b.add(Code.COS, angle)
+    body = walked(b, b.add(Code.MUL, b.add(Code.ADD, sine, cosine), other))
+    assert [statement.text for statement in body.statements] == ["WG_SINCOS_2(q[0], sin_q0, c, q[0] + q[1], t1, t2)"]
+    assert body.statements[0].names == ("sin_q0", "c", "t1", "t2")
+    assert body.statements[0].idle == ("t1",)
+    assert body.outputs[0].text == "(sin_q0 + c)*t2"
+
+
+def test_angles_whose_arguments_come_later_stay_apart():
+    b = Builder(Q)
+    first = b.add(Code.SIN, 0)
+    second = b.add(Code.SIN, b.add(Code.ADD, 1, 2))
+    body = walked(b, b.add(Code.MUL, first, second))
+    assert [statement.text for statement in body.statements] == ["WG_SIN(q[0])", "WG_SIN(q[1] + q[2])"]
+
+
+def test_arctangents_too():
+    b = Builder(Q)
+    one, two = b.add(Code.ATAN2, 0, 1, name="yaw"), b.add(Code.ATAN2, 1, 2)
+    body = walked(b, b.add(Code.SUB, one, two))
+    assert [statement.text for statement in body.statements] == ["WG_ATAN2_2(q[0], q[1], yaw, q[1], q[2], t1)"]
+
+
 def long_program(count: int) -> Program:
     """A chain of single-use operations, as deep as it is long."""
     b = Builder(Q)

@@ -10,7 +10,7 @@ from small_expressions import CONTEXT, SYMBOLS, close, expressions, function_of,
 from mechanisms.hand_programs import constant, inputs, made
 from walkgen.graph.interpret import interpret
 from walkgen.graph.lower import lower
-from walkgen.graph.passes import fused, pruned, scheduled
+from walkgen.graph.passes import fused, groups, pruned, scheduled
 from walkgen.graph.program import Code, Op
 from walkgen.signature import Port
 
@@ -83,7 +83,37 @@ def test_arctangents_stand_side_by_side():
     assert close(values_of(found, (2, 3, 5))[0], 2 * CONTEXT.atan2(2, 3) + 1)
 
 
-def test_programs_without_arctangents_keep_their_order():
+def test_angles_come_together_four_at_most_and_each_only_once():
+    """Five angles of inputs in two parts, then one that waits for them."""
+    sums = [Op(Code.ADD, (0, 1)), Op(Code.ADD, (1, 2))]
+    angles = [Op(code, (number,)) for number in (0, 1, 2, 3, 4) for code in (Code.SIN, Code.COS)]
+    program = toy([*sums, *angles, Op(Code.MUL, (5, 6)), Op(Code.SIN, (15,)), Op(Code.SIN, (16,))], (17,))
+    found = groups(program)
+    assert [len(group) for group in found] == [2, 3, 1, 1]
+    members = [member for group in found for same in group for member in same]
+    assert sorted(members) == [n for n, op in enumerate(program.ops) if op.code in (Code.SIN, Code.COS)]
+
+
+def test_a_group_stands_where_its_first_angle_stood():
+    """The second angle's sum moves up with it; the product does not."""
+    program = toy([Op(Code.SIN, (0,)), Op(Code.MUL, (3, 3)), Op(Code.ADD, (1, 2)), Op(Code.COS, (5,)), Op(Code.ADD, (4, 6))], (7,))
+    assert [op.code for op in scheduled(program).ops[3:]] == [Code.ADD, Code.SIN, Code.COS, Code.MUL, Code.ADD]
+
+
+@QUICK
+@given(expressions(), expressions(), ROWS)
+def test_scheduling_keeps_values_and_is_done_once(first, second, row):
+    plain = pruned(lower(function_of(first, second, first * second), fma=False))
+    found = scheduled(plain)
+    assert interpret(found, {"x": row}) == interpret(plain, {"x": row})
+    assert sorted(op.code.value for op in found.ops) == sorted(op.code.value for op in plain.ops)
+    assert scheduled(found) == found
+    for group in groups(found):
+        members = [member for same in group for member in same]
+        assert max(a for member in members for a in found.ops[member].arguments) < min(members)
+
+
+def test_programs_of_one_angle_keep_their_order():
     x, y, z = SYMBOLS
     program = lower(function_of(sympy.sin(x) * y + z, x * z), fma=True)
     assert scheduled(program) == program

@@ -1,4 +1,4 @@
-"""Computes the polynomials of walkgen_trig.h: minimax by Remez' exchange, each coefficient rounded and the later ones fitted anew."""
+"""Computes the polynomials of walkgen_trig_kernel.h: minimax by Remez' exchange, coefficients rounded, the later ones fitted anew."""
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -101,7 +101,7 @@ def parts(value: mpf, *bits: int) -> list[mpf]:
 
 @dataclass(frozen=True)
 class Table:
-    """One list of numbers of walkgen_trig.h."""
+    """One list of their numbers."""
 
     name: str
     bits: int

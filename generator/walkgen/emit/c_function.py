@@ -3,6 +3,7 @@
 import textwrap
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from itertools import accumulate
 from math import prod
 
 from walkgen.emit.c_composite import composite_lines, stack_of
@@ -21,9 +22,11 @@ from walkgen.emit.c_declaration import (
 from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_text import comment
 from walkgen.emit.manifest import operations
-from walkgen.emit.walker import Body, live, walk
+from walkgen.emit.walker import Body, Statement, live, walk
 from walkgen.graph.program import Code, Composite, Program
 from walkgen.signature import Port, Signature, Table
+
+_KEPT = "\0"
 
 
 def kernel(program: Program, name: str, printer: CPrinter) -> CFunction:
@@ -142,9 +145,25 @@ def _interleaved(signature: Signature, body: Body, precision: Precision, returne
         due[after].append(line)
     for place, statement in enumerate(body.statements):
         yield from due[place]
-        kind = "int" if statement.truth else precision.real
-        yield f"{INDENT}const {kind} {statement.name} = {statement.text};"
+        yield from _statement_lines(statement, precision)
     yield from due[len(body.statements)]
+
+
+def _statement_lines(statement: Statement, precision: Precision) -> Iterator[str]:
+    if not statement.names:
+        yield f"{INDENT}const {'int' if statement.truth else precision.real} {statement.name} = {statement.text};"
+        return
+    for text in (f"{precision.real} {', '.join(statement.names)};", f"{statement.text};"):
+        lines = textwrap.wrap(_kept_together(text), COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2, break_long_words=False)
+        yield from (line.replace(_KEPT, " ") for line in lines)
+    yield from (f"{INDENT}(void){name};" for name in statement.idle)
+
+
+def _kept_together(text: str) -> str:
+    """With another blank wherever a line must not be broken: everywhere but between arguments."""
+    depths = accumulate((character == "(") - (character == ")") for character in text)
+    ends = (before == "," and depth <= 1 for before, depth in zip(" " + text, depths, strict=False))
+    return "".join(_KEPT if character == " " and not end else character for character, end in zip(text, ends, strict=True))
 
 
 def _output_lines(signature: Signature, body: Body, returned: Port | None) -> Iterator[tuple[int, str]]:
@@ -160,7 +179,7 @@ def _output_lines(signature: Signature, body: Body, returned: Port | None) -> It
 
 
 def _locals_size(body: Body, precision: Precision) -> int:
-    return sum(4 if statement.truth else precision.size for statement in body.statements)
+    return sum(4 if statement.truth else precision.size * max(1, len(statement.names)) for statement in body.statements)
 
 
 def _count_lines(signature: Signature) -> tuple[str, ...]:

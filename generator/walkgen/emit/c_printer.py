@@ -113,6 +113,11 @@ class CPrinter:
         return _OPERATORS | calls | (_FUSED if self.fma else _APART)
 
     @property
+    def together(self) -> Mapping[Code, str]:
+        """Macros of walkgen_math.h."""
+        return {Code.SIN: "WG_SINCOS_{0}", Code.ATAN2: "WG_ATAN2_{0}"}
+
+    @property
     def reserved(self) -> frozenset[str]:
         """Names that a local must not take."""
         return RESERVED

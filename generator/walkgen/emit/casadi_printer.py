@@ -59,6 +59,11 @@ class CasadiPrinter:
         return _FORMS
 
     @property
+    def together(self) -> Mapping[Code, str]:
+        """Nothing."""
+        return {}
+
+    @property
     def reserved(self) -> frozenset[str]:
         """What a local must not be called."""
         return _HELPERS.union(kwlist)

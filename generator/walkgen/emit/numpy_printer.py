@@ -60,6 +60,11 @@ class NumpyPrinter:
         return _FORMS
 
     @property
+    def together(self) -> Mapping[Code, str]:
+        """Nothing."""
+        return {}
+
+    @property
     def reserved(self) -> frozenset[str]:
         """What a local must not be called."""
         return _HELPERS.union(kwlist, *(_element_names(port) for port in self.program.signature.inputs))

@@ -2,13 +2,14 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import IntEnum
 from itertools import count
 from typing import Protocol
 
+from walkgen.graph.passes import Group, groups
 from walkgen.graph.program import TRUTH_CODES, Code, Op, Program
 from walkgen.signature import Port
 
@@ -57,11 +58,16 @@ class Text:
 
 @dataclass(frozen=True)
 class Statement:
-    """One named local value; `truth` tells comparisons and their combinations from numbers."""
+    """One named local value; `truth` tells comparisons and their combinations from numbers.
+
+    With `names` the text is a whole statement that sets them all; what nothing reads of them stands in `idle`.
+    """
 
     name: str
     text: str
-    truth: bool
+    truth: bool = False
+    names: tuple[str, ...] = ()
+    idle: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -85,6 +91,10 @@ class Printer(Protocol):
     @property
     def reserved(self) -> frozenset[str]:
         """Names that a local value must not take; the ports' names are added by the walk."""
+
+    @property
+    def together(self) -> Mapping[Code, str]:
+        """What sets several sines and cosines (`SIN`), or arctangents, in one statement; `{0}` is their number. Empty: nothing does."""
 
     def constant(self, value: Decimal) -> Text:
         """A literal of the target's precision; UNARY where it carries a sign."""
@@ -124,6 +134,21 @@ def bracket(text: Text, level: Level) -> str:
     return text.text if text.level >= level else f"({text.text})"
 
 
+def _family(code: Code) -> Code:
+    return Code.SIN if code is Code.COS else code
+
+
+def _first(group: Group) -> int:
+    return min(member for members in group for member in members)
+
+
+def _is_ready(group: Group, program: Program, needed: Collection[int]) -> bool:
+    """Whether all that the group waits for comes before its first operation, and all of it is needed."""
+    members = [member for same in group for member in same]
+    waits = max(argument for member in members for argument in program.ops[member].arguments)
+    return waits < min(members) and all(member in needed for member in members)
+
+
 class _Walk:
     """The walk's growing state: what is written so far and the names taken."""
 
@@ -138,6 +163,7 @@ class _Walk:
             self.uses.update(program.ops[index].arguments)
         self.pairs = {(op.code, op.arguments): index for index in needed if (op := program.ops[index]).code in _PAIRED}
         ports = program.signature.inputs + program.signature.outputs
+        self.groups = {_first(group): group for group in groups(program) if len(group) > 1 and _is_ready(group, program, set(needed))}
         self.taken = set(printer.reserved) | {port.name for port in ports}
         self.numbers = count(1)
 
@@ -146,6 +172,9 @@ class _Walk:
         if index in self.written:
             return
         op = self.program.ops[index]
+        if index in self.groups and _family(op.code) in self.printer.together:
+            self.bind_together(self.groups[index])
+            return
         self.written[index] = self.expression(op)
         if self.stands_alone(index, op):
             self.bind(index)
@@ -185,6 +214,25 @@ class _Walk:
         name = self.name(op)
         self.statements.append(Statement(name, self.written[index].text, op.code in TRUTH_CODES))
         self.written[index] = Text(name, after=len(self.statements))
+
+    def bind_together(self, group: Group) -> None:
+        """One statement for all angles of a group."""
+        ops = self.program.ops
+        family = _family(ops[group[0][0]].code)
+        texts, names, idle = [], [], []
+        for members in group:
+            codes = {ops[member].code: member for member in members}
+            texts += [self.written[argument].text for argument in ops[members[0]].arguments]
+            for code in (Code.SIN, Code.COS) if family is Code.SIN else (Code.ATAN2,):
+                member = codes.get(code)
+                name = self.name(ops[members[0]]._replace(code=code, name="") if member is None else ops[member])
+                texts.append(name)
+                names.append(name)
+                idle += [name] if member is None else []
+                if member is not None:
+                    self.written[member] = Text(name, after=len(self.statements) + 1)
+        text = f"{self.printer.together[family].format(len(group))}({', '.join(texts)})"
+        self.statements.append(Statement(names[0], text, names=tuple(names), idle=tuple(idle)))
 
     def name(self, op: Op) -> str:
         wanted = identifier(op.name) or self.angle_name(op)

@@ -6,7 +6,7 @@ from decimal import Decimal
 from itertools import accumulate
 
 from walkgen.graph.number import Numbering
-from walkgen.graph.passes import fused, pruned
+from walkgen.graph.passes import fused, pruned, scheduled
 from walkgen.graph.program import TRUTH_CODES, Call, Code, Composite, Program
 from walkgen.signature import Port, Signature
 
@@ -26,7 +26,7 @@ def derivative(program: Program, port: str, moving: Collection[str] = ()) -> Pro
     numbering = Numbering(replace(program.signature, inputs=inputs))
     columns = [_Forward(numbering, program, _Moved(inputs, declared, element)).tangents for element in range(declared.size)]
     outputs = tuple(column[number] for number in program.outputs for column in columns)
-    return pruned(Program(replace(_signature(program.signature, declared), inputs=inputs), numbering.ops, outputs))
+    return scheduled(pruned(Program(replace(_signature(program.signature, declared), inputs=inputs), numbering.ops, outputs)))
 
 
 def composite_derivative(composite: Composite, plain: Composite, port: str, fma: bool) -> Composite | None:

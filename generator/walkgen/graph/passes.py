@@ -1,10 +1,14 @@
-"""Rewrites of Programs that keep what they compute: drop what no output needs, fuse multiply-adds."""
+"""Rewrites of Programs that keep what they compute: drop what no output needs, fuse multiply-adds, put angles side by side."""
 
 from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from walkgen.graph.program import Code, Op, Program
 
+TOGETHER = 4
+"""Angles that one vector holds."""
+_ANGULAR = frozenset({Code.SIN, Code.COS, Code.ATAN2})
 _FUSED = {Code.ADD: (Code.FMA, Code.FMA), Code.SUB: (Code.FMS, Code.FNMA)}
 
 
@@ -42,15 +46,63 @@ def _fused(op: Op, ops: tuple[Op, ...], uses: Counter[int]) -> Op:
     return op
 
 
-def scheduled(program: Program) -> Program:
-    """Stable: what waits for no arctangent, then the arctangents side by side, then what waits for them.
+Group = tuple[tuple[int, ...], ...]
+"""Operations of one kind that wait for nothing of each other: for each angle its SIN and COS, for each point its ATAN2."""
 
-    An arctangent is the longest chain of dependent operations there is; side by side they overlap (measured: a quarter less time).
+
+def groups(program: Program) -> tuple[Group, ...]:
+    """Which sines and cosines, and which arctangents, can be evaluated together: at most four angles or points each, near ones first.
+
+    What waits for as many of their kind, one after another, waits for nothing of each other.
     """
     ops = program.ops
-    level = [0] * len(ops)
+    depth = _depths(ops, _ANGULAR)
+    ranks: dict[tuple[bool, int], dict[tuple[int, ...], list[int]]] = {}
     for number, op in enumerate(ops):
-        level[number] = max((level[a] + (ops[a].code is Code.ATAN2) for a in op.arguments), default=0)
-    order = sorted(range(len(ops)), key=lambda n: (level[n], n))
+        if op.code in _ANGULAR:
+            ranks.setdefault((op.code is Code.ATAN2, depth[number]), {}).setdefault(op.arguments, []).append(number)
+    return tuple(group for rank in ranks.values() for group in _parts([tuple(same) for same in rank.values()]))
+
+
+def _depths(ops: Sequence[Op], counted: Collection[Code]) -> list[int]:
+    """How many operations of some kinds each waits for, one after another."""
+    depth = [0] * len(ops)
+    for number, op in enumerate(ops):
+        depth[number] = max((depth[a] + (ops[a].code in counted) for a in op.arguments), default=0)
+    return depth
+
+
+def _parts(angles: list[tuple[int, ...]]) -> Iterator[Group]:
+    """In parts of like size, no larger than four."""
+    count = -(-len(angles) // TOGETHER)
+    for part in range(count):
+        yield tuple(angles[part * len(angles) // count : (part + 1) * len(angles) // count])
+
+
+def scheduled(program: Program) -> Program:
+    """Each group of angles side by side, at the place of its first, what it waits for before it; what waits for no arctangent comes
+    before what does; the order is otherwise kept.
+
+    Angles are the longest chains of dependent operations there are: side by side they overlap, or become one vector's.
+    """
+    order = _ordered(program)
     position = {number: index for index, number in enumerate(order)}
-    return Program(program.signature, tuple(_renumbered(ops[n], position) for n in order), tuple(position[n] for n in program.outputs))
+    ops = tuple(_renumbered(program.ops[number], position) for number in order)
+    return Program(program.signature, ops, tuple(position[number] for number in program.outputs))
+
+
+def _ordered(program: Program) -> list[int]:
+    ops = program.ops
+    beside = {number: members for group in groups(program) for members in [[n for same in group for n in same]] for number in members}
+    late = _depths(ops, (Code.ATAN2,))
+    waiting = sorted(range(len(ops)), key=lambda number: (late[number], number), reverse=True)
+    order: dict[int, None] = {}
+    while waiting:
+        members = beside.get(waiting[-1], waiting[-1:])
+        missing = [] if waiting[-1] in order else sorted({a for member in members for a in ops[member].arguments if a not in order})
+        if missing:
+            waiting += reversed(missing)
+        else:
+            waiting.pop()
+            order |= dict.fromkeys(members)
+    return list(order)

@@ -24,6 +24,7 @@
  *     WG_C(0.5)                    a literal of that type
  *     WG_EPSILON WG_TINY WG_HUGE WG_PI    unit roundoff times 2, least normal, greatest finite number, pi
  *     WG_SIN WG_COS WG_ATAN2       walkgen_trig.h, which the precision header includes; the C library's with WALKGEN_LIBM
+ *     WG_SINCOS_2 .. 4, WG_ATAN2_2 .. 4   several at once: WG_SINCOS_2(x, sin_x, cos_x, y, sin_y, cos_y)
  *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
  *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN
@@ -32,6 +33,8 @@
  *
  * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, slower. It is implied
  * where sums are not rounded as written: by -ffast-math and where the compiler keeps intermediate results wider than their type.
+ *
+ * WALKGEN_PLAIN selects C99 alone, without vector types: the same bits.
  *
  * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
  *
@@ -82,6 +85,63 @@
 #if defined(FP_FAST_FMAF) || defined(__FP_FAST_FMAF) || defined(__FMA__) || defined(__AVX512F__) || defined(__ARM_FEATURE_FMA)
 #define WALKGEN_FAST_FMAF
 #endif
+#endif
+
+/* Four numbers in one instruction: where the compiler has vector types, the target AVX2, and neither size nor the plainest C is asked for.
+ * With narrower vectors single numbers are faster. */
+#if defined(__GNUC__) && defined(__AVX2__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN) && !defined(WALKGEN_LIBM)
+#define WALKGEN_VECTORS
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_elementwise_fma)
+#define WALKGEN_ELEMENTWISE
+#endif
+#endif
+#endif
+
+/* Several sines and cosines, or arctangents, at once: each angle with the two variables, each point (y, x) with the one, that are set. */
+#if defined(WALKGEN_VECTORS)
+#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) \
+    do { \
+        const struct WG_NAME(wg_turned) wg_turned = WG_NAME(wg_sincos_together)(a0, a1, a0, a1); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1; \
+    } while (0)
+#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
+    do { \
+        const struct WG_NAME(wg_turned) wg_turned = WG_NAME(wg_sincos_together)(a0, a1, a2, a0); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1, s2 = wg_turned.sine2, c2 = wg_turned.cosine2; \
+    } while (0)
+#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    do { \
+        const struct WG_NAME(wg_turned) wg_turned = WG_NAME(wg_sincos_together)(a0, a1, a2, a3); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1; \
+        s2 = wg_turned.sine2, c2 = wg_turned.cosine2, s3 = wg_turned.sine3, c3 = wg_turned.cosine3; \
+    } while (0)
+#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) \
+    do { \
+        const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y0, x0, y1, x1); \
+        r0 = wg_angles.angle0, r1 = wg_angles.angle1; \
+    } while (0)
+#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) \
+    do { \
+        const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y2, x2, y0, x0); \
+        r0 = wg_angles.angle0, r1 = wg_angles.angle1, r2 = wg_angles.angle2; \
+    } while (0)
+#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
+    do { \
+        const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y2, x2, y3, x3); \
+        r0 = wg_angles.angle0, r1 = wg_angles.angle1, r2 = wg_angles.angle2, r3 = wg_angles.angle3; \
+    } while (0)
+#else
+#define WG_SINCOS_1(a, s, c) s = WG_SIN(a), c = WG_COS(a)
+#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_1(a0, s0, c0), WG_SINCOS_1(a1, s1, c1)
+#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_2(a0, s0, c0, a1, s1, c1), WG_SINCOS_1(a2, s2, c2)
+#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    WG_SINCOS_2(a0, s0, c0, a1, s1, c1), WG_SINCOS_2(a2, s2, c2, a3, s3, c3)
+#define WG_ATAN2_1(y, x, r) r = WG_ATAN2(y, x)
+#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_1(y0, x0, r0), WG_ATAN2_1(y1, x1, r1)
+#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_1(y2, x2, r2)
+#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
+    WG_ATAN2_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_2(y2, x2, r2, y3, x3, r3)
 #endif
 
 #if defined(__clang__)

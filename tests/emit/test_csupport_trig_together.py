@@ -1,0 +1,144 @@
+"""Several angles at once: in vectors, without them and by the C library, the bits of each angle alone."""
+
+import ctypes
+import importlib.util
+import math
+import platform
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from csupport_library import STRICT, compile_c
+from trig_library import ZIG, angles, build, points
+
+COUNTS = (2, 3, 4)
+
+
+def _arguments(count: int, pattern: str) -> str:
+    return ", ".join(pattern.format(*(at + k * count for k in range(3))) for at in range(count))
+
+
+def _loop(count: int, kind: str, real: str, suffix: str) -> str:
+    pattern = {"SINCOS": "x[{0}], found[{0}], found[{1}]", "ATAN2": "x[{0}], x[{1}], found[{0}]"}[kind]
+    name, text = f"{kind.lower()}_{count}{suffix}", _arguments(count, pattern)
+    head = f"ENTRY void {name}(int rows, const {real} *x, {real} *found)"
+    body = f"for (int row = 0; row < rows; ++row, x += {2 * count}, found += {2 * count}) {{ WG_{kind}_{count}({text}); }}"
+    return f"{head};\n{head} {{ {body} }}\n"
+
+
+def _both(real: str, header: str, suffix: str) -> str:
+    loops = "".join(_loop(count, kind, real, suffix) for count in COUNTS for kind in ("SINCOS", "ATAN2"))
+    single = f"ENTRY void sin_1{suffix}(int rows, const {real} *x, {real} *found)"
+    single += " { for (int i = 0; i < rows; ++i) found[i] = WG_SIN(x[i]); }\n"
+    single += single.replace("sin_1", "cos_1").replace("WG_SIN", "WG_COS")
+    two = f"ENTRY void atan2_1{suffix}(int rows, const {real} *y, const {real} *x, {real} *found)"
+    two += " { for (int i = 0; i < rows; ++i) found[i] = WG_ATAN2(y[i], x[i]); }\n"
+    declared = "".join(f"{line.split(' {')[0]};\n" for line in (single + two).splitlines())
+    return f'#include "{header}"\n{loops}{declared}{single}{two}'
+
+
+SOURCE = '#if defined(__cplusplus)\n#define ENTRY extern "C"\n#else\n#define ENTRY\n#endif\n'
+SOURCE += _both("double", "walkgen_real_f64.h", "") + _both("float", "walkgen_real_f32.h", "_f32")
+
+
+def has(flag: str) -> bool:
+    """Whether this processor has an extension."""
+    cpu = Path("/proc/cpuinfo")
+    return cpu.exists() and f" {flag} " in cpu.read_text()
+
+
+needs_avx2 = pytest.mark.skipif(not (has("avx2") and has("fma")), reason="this processor has no AVX2 with fused multiply-add")
+needs_zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
+BUILDS = {
+    "vectors": ("-mavx2", "-mfma"),
+    "vectors without fused multiply-add": ("-mavx2", "-mfma", "-DWALKGEN_NO_FMA"),
+    "plain": ("-mavx2", "-mfma", "-DWALKGEN_PLAIN"),
+    "size": ("-mavx2", "-mfma", "-Os"),
+    "C library": ("-mavx2", "-mfma", "-DWALKGEN_LIBM"),
+}
+REALS = pytest.mark.parametrize("real", [np.float64, np.float32])
+
+
+def called(library, name, rows, *columns):
+    """What a loop makes of rows; as many numbers as its first column has."""
+    columns = [np.ascontiguousarray(column) for column in columns]
+    found = np.empty_like(columns[0])
+    function = library._library[name + ("_f32" if found.dtype == np.float32 else "")]
+    function(ctypes.c_int(rows), *(array.ctypes.data_as(ctypes.c_void_p) for array in (*columns, found)))
+    return found
+
+
+def special(real):
+    """Angles in and beyond the range, infinite, not a number; among them ordinary ones."""
+    values = [0.0, -0.0, 1e-320, 1e-30, 0.5, -2.0, 1e3, 9.9e3, 1.1e4, -1e5, 1.1e5, 1e22, 3e38, math.inf, -math.inf, math.nan]
+    with np.errstate(over="ignore"):
+        return np.random.default_rng(5).permutation(np.tile(values, 300)).astype(real)
+
+
+def apart(library, kind, count, x):
+    """The same by the functions of one angle."""
+    if kind == "sincos":
+        angle = x.reshape(-1, 2, count)[:, 0]
+        return [called(library, f"{name}_1", angle.size, angle.ravel()).reshape(angle.shape) for name in ("sin", "cos")]
+    across, along = x.reshape(-1, 2, count).swapaxes(0, 1)
+    return [called(library, "atan2_1", across.size, across.ravel(), along.ravel()).reshape(across.shape)]
+
+
+def compared(library, real):
+    """Bits of all together and of each alone."""
+    given = {
+        "sincos": np.concatenate([angles(real, 2400, 1), special(real)]),
+        "atan2": np.concatenate([*points(real, 2400, 2), special(real)]),
+    }
+    for kind, values in given.items():
+        for count in COUNTS:
+            x = np.random.default_rng(count).permutation(values)[: values.size // (2 * count) * 2 * count]
+            found = called(library, f"{kind}_{count}", x.size // (2 * count), x).reshape(-1, 2, count)
+            for column, alone in enumerate(apart(library, kind, count, x)):
+                yield np.ascontiguousarray(found[:, column]), alone
+
+
+@needs_avx2
+@REALS
+@pytest.mark.parametrize("flags", BUILDS.values(), ids=BUILDS)
+def test_together_gives_the_bits_of_each_alone(tmp_path, flags, real):
+    library = build(tmp_path, "-O2", *flags, source=SOURCE)
+    for together, alone in compared(library, real):
+        assert together.tobytes() == alone.tobytes()
+
+
+@needs_avx2
+def test_vectors_and_plain_code_give_equal_bits(tmp_path):
+    vectors, plain = (build(tmp_path, "-O2", *BUILDS[name], source=SOURCE) for name in ("vectors", "plain"))
+    for real in (np.float64, np.float32):
+        for (one, _), (other, _) in zip(compared(vectors, real), compared(plain, real), strict=True):
+            assert one.tobytes() == other.tobytes()
+
+
+@needs_avx2
+@pytest.mark.parametrize(
+    "compiler",
+    [
+        "g++",
+        pytest.param(
+            ZIG, marks=pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
+        ),
+    ],
+)
+def test_other_compilers_give_equal_bits(tmp_path, compiler):
+    expected = build(tmp_path, "-O2", *BUILDS["vectors"], source=SOURCE)
+    standard = "-std=c++11" if compiler == "g++" else "-std=c99"
+    other = build(tmp_path, "-O2", *BUILDS["vectors"], source=SOURCE, compiler=compiler, standard=standard)
+    for (one, _), (two, _) in zip(compared(expected, np.float64), compared(other, np.float64), strict=True):
+        assert one.tobytes() == two.tobytes()
+
+
+@pytest.mark.skipif(platform.machine() not in {"x86_64", "AMD64"}, reason="reads x86 assembly")
+@pytest.mark.parametrize(("flags", "wide"), [(("-mavx2", "-mfma"), True), (("-mavx2", "-mfma", "-DWALKGEN_PLAIN"), False), ((), False)])
+def test_vectors_are_used_where_they_gain(tmp_path, flags, wide):
+    path = compile_c(tmp_path, SOURCE, "together.s", "-std=c99", "-O2", "-fno-math-errno", "-fno-trapping-math", "-S", *STRICT, *flags)
+    text = path.read_text()
+    body = text[text.index("\nsincos_3:") : text.index(".size\tsincos_3,")]
+    assert bool(re.search(r"vfmadd\w+pd\s.*%ymm", body)) == wide
+    assert "call" not in re.sub(r"call\s+\w*(?:sin|cos)\w*(?:@PLT)?", "", body)
