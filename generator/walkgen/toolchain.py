@@ -23,7 +23,8 @@ _IDLE = ("-fno-tree-pre", "-fno-tree-vrp", "-fno-gcse")
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-fno-tree-slp-vectorize", *_IDLE)
 """The values of IEEE 754: only errno and exception flags are given up, so that sqrt is one instruction and choices need no jumps;
 gcc's SLP vectoriser slows straight-line kernels."""
-SHARED = ("-fPIC",)
+SHARED = ("-fPIC", "-DWALKGEN_NO_BLOCKS")
+"""Of a library: its batches take row after row, since NumPy's loops have wider vectors of their own."""
 _RECORD = "build.json"
 _PROCESSES = 2
 

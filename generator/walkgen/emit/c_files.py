@@ -3,7 +3,6 @@
 import re
 from bisect import bisect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate
 from pathlib import Path, PurePosixPath
@@ -13,7 +12,9 @@ from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_constants import macros
 from walkgen.emit.c_declaration import CFunction, function_name
 from walkgen.emit.c_function import batch_function, callback_function, composite_function, kernel, program_function, table_lines
+from walkgen.emit.c_lanes import laned
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
+from walkgen.emit.c_rows import Part, Rows, first_parts, guard, last_parts, read_rows, row_headers
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
@@ -24,15 +25,6 @@ _LARGE = 12_000
 """Lines of functions and support routines from which on two compilers are worth what both must read."""
 
 _ALWAYS = ("walkgen_status.h", "walkgen_math.h", "walkgen_trig.h")
-
-
-@dataclass(frozen=True)
-class Part:
-    """Functions that are compiled together, between the lines of a guard."""
-
-    opening: tuple[str, ...]
-    functions: tuple[CFunction, ...]
-    closing: tuple[str, ...]
 
 
 def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
@@ -47,15 +39,23 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     kernels = _kernels(code, printer)
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     known = kernels | programs
-    functions = [(_public(body, known, printer), batch_function(body.signature, precision)) for body in code.functions]
+    lanes = {each.body: each for each in laned(code)}
+    functions = [(_public(body, known, printer), batch_function(body, lanes.get(body), precision)) for body in code.functions]
+    rows = read_rows(code, tuple(lanes.values()), kernels | programs, functions, printer.precision)
     called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     callbacks = [callback_function(callback, known, printer) for callback in called_back]
-    return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks], functions)
+    return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks], functions, rows)
 
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
     """Names of the csupport headers that the robot's sources include."""
-    named = (*_ALWAYS, *(precision.header for precision in _precisions(code)), *_workspaces(code), *_routine_headers(code))
+    named = (
+        *_ALWAYS,
+        *row_headers(code),
+        *(precision.header for precision in _precisions(code)),
+        *_workspaces(code),
+        *_routine_headers(code),
+    )
     return tuple(dict.fromkeys(_with_included(named)))
 
 
@@ -101,21 +101,31 @@ def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFuncti
     )
 
 
-def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], functions: list[tuple[CFunction, CFunction]]) -> Artifact:
+def _source(
+    code: RobotCode, precision: Precision, kernels: list[CFunction], functions: list[tuple[CFunction, CFunction]], rows: Rows
+) -> Artifact:
     stem = _stem(code, precision)
+    tables = (line for table in code.tables for line in ("", *table_lines(table, CPrinter(precision, code.fma))))
+    remaining = [tuple(function for function in pair if function.name not in rows.names) for pair in functions]
+    parts = _parts(code, remaining)
+    split = len(parts) > 1
     return lay_out(
         "robot.c.jinja",
         f"{stem}.c",
         banner=banner(code, f"Straight-line code in {precision.real}."),
         defines=() if code.fma else ("WALKGEN_NO_FMA",),
-        includes=(f"{stem}.h", precision.header, *dict.fromkeys(_routine_headers(code))),
-        tables=[table_lines(table, CPrinter(precision, code.fma)) for table in code.tables],
-        kernels=kernels,
-        parts=_parts(code, functions),
+        includes=(f"{stem}.h", precision.header, *rows.headers, *dict.fromkeys(_routine_headers(code))),
+        once=bool(rows.names),
+        parts=(
+            *first_parts(rows, split=split),
+            Part(tuple(tables), tuple(function for function in kernels if function.name not in rows.names), ()),
+            *parts,
+            *last_parts(rows, f"{stem}.c", split=split),
+        ),
     )
 
 
-def _parts(code: RobotCode, functions: Sequence[tuple[CFunction, CFunction]]) -> tuple[Part, ...]:
+def _parts(code: RobotCode, functions: Sequence[tuple[CFunction, ...]]) -> tuple[Part, ...]:
     """All in one, or in two parts of like weight that two compilers can share where it is worth it."""
     ends = list(accumulate(_weights(code, functions)))
     if not ends or ends[-1] < _LARGE:
@@ -125,22 +135,17 @@ def _parts(code: RobotCode, functions: Sequence[tuple[CFunction, CFunction]]) ->
     return tuple(Part(("", guard(part)), _flat(half), ("", "#endif")) for part, half in enumerate(halves, 1))
 
 
-def _flat(functions: Sequence[tuple[CFunction, CFunction]]) -> tuple[CFunction, ...]:
+def _flat(functions: Sequence[tuple[CFunction, ...]]) -> tuple[CFunction, ...]:
     return tuple(function for pair in functions for function in pair)
 
 
-def _weights(code: RobotCode, functions: Sequence[tuple[CFunction, CFunction]]) -> Iterator[int]:
+def _weights(code: RobotCode, functions: Sequence[tuple[CFunction, ...]]) -> Iterator[int]:
     """Lines of each function, those of the support routines that it is the first to call among them."""
     met: set[str] = set()
     for body, pair in zip(code.functions, functions, strict=True):
         needed = set(_with_included(body.headers)) if isinstance(body, Composite) else set()
         yield sum(len(function.lines) for function in pair) + sum(_support(name).text.count("\n") for name in needed - met)
         met |= needed
-
-
-def guard(part: int) -> str:
-    """What keeps a part out of the others' compilers; all parts are compiled where none is chosen."""
-    return f"#if !defined(WALKGEN_PART) || WALKGEN_PART == {part}"
 
 
 def _public(body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:

@@ -19,6 +19,7 @@ from walkgen.emit.c_declaration import (
     port_type,
     workspace_parameter,
 )
+from walkgen.emit.c_lanes import Laned, arrays, has_closest
 from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_text import comment
 from walkgen.emit.manifest import operations
@@ -61,8 +62,12 @@ def callback_function(callback: Composite, kernels: Mapping[Program, CFunction],
     return CFunction(name, declared(f"static void {name}", [*written, "const void *data"]), lines)
 
 
-def batch_function(signature: Signature, precision: Precision) -> CFunction:
-    """The function over contiguous rows; it returns the number of rows without an OK if the function can fail."""
+def batch_function(body: Program | Composite, lanes: Laned | None, precision: Precision) -> CFunction:
+    """The function over contiguous rows; it returns the number of rows without an OK if the function can fail.
+
+    Where there are lanes rows run side by side, and what calls another function alone lets that one's batch do it.
+    """
+    signature = body.signature
     single = function_name(signature, precision)
     returned = signature.returned
     inputs = [_batch_parameter(port, "const ", precision) for port in signature.inputs]
@@ -72,7 +77,20 @@ def batch_function(signature: Signature, precision: Precision) -> CFunction:
     arguments = [*signature.counts, *(_row(port, by_value=not port.shape) for port in signature.inputs), *(["work"] if work else [])]
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
     step = declared(single, arguments).replace("\n", f"\n{INDENT * 2}")
-    return CFunction(f"{single}_batch", head, tuple(_batch_lines(signature, step)))
+    lines = tuple(_batch_lines(signature, step))
+    if lanes:
+        lines = (*_blocks_lines(lanes, precision), *lines, "#endif")
+    return CFunction(f"{single}_batch", head, lines)
+
+
+def _blocks_lines(lanes: Laned, precision: Precision) -> Iterator[str]:
+    name = function_name(lanes.signature, precision)
+    closest = f"{name}_closest" if has_closest(lanes.body) else "NULL"
+    result = "return " if lanes.signature.status else "(void)"
+    yield "#if defined(WALKGEN_BLOCKS)"
+    yield from _wrapped(f"const struct wg_array arrays[] = {arrays(lanes.signature, 'DENSE')};")
+    yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
+    yield "#else"
 
 
 def _batch_lines(signature: Signature, step: str) -> Iterator[str]:
@@ -154,9 +172,12 @@ def _statement_lines(statement: Statement, precision: Precision) -> Iterator[str
         yield f"{INDENT}const {'int' if statement.truth else precision.real} {statement.name} = {statement.text};"
         return
     for text in (f"{precision.real} {', '.join(statement.names)};", f"{statement.text};"):
-        lines = textwrap.wrap(_kept_together(text), COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2, break_long_words=False)
-        yield from (line.replace(_KEPT, " ") for line in lines)
+        yield from (line.replace(_KEPT, " ") for line in _wrapped(_kept_together(text)))
     yield from (f"{INDENT}(void){name};" for name in statement.idle)
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2, break_long_words=False)
 
 
 def _kept_together(text: str) -> str:

@@ -6,9 +6,11 @@ from pathlib import Path, PurePosixPath
 
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_declaration import function_name
+from walkgen.emit.c_lanes import laned
 from walkgen.emit.c_printer import DOUBLE, FLOAT, Precision
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out
+from walkgen.emit.python_wide import WideLoop, wide, wide_loops, wide_sources
 from walkgen.signature import COUNTS, Port, Signature
 
 _WORD = 8
@@ -21,7 +23,10 @@ _MOST_PORTS, _HIGHEST_RANK = 32, 6
 
 @dataclass(frozen=True)
 class Loop:
-    """One loop, ready to be laid out: entries of its port table, the table of a call and what makes it, the lines that run one row."""
+    """One loop, ready to be laid out: entries of its port table, the table of a call and what makes it, the lines that run one row.
+
+    `wide` says how wider vectors serve it.
+    """
 
     name: str
     real: str
@@ -30,6 +35,7 @@ class Loop:
     table: str
     before: str
     lines: tuple[str, ...]
+    wide: WideLoop | None
 
 
 def python_loops(code: RobotCode) -> Artifact:
@@ -39,21 +45,30 @@ def python_loops(code: RobotCode) -> Artifact:
     what the C function returns.
     """
     robot = code.mechanism.name
-    precisions = (DOUBLE, FLOAT) if code.float32 else (DOUBLE,)
+    precisions, lanes = _precisions(code), laned(code)
     signatures = [body.signature for body in code.functions if has_loop(body.signature)]
     return lay_out(
         "python.c.jinja",
         f"{robot}_python.c",
         banner=banner(code, "The loops through which NumPy calls the functions: part of the Python library only."),
         headers=[f"{'_'.join(part for part in (robot, precision.tag) if part)}.h" for precision in precisions],
-        loops=[_loop(signature, precision) for precision in precisions for signature in signatures],
+        wide=[wide(code, lanes, precision) for precision in precisions] if lanes else [],
+        loops=[
+            _loop(signature, precision, wide_loops(code, lanes, precision).get(signature.full_name))
+            for precision in precisions
+            for signature in signatures
+        ],
     )
 
 
+def _precisions(code: RobotCode) -> tuple[Precision, ...]:
+    return (DOUBLE, FLOAT) if code.float32 else (DOUBLE,)
+
+
 def python_sources(code: RobotCode) -> tuple[Artifact, ...]:
-    """What the Python library is compiled from besides the robot's own C sources: the loops and the header they stand on."""
+    """What the Python library is compiled from besides the robot's own C sources: the loops, wide vectors, the headers they stand on."""
     header = (Path(__file__).parent / "csupport" / _HEADER).read_text(encoding="utf-8")
-    return python_loops(code), Artifact(PurePosixPath(_HEADER), header)
+    return (python_loops(code), Artifact(PurePosixPath(_HEADER), header), *wide_sources(code, _precisions(code)))
 
 
 def has_loop(signature: Signature) -> bool:
@@ -68,12 +83,12 @@ def has_loop(signature: Signature) -> bool:
     )
 
 
-def _loop(signature: Signature, precision: Precision) -> Loop:
+def _loop(signature: Signature, precision: Precision, wider: WideLoop | None) -> Loop:
     name = function_name(signature, precision)
     ports = tuple(_entries(signature, precision))
     size = sum(_bytes(port, precision) for port in signature.inputs + signature.outputs) // precision.size
     table, before = ("sized", _sizing(signature, name, len(ports))) if signature.counts else (f"{name}_ports", "")
-    return Loop(name, precision.real, size, ports, table, before, tuple(_lines(signature, name, precision)))
+    return Loop(name, precision.real, size, ports, table, before, tuple(_lines(signature, name, precision)), wider)
 
 
 def _entries(signature: Signature, precision: Precision) -> Iterator[str]:

@@ -9,6 +9,7 @@ from walkgen.graph.program import Code, Op, Program
 TOGETHER = 4
 """Angles that one vector holds."""
 _ANGULAR = frozenset({Code.SIN, Code.COS, Code.ATAN2})
+_NEGATED = {Code.FMA: Code.FMS, Code.FMS: Code.FNMA, Code.FNMA: Code.FMS}
 _FUSED = {Code.ADD: (Code.FMA, Code.FMA), Code.SUB: (Code.FMS, Code.FNMA)}
 
 
@@ -29,10 +30,25 @@ def _renumbered(op: Op, position: dict[int, int]) -> Op:
 
 
 def fused(program: Program) -> Program:
-    """Products that only one sum uses become part of it: a*b + c, a*b - c, c - a*b, each rounded once."""
+    """Products that only one sum uses become part of it: a*b + c, a*b - c, c - a*b, each rounded once.
+
+    Their negation becomes part of them too: compilers do that as they like, and the sign of a zero depends on it.
+    """
     uses = Counter(number for op in program.ops for number in op.arguments)
     uses.update(program.outputs)
-    return pruned(replace(program, ops=tuple(_fused(op, program.ops, uses) for op in program.ops)))
+    ops = [_fused(op, program.ops, uses) for op in program.ops]
+    for number, op in enumerate(program.ops):
+        if op.code is Code.NEG and uses[op.arguments[0]] == 1 and ops[op.arguments[0]].code in _NEGATED:
+            _negate(ops, number, op.arguments[0])
+    return pruned(replace(program, ops=tuple(ops)))
+
+
+def _negate(ops: list[Op], outer: int, inner: int) -> None:
+    """-(a*b + c) as (-a)*b - c, -(a*b - c) as c - a*b, -(c - a*b) as a*b - c."""
+    code, (a, b, c) = ops[inner].code, ops[inner].arguments
+    ops[outer] = ops[outer]._replace(code=_NEGATED[code], arguments=(inner if code is Code.FMA else a, b, c))
+    if code is Code.FMA:
+        ops[inner] = Op(Code.NEG, (a,))
 
 
 def _fused(op: Op, ops: tuple[Op, ...], uses: Counter[int]) -> Op:

@@ -22,10 +22,10 @@ def shared(bodies: Sequence[Body]) -> tuple[Body, ...]:
     """
     first: dict[Hashable, Program] = {}
     for program in (body for body in bodies if isinstance(body, Program) and body.signature.returned is None):
-        first.setdefault(_key(program), program)
+        first.setdefault(nameless(program), program)
     for kernel in (call.callee for body in bodies if isinstance(body, Composite) for call in _every_call(body)):
         if isinstance(kernel, Program):
-            first.setdefault(_key(kernel), kernel)
+            first.setdefault(nameless(kernel), kernel)
     return tuple(_calling(body, first) if isinstance(body, Composite) else _like_first(body, first) for body in bodies)
 
 
@@ -38,10 +38,10 @@ def _every_call(composite: Composite) -> Iterator[Call]:
 def _like_first(program: Program, first: dict[Hashable, Program]) -> Body:
     """The Program, or a call of the public one that it repeats."""
     signature = program.signature
-    if signature.returned is not None or program.operation_count <= _SHORT or first[_key(program)] == program:
+    if signature.returned is not None or program.operation_count <= _SHORT or first[nameless(program)] == program:
         return program
     names = tuple(port.name for port in (*signature.inputs, *signature.outputs))
-    return Composite(signature, (), (Call(first[_key(program)], names),), ())
+    return Composite(signature, (), (Call(first[nameless(program)], names),), ())
 
 
 def _calling(composite: Composite, first: dict[Hashable, Program]) -> Composite:
@@ -53,11 +53,11 @@ def _calling(composite: Composite, first: dict[Hashable, Program]) -> Composite:
 
 
 def _redirected(call: Call, first: dict[Hashable, Program]) -> Call:
-    return call if isinstance(call.callee, str) else replace(call, callee=first[_key(call.callee)])
+    return call if isinstance(call.callee, str) else replace(call, callee=first[nameless(call.callee)])
 
 
-def _key(program: Program) -> Hashable:
-    """Everything but names."""
+def nameless(program: Program) -> Hashable:
+    """Everything of a Program but names: equal where code can be shared."""
     signature = program.signature
     ports = tuple((port.shape, port.kind) for port in (*signature.inputs, *signature.outputs))
     nameless = tuple(op._replace(name="") for op in program.ops)

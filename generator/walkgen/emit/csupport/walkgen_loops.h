@@ -142,14 +142,14 @@ WALKGEN_SHARED void walkgen_loop(walkgen_rows run, const walkgen_port *ports, in
 #define WALKGEN_ROWS(name) \
     static void name##_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions)
 
-/* What NumPy calls: `before` comes first, `table` has the ports, and the buffer holds them all. */
-#define WALKGEN_LOOP(name, real, size, before, table, count) \
+/* What NumPy calls: `run` computes rows, `before` comes first, `table` has the ports, and the buffer holds them all. */
+#define WALKGEN_LOOP(name, run, real, size, before, table, count) \
     void name##_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data); \
     void name##_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) { \
         real buffer[size]; \
         before \
         (void)data; \
-        walkgen_loop(name##_rows, table, count, (char *)buffer, arguments, dimensions, steps); \
+        walkgen_loop(run, table, count, (char *)buffer, arguments, dimensions, steps); \
     }
 
 #endif

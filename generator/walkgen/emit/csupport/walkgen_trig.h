@@ -75,6 +75,26 @@ WG_INLINE WG_REAL WG_NAME(wg_atan2)(WG_REAL y, WG_REAL x) {
     return WG_LIKELY(extent >= WG_LEAST_EXTENT && extent <= WG_GREATEST_EXTENT) ? answer : WG_LIBM(atan2)(y, x);
 }
 
+/* The same without the way to the C library: NaN beyond the range (walkgen_lanes.h). */
+WG_INLINE WG_REAL WG_NAME(wg_sin_lane)(WG_REAL x) {
+    WG_REAL sine, cosine;
+    WG_NAME(wg_sincos_near)(x, &sine, &cosine);
+    return WG_ABS(x) <= WG_FARTHEST ? sine : WG_NAN;
+}
+
+WG_INLINE WG_REAL WG_NAME(wg_cos_lane)(WG_REAL x) {
+    WG_REAL sine, cosine;
+    WG_NAME(wg_sincos_near)(x, &sine, &cosine);
+    return WG_ABS(x) <= WG_FARTHEST ? cosine : WG_NAN;
+}
+
+WG_INLINE WG_REAL WG_NAME(wg_atan2_lane)(WG_REAL y, WG_REAL x) {
+    WG_REAL extent;
+    const WG_REAL answer = WG_NAME(wg_atan2_near)(y, x, &extent);
+    const WG_REAL near = extent >= WG_LEAST_EXTENT ? answer : WG_NAN;
+    return extent <= WG_GREATEST_EXTENT ? near : WG_NAN;
+}
+
 #if defined(WALKGEN_VECTORS)
 #include "walkgen_trig_x4.h"
 #endif

@@ -1,0 +1,210 @@
+"""Functions that run many rows side by side, one a lane: which they are, and their blocks in C (walkgen_lanes.h)."""
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import accumulate
+
+from walkgen.emit.artifact import Body, RobotCode
+from walkgen.emit.c_declaration import INDENT, CFunction, function_name
+from walkgen.emit.c_printer import Precision
+from walkgen.graph.lanes import runs_in_lanes
+from walkgen.graph.program import Composite, Program
+from walkgen.graph.sharing import nameless
+from walkgen.signature import Port, Signature
+
+_MOST_OPERATIONS, _MOST_FOUND = 120, 32
+"""What compilers turn into vectors in little time; a longer function gains less."""
+_WIDEST_PORT, _MOST_GIVEN, _MOST_STATUSES = 64, 48, 16
+"""What walkgen_lanes.h and walkgen_batch.h have room for."""
+
+
+_GUARD = "wg_any_unreachable"
+
+
+@dataclass(frozen=True)
+class Laned:
+    """A function with lanes: `program` computes its outputs from `arguments`, names of the body's ports or of its locals.
+
+    Of a Composite the other steps are run only for rows with an UNREACHABLE target, one by one. `table` is the function whose block
+    serves: its own, or that of an earlier one with the same code, as of an equal leg.
+    """
+
+    body: Body
+    program: Program
+    arguments: tuple[str, ...]
+    table: Signature
+
+    @property
+    def signature(self) -> Signature:
+        """Of the function."""
+        return self.body.signature
+
+    @property
+    def owns_table(self) -> bool:
+        """Whether the block is written for this function."""
+        return self.table is self.body.signature
+
+
+def laned(code: RobotCode) -> tuple[Laned, ...]:
+    """The robot's functions with lanes, in order."""
+    owners = {owner.name for owner in (*code.mechanism.legs, *code.mechanism.chains)}
+    bodies = [body for body in code.functions if body.signature.owner in owners and _fits(body.signature)]
+    found = [each for each in filter(None, map(_laned, bodies)) if each.program.operation_count <= _MOST_OPERATIONS]
+    first: dict[Hashable, Signature] = {}
+    return tuple(replace(each, table=first.setdefault(_code(each), each.signature)) for each in found if runs_in_lanes(each.program))
+
+
+def _code(each: Laned) -> Hashable:
+    """What a block is made of: the code, and which of its ports are the function's own."""
+    ports = [port.name for port in (*each.signature.inputs, *each.signature.outputs)]
+    places = tuple(ports.index(name) if name in ports else -1 for name in each.arguments)
+    return nameless(each.program), places, has_closest(each.body)
+
+
+def _fits(signature: Signature) -> bool:
+    ports = (*signature.inputs, *signature.outputs)
+    whole = [port for port in signature.outputs if port.kind != "real"]
+    return (
+        not signature.counts
+        and not signature.workspace
+        and bool(signature.inputs)
+        and all(0 < port.size <= _WIDEST_PORT for port in ports)
+        and all(port.kind == "real" for port in signature.inputs)
+        and sum(port.size for port in signature.inputs) <= _MOST_GIVEN
+        and sum(port.size for port in signature.outputs) <= _MOST_FOUND
+        and (not whole or (whole == [signature.outputs[-1]] and whole[0].size <= _MOST_STATUSES))
+    )
+
+
+def _laned(body: Body) -> Laned | None:
+    if isinstance(body, Program):
+        names = tuple(port.name for port in (*body.signature.inputs, *body.signature.outputs))
+        return Laned(body, body, names, body.signature)
+    first, *others = body.calls
+    names = tuple(map(str, first.arguments))
+    if not isinstance(first.callee, Program) or first.guard or first.repeat > 1 or names != first.arguments:
+        return None
+    if others and not (body.signature.status and all(call.guard and call.guard[0] == _GUARD for call in others)):
+        return None
+    computed = names[len(first.callee.signature.inputs) :]
+    return Laned(body, first.callee, names, body.signature) if _known(body, computed) else None
+
+
+def _known(body: Composite, computed: tuple[str, ...]) -> bool:
+    """Whether the first step gives every output."""
+    return all(port.name in computed for port in body.signature.outputs)
+
+
+def lane_lines(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
+    """The block, the row alone and the table of both."""
+    name = function_name(each.signature, precision)
+    yield from ("", f"WG_BLOCK({name}) {{", f"{INDENT}WG_EACH_LANE {{")
+    yield from (f"{INDENT * 2}{line}" for line in _block(each, kernel, precision))
+    yield from (f"{INDENT}}}", "}", "", f"WG_ALONE({name}) {{")
+    yield from (f"{INDENT}{line}" for line in _alone(each, kernel, precision))
+    inputs, outputs = len(each.signature.inputs), len(each.signature.outputs)
+    yield from ("}", f"WG_LANED({name}, {inputs}, {outputs});")
+
+
+def has_closest(body: Body) -> bool:
+    """Whether rows with an UNREACHABLE target need the whole function."""
+    return isinstance(body, Composite) and len(body.calls) > 1
+
+
+def closest_lines(each: Laned, precision: Precision) -> Iterator[str]:
+    """Of a Composite with further steps, the whole function of one row."""
+    if has_closest(each.body):
+        name = function_name(each.signature, precision)
+        yield f"static void {name}_closest(const {precision.real} *given, {precision.real} *found) {{"
+        yield from (f"{INDENT}{line}" for line in _whole(each.signature, name, precision))
+        yield "}"
+
+
+def read_twice(function: CFunction) -> CFunction:
+    """With a head that walkgen_batch.h and walkgen_lanes.h make of what they need."""
+    static = function.head.startswith("static ")
+    head, rest = function.head.removeprefix("static ").split("(", 1)
+    return replace(function, head=f"WG_{'STATIC_' if static else ''}ROW({head})({rest}")
+
+
+def arrays(signature: Signature, form: str) -> str:
+    """The ports as an initialiser of wg_array's: `form` is DENSE or PLANAR."""
+    return f"{{{', '.join(_array(port, form) for port in (*signature.inputs, *signature.outputs))}}}"
+
+
+def _array(port: Port, form: str) -> str:
+    if port.name == "param":
+        return f"WG_SHARED(param, {port.size})"
+    return f"WG_{form}{'' if port.kind == 'real' else '_STATUS'}({port.name}, {port.size})"
+
+
+def _starts(ports: Iterable[Port]) -> dict[str, int]:
+    """Where each begins in a row."""
+    ports = tuple(ports)
+    return dict(zip((port.name for port in ports), accumulate((port.size for port in ports), initial=0), strict=False))
+
+
+def _block(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
+    signature, own = each.signature, each.program.signature
+    given, found = _starts(signature.inputs), _starts(signature.outputs)
+    sizes = dict(zip(each.arguments, (*own.inputs, *own.outputs), strict=True))
+    reals, whole = ([f"{name}[{port.size}]" for name, port in sizes.items() if (port.kind == "real") == real] for real in (True, False))
+    yield f"{precision.real} {', '.join(['WG_LOST', *reals])};"
+    yield from [f"int32_t {', '.join(whole)};"] if whole else []
+    for port in signature.inputs:
+        if port.name in sizes:
+            yield f"WG_TAKE_{port.size}({port.name}, {given[port.name]})"
+    texts = {name: f"{name}[0]" for name, port in zip(each.arguments, own.inputs, strict=False) if not port.shape}
+    yield _call(each.program, f"{kernel}_lane", each.arguments, texts, isinstance(each.body, Program))
+    for port in signature.outputs:
+        yield f"WG_KEEP_{'' if port.kind == 'real' else 'STATUS_'}{port.size}({port.name}, {found[port.name]})"
+    yield f"WG_DONE({sum(port.size for port in signature.outputs)})"
+
+
+def _alone(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
+    """One row by the first step alone."""
+    signature, own = each.signature, each.program.signature
+    ports = dict(zip(each.arguments, (*own.inputs, *own.outputs), strict=True))
+    kept = {port.name for port in (*signature.inputs, *signature.outputs)}
+    scratch = [f"{name}[{port.size}]" for name, port in ports.items() if name not in kept]
+    yield from [f"{precision.real} {', '.join(scratch)};"] if scratch else []
+    yield from _row(signature, precision, lambda texts: _call(each.program, kernel, each.arguments, texts, isinstance(each.body, Program)))
+
+
+def _whole(signature: Signature, name: str, precision: Precision) -> Iterator[str]:
+    """One row by the function."""
+    names = tuple(port.name for port in (*signature.inputs, *signature.outputs))
+    texts = dict(zip(names, names, strict=True))
+    yield from _row(signature, precision, lambda found: _call_text(signature, name, names, texts | found, returns=True))
+
+
+def _row(signature: Signature, precision: Precision, called: Callable[[dict[str, str]], str]) -> Iterator[str]:
+    """A call on numbers that lie side by side; statuses take a detour through integers."""
+    given, found = _starts(signature.inputs), _starts(signature.outputs)
+    texts = {port.name: _number(port, f"given[{given[port.name]}]") for port in signature.inputs}
+    texts |= {port.name: _number(port, f"found[{found[port.name]}]", written=True) for port in signature.outputs}
+    whole = [port for port in signature.outputs if port.kind != "real"]
+    yield from (f"int32_t {port.name}[{port.size}];" for port in whole)
+    yield called(texts)
+    for port in whole:
+        start = found[port.name]
+        yield f"for (int at = 0; at < {port.size}; ++at) {{ found[{start} + at] = ({precision.real}){port.name}[at]; }}"
+
+
+def _number(port: Port, place: str, *, written: bool = False) -> str:
+    if port.kind != "real":
+        return port.name
+    return f"&{place}" if port.shape or written else place
+
+
+def _call(program: Program, called: str, arguments: tuple[str, ...], texts: Mapping[str, str], returns: bool) -> str:
+    return _call_text(program.signature, called, arguments, {name: name for name in arguments} | dict(texts), returns)
+
+
+def _call_text(signature: Signature, called: str, names: tuple[str, ...], texts: Mapping[str, str], returns: bool) -> str:
+    """With `returns` the status that C returns goes into its place, else it is written like every other output."""
+    ports = (*signature.inputs, *signature.outputs)
+    written = [(port, texts[name]) for name, port in zip(names, ports, strict=True)]
+    returned = next((text for port, text in written if returns and port is signature.returned), "")
+    given = ", ".join(text for port, text in written if not (returns and port is signature.returned))
+    return f"{f'{returned}[0] = ' if returned else ''}{called}({given});"

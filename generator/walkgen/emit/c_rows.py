@@ -1,0 +1,89 @@
+"""Where functions with lanes stand in a robot's C file, which includes itself to read them a second time."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from walkgen.emit.artifact import RobotCode
+from walkgen.emit.c_declaration import CFunction
+from walkgen.emit.c_lanes import Laned, closest_lines, lane_lines, laned, read_twice
+from walkgen.emit.c_printer import Precision
+from walkgen.graph.program import Program
+
+_BATCH, _LANES = "walkgen_batch.h", "walkgen_lanes.h"
+
+
+@dataclass(frozen=True)
+class Part:
+    """Functions that are compiled together, between the lines of a guard."""
+
+    opening: tuple[str, ...]
+    functions: tuple[CFunction, ...]
+    closing: tuple[str, ...]
+
+
+def guard(part: int) -> str:
+    """What keeps a part out of the others' compilers; all parts are compiled where none is chosen."""
+    return f"#if !defined(WALKGEN_PART) || WALKGEN_PART == {part}"
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Functions of one row that are read twice, public ones and kernels, what makes blocks of them, and their batches."""
+
+    public: tuple[CFunction, ...] = ()
+    kernels: tuple[CFunction, ...] = ()
+    blocks: tuple[str, ...] = ()
+    closest: tuple[str, ...] = ()
+    batches: tuple[CFunction, ...] = ()
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Of all functions that stand here and nowhere else."""
+        return frozenset(function.name for function in (*self.public, *self.kernels, *self.batches))
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """To include after the precision's."""
+        return (_BATCH,) if self.batches else ()
+
+
+def row_headers(code: RobotCode) -> tuple[str, ...]:
+    """Support headers of lanes, for a robot that has any."""
+    return (_BATCH, _LANES) if laned(code) else ()
+
+
+def read_rows(
+    code: RobotCode,
+    lanes: Sequence[Laned],
+    known: Mapping[Program, CFunction],
+    functions: Sequence[tuple[CFunction, CFunction]],
+    precision: Precision,
+) -> Rows:
+    """The robot's functions with lanes; `known` is how each Program is written, `functions` each function with its batch."""
+    used = {each.program: known[each.program] for each in lanes if each.owns_table}
+    bodies = {each.body for each in lanes}
+    return Rows(
+        public=tuple(read_twice(function) for program, function in used.items() if program in code.public),
+        kernels=tuple(read_twice(function) for program, function in used.items() if program not in code.public),
+        blocks=tuple(line for each in lanes if each.owns_table for line in lane_lines(each, used[each.program].name, precision)),
+        closest=tuple(line for each in lanes for line in closest_lines(each, precision)),
+        batches=tuple(batch for body, (_, batch) in zip(code.functions, functions, strict=True) if body in bodies),
+    )
+
+
+def first_parts(rows: Rows, *, split: bool) -> tuple[Part, ...]:
+    """What is read twice: public functions, which one part of a file in parts has, kernels, which both need, and then only the blocks."""
+    if not rows.names:
+        return ()
+    public = Part(("", guard(1)), rows.public, ("", "#endif")) if split else Part((), rows.public, ())
+    blocks = Part(("", "#if defined(WALKGEN_ROWS)", "#if WALKGEN_ROWS == 2", *rows.blocks, "", "#endif", "#else"), (), ())
+    return (public, Part((), rows.kernels, ()), blocks)
+
+
+def last_parts(rows: Rows, file: str, *, split: bool) -> tuple[Part, ...]:
+    """The second reading, and the batches that stand on it."""
+    if not rows.names:
+        return ()
+    opening = ("", *([guard(1)] if split else []), "#if defined(WALKGEN_BLOCKS)", "#define WALKGEN_ROWS 2", f'#include "{_LANES}"')
+    lanes = (*opening, f'#include "{file}"', "#undef WALKGEN_ROWS", *rows.closest, "#endif")
+    return (Part(lanes, rows.batches, ("", *(["#endif"] if split else []), "#endif")),)
