@@ -3,7 +3,7 @@
 import ctypes
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -17,6 +17,7 @@ from walkgen.runtime.counted import Counted
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
 from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Schedule, Terrain
+from walkgen.runtime.threads import Threaded
 from walkgen.runtime.ufuncs import make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
@@ -33,7 +34,7 @@ class _Backend:
     functions: Mapping[str, Function]
 
 
-def load(path: str | os.PathLike[str]) -> Robot:
+def load(path: str | os.PathLike[str], *, threads: int = 1) -> Robot:
     """Load what `walkgen build` generated.
 
     The library in `_build` is used when it was made from exactly these sources, else it is compiled now; without a
@@ -41,6 +42,7 @@ def load(path: str | os.PathLike[str]) -> Robot:
 
     Args:
         path: the robot's folder, such as `generated/mero`.
+        threads: how many a call with thousands of rows may use, where functions are compiled; the numbers are the same.
 
     Raises:
         ToolchainError: no generated robot there, its files do not belong together, or no backend works.
@@ -48,7 +50,18 @@ def load(path: str | os.PathLike[str]) -> Robot:
     folder = Path(path).resolve()
     manifest = read_manifest(folder)
     check_sources(folder, manifest.sources, manifest.digest)
-    return _robot(folder, manifest, _backend(folder, manifest))
+    return _robot(folder, manifest, _threaded(_backend(folder, manifest), manifest, threads))
+
+
+def _threaded(backend: _Backend, manifest: Manifest, threads: int) -> _Backend:
+    if threads <= 1:
+        return backend
+    signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
+    functions = {
+        name: Threaded(function, signatures[name], threads) if isinstance(function, np.ufunc) and not signatures[name].counts else function
+        for name, function in backend.functions.items()
+    }
+    return replace(backend, functions=functions)
 
 
 def _backend(folder: Path, manifest: Manifest) -> _Backend:
