@@ -65,7 +65,7 @@ def callback_function(callback: Composite, kernels: Mapping[Program, CFunction],
 def batch_function(body: Program | Composite, lanes: Laned | None, precision: Precision) -> CFunction:
     """The function over contiguous rows; it returns the number of rows without an OK if the function can fail.
 
-    Where there are lanes rows run side by side, and what calls another function alone lets that one's batch do it.
+    Where there are lanes rows run side by side.
     """
     signature = body.signature
     single = function_name(signature, precision)
@@ -78,9 +78,18 @@ def batch_function(body: Program | Composite, lanes: Laned | None, precision: Pr
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
     step = declared(single, arguments).replace("\n", f"\n{INDENT * 2}")
     lines = tuple(_batch_lines(signature, step))
-    if lanes:
+    if lanes and not lanes.owns_table and not has_closest(body):
+        lines = tuple(_earlier_lines(lanes, precision))
+    elif lanes:
         lines = (*_blocks_lines(lanes, precision), *lines, "#endif")
     return CFunction(f"{single}_batch", head, lines)
+
+
+def _earlier_lines(lanes: Laned, precision: Precision) -> Iterator[str]:
+    """The batch of an earlier function with the same code."""
+    ports = (*lanes.signature.inputs, *lanes.signature.outputs)
+    call = declared(f"{function_name(lanes.table, precision)}_batch", ["rows", *(port.name for port in ports)])
+    yield from f"{INDENT}{'return ' if lanes.signature.status else ''}{call};".split("\n")
 
 
 def _blocks_lines(lanes: Laned, precision: Precision) -> Iterator[str]:

@@ -14,7 +14,7 @@ from walkgen.signature import Port, Signature
 
 _MOST_OPERATIONS, _MOST_FOUND = 120, 32
 """What compilers turn into vectors in little time; a longer function gains less."""
-_WIDEST_PORT, _MOST_GIVEN, _MOST_STATUSES = 64, 48, 16
+_WIDEST_PORT, _MOST_GIVEN, _MOST_STATUSES = 32, 48, 8
 """What walkgen_lanes.h and walkgen_batch.h have room for."""
 
 

@@ -26,7 +26,7 @@
 #endif
 #define WG_FEW_ROWS 4
 #define WG_MOST_GIVEN 48
-#define WG_MOST_FOUND 96
+#define WG_MOST_FOUND 32
 
 /* On lines of the cache, which vectors then never cross. */
 #if defined(__GNUC__)

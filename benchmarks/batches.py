@@ -1,0 +1,173 @@
+"""What does a leg cost among many? Prints ns a row and ratios, writes results/batches.json.
+
+The leg of specs/mero_leg.toml: its Jacobian and its inverse, 512 rows that stay in the cache and a million that do not, in double and in
+float. Lanes are beside the same functions row after row, and beside the same with the C library's sine and cosine. At a million rows the
+bytes that are read and written count beside what memcpy moves. From Python: walkgen's call beside the formulas written with NumPy.
+"""
+
+import argparse
+import ctypes
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import leg
+from compiling import compile_one, versions
+from leg import Array
+from peers.source import HERE, Source
+from peers.walkgen_c import SPEC
+from report import packages, table, write
+from timing import pin_core
+from walkgen import pipeline, toolchain
+from walkgen.runtime import load
+
+OUTPUT = HERE.parent / "_build" / "batches"
+ROWS = {"in cache": 512, "a million rows": 1_000_000}
+FAST = tuple(flag for flag in toolchain.FLAGS if flag not in {"-O2", "-std=c99"})
+BUILDS = {
+    "C library, row by row": ("-O3", "-march=native", "-DWALKGEN_LIBM"),
+    "row by row": ("-O3", "-march=native", "-DWALKGEN_NO_BLOCKS"),
+    "lanes": ("-O3", "-march=native"),
+    "lanes, any x86-64": ("-O3",),
+}
+ASKED = {"foot_jacobian": {"double": 10, "float": 15}, "inverse": {"double": 7, "float": 20}}
+"""How many times faster than the C library's loop, in the cache, with AVX-512."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """One function on all rows: its arrays, those read first."""
+
+    function: Any
+    arrays: tuple[Array, ...]
+
+    def __call__(self) -> None:
+        self.function(ctypes.c_size_t(len(self.arrays[0])), *(array.ctypes.data_as(ctypes.c_void_p) for array in self.arrays))
+
+    @property
+    def bytes(self) -> int:
+        """Read and written, a row."""
+        return sum(array.nbytes for array in self.arrays) // len(self.arrays[0])
+
+
+def folder() -> Any:
+    """The robot with a float library, made by the pipeline."""
+    return pipeline.build(SPEC, OUTPUT, pipeline.BuildOptions(float32=True)).folder
+
+
+def library(place: Any, source: str, flags: Sequence[str]) -> ctypes.CDLL:
+    """One C file under some flags."""
+    text = (place / source).read_text()
+    build = compile_one(Source("walkgen", source, _exported(text), includes=(place,), flags=FAST), (*FAST, *flags))
+    if build.message:
+        raise SystemExit(build.message)
+    return ctypes.CDLL(str(build.library))
+
+
+def _exported(text: str) -> str:
+    """Visible outside the library, which is compiled with hidden symbols, and read a second time under the name of its file."""
+    return f"#pragma GCC visibility push(default)\n{text}\n"
+
+
+def calls(found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, Call]:
+    """Jacobian and inverse of feet that are reached."""
+    inputs = leg.draw(rows, "limits")
+    q, p = inputs.q.astype(real), inputs.p.astype(real)
+    name = f"mero_leg{tag}_leg"
+    return {
+        "foot_jacobian": Call(found[f"{name}_foot_jacobian_batch"], (q, np.zeros((rows, 9), real))),
+        "inverse": Call(found[f"{name}_inverse_batch"], (p, np.zeros((rows, 12), real), np.zeros((rows, 4), np.int32))),
+    }
+
+
+def timed(runners: Mapping[str, Callable[[], Any]], repetitions: int, rows: int) -> dict[str, float]:
+    """Median ns a row of each, in turn; short ones are run some times at once."""
+    times: dict[str, list[float]] = {name: [] for name in runners}
+    loops = max(1, 20_000 // rows)
+    for _ in range(repetitions):
+        for name, run in runners.items():
+            start = time.thread_time_ns()
+            for _ in range(loops):
+                run()
+            times[name].append((time.thread_time_ns() - start) / rows / loops)
+    return {name: statistics.median(values) for name, values in times.items()}
+
+
+def compiled(place: Any, repetitions: int) -> list[dict[str, Any]]:
+    """Every build, precision, function and number of rows."""
+    entries = []
+    for kind, tag, real in (("double", "", np.float64), ("float", "_f32", np.float32)):
+        built = {name: library(place, f"mero_leg{tag}.c", flags) for name, flags in BUILDS.items()}
+        for span, rows in ROWS.items():
+            made = {name: calls(found, tag, real, rows) for name, found in built.items()}
+            for function in ASKED:
+                runners: dict[str, Callable[[], Any]] = {name: each[function] for name, each in made.items()}
+                count = made["lanes"][function].bytes
+                source, target = (np.ones(count * rows // 16), np.zeros(count * rows // 16))
+                runners["memcpy of as many bytes"] = lambda source=source, target=target: ctypes.memmove(
+                    target.ctypes.data, source.ctypes.data, source.nbytes
+                )
+                ns = timed(runners, repetitions if rows < 10_000 else max(3, repetitions // 20), rows)
+                entries.append({"function": function, "real": kind, "rows": rows, "span": span, "bytes": count, "ns": ns})
+    return entries
+
+
+def by_hand(q: Array) -> Array:
+    """The Jacobian as someone writes it with NumPy."""
+    c1, s1, knee = np.cos(q[:, 0]), np.sin(q[:, 0]), q[:, 1] + q[:, 2]
+    shank_x, shank_z = leg.A3 * np.cos(knee), leg.A3 * np.sin(knee)
+    rho, h = leg.A2 * np.cos(q[:, 1]) + shank_x, leg.A2 * np.sin(q[:, 1]) + shank_z
+    rows = [[-s1 * rho, -h * c1, -shank_z * c1], [c1 * rho, -h * s1, -shank_z * s1], [np.zeros(len(q)), rho, shank_x]]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def from_python(place: Any, repetitions: int) -> list[dict[str, Any]]:
+    """A million rows, results allocated by the call."""
+    rows = ROWS["a million rows"]
+    inputs, own = leg.draw(rows, "limits"), load(place).legs["leg"]
+    assert np.allclose(own.foot_jacobian(inputs.q), by_hand(inputs.q))
+    pairs: dict[str, dict[str, Callable[[], Any]]] = {
+        "foot_jacobian": {"walkgen": lambda: own.foot_jacobian(inputs.q), "NumPy": lambda: by_hand(inputs.q)},
+        "inverse": {"walkgen": lambda: own.inverse(inputs.p), "NumPy": lambda: leg.expected(leg.FUNCTIONS[4], inputs)},
+    }
+    return [{"function": name, "rows": rows, "ns": timed(pair, max(3, repetitions // 20), rows)} for name, pair in pairs.items()]
+
+
+def show(entries: Sequence[dict[str, Any]], python: Sequence[dict[str, Any]]) -> None:
+    """A row for each function, precision and number of rows."""
+    names = list(entries[0]["ns"])
+    heads = ["ns a row", *names, "times faster than the C library's", "share of memcpy's bytes"]
+    rows = []
+    for entry in entries:
+        ns = entry["ns"]
+        first = f"{entry['function']}, {entry['real']}, {entry['span']}"
+        gain, share = ns["C library, row by row"] / ns["lanes"], ns["memcpy of as many bytes"] / ns["lanes"]
+        asked = ASKED[entry["function"]][entry["real"]] if entry["span"] == "in cache" else None
+        rows.append([first, *(f"{ns[name]:.1f}" for name in names), f"{gain:.1f}{f' (asked {asked})' if asked else ''}", f"{share:.2f}"])
+    print(table(heads, rows))
+    for entry in python:
+        ns = entry["ns"]
+        gain = f"{ns['NumPy'] / ns['walkgen']:.1f} times faster than NumPy's {ns['NumPy']:.0f}"
+        print(f"from Python, {entry['function']}: {ns['walkgen']:.0f} ns a row, {gain}")
+
+
+def main() -> None:
+    """Build, time, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repetitions", type=int, default=101, help="medians are taken of so many; a twentieth for a million rows")
+    options = parser.parse_args()
+    place, core = folder(), pin_core()
+    entries, python = compiled(place, options.repetitions), from_python(place, options.repetitions)
+    show(entries, python)
+    builds = {name: [*FAST, *flags] for name, flags in BUILDS.items()}
+    settings = {"settings": {**vars(options), "core": core, "asked_with_avx512": ASKED}, "builds": builds, "compilers": versions()}
+    path = write("batches", {**settings, "packages": packages(("numpy",)), "entries": entries, "from_python": python})
+    print(f"written: {path.relative_to(HERE.parents[1])}")
+
+
+if __name__ == "__main__":
+    main()
