@@ -78,7 +78,7 @@ def test_the_example_s_optimum_is_reached_in_its_bounds(roll):
     for variable, value in zip(roll.variables, x, strict=True):
         assert variable.low <= value <= variable.high
     assert 0.14 - 1e-6 <= roll.flat_length(x).values[0] <= 0.22 + 1e-6
-    assert 0.02 <= course.of("contact").values[-1] <= 0.095
+    assert 0.02 <= course.of("contact").values[-1] <= 0.095 + 1e-9  # a limit is kept to 1e-7 of its size
     curvature = course.of("curvature").values
     assert 1.0 - 1e-6 <= curvature.min() <= curvature.max() <= 40.0 + 1e-6
     assert course.of("extension").values.max() <= 0.985 + 1e-6
