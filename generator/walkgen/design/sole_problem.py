@@ -18,6 +18,8 @@ UNITS = {"acceleration": "rad/s^2", "moment": "N m"}
 _ROOM = 4.0
 """How far a largest value may be from that of the spec's own design, in its own size."""
 _LEAST_SHARE = 0.02
+_SLACK = 1.1
+"""Room between a largest value and what it is the largest of, as a search begins: without any, first steps lead nowhere."""
 Limit = Callable[[Reals], Values]
 
 
@@ -57,7 +59,8 @@ class SoleProblem:
         peaks = []
         for name, quantity in PEAKS.items():
             peak, high = course.peak(quantity), min(_ROOM * sizes[name], (most or {}).get(name, math.inf))
-            peaks.append(Variable(f"largest_{name}", _LEAST_SHARE * high, high, peak if math.isfinite(peak) else high, UNITS[name]))
+            start_at = min(_SLACK * peak, high) if math.isfinite(peak) else high
+            peaks.append(Variable(f"largest_{name}", _LEAST_SHARE * high, high, start_at, UNITS[name]))
         objectives = tuple(
             Objective(name, self._share(number, sizes[name]), weights[name]) for number, name in enumerate(PEAKS) if weights[name] > 0.0
         )
