@@ -78,7 +78,7 @@ def sizes(folder: Path) -> tuple[dict[str, int], str]:
     written = sum(path.stat().st_size for pattern in ("*.c", "*.h") for path in folder.glob(pattern))
     with tempfile.TemporaryDirectory() as scratch:
         target = f"{scratch}/robot.o"
-        subprocess.run(["gcc", *FLAGS, "-c", f"{folder / folder.name}.c", "-o", target], check=True)
+        subprocess.run(["gcc", *FLAGS, "-O2", "-c", f"{folder / folder.name}.c", "-o", target], check=True)
         listing = subprocess.run(["nm", "-S", "-t", "d", "--defined-only", target], check=True, capture_output=True, text=True).stdout
     symbols = [line.split() for line in listing.splitlines()]
     size, largest = max((int(symbol[1]), symbol[3]) for symbol in symbols if len(symbol) == 4 and symbol[2] in "tT")

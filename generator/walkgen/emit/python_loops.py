@@ -23,16 +23,14 @@ _MOST_PORTS, _HIGHEST_RANK = 32, 6
 
 @dataclass(frozen=True)
 class Loop:
-    """One loop, ready to be laid out: entries of its port table, the table of a call and what makes it, the lines that run one row.
-
-    `wide` says how wider vectors serve it.
+    """One loop, ready to be laid out: entries of its port table, what makes the table of a call where shapes vary, the lines that run
+    one row. `wide` says how wider vectors serve it.
     """
 
     name: str
     real: str
     buffer: int
     ports: tuple[str, ...]
-    table: str
     before: str
     lines: tuple[str, ...]
     wide: WideLoop | None
@@ -54,8 +52,9 @@ def python_loops(code: RobotCode) -> Artifact:
         headers=[f"{'_'.join(part for part in (robot, precision.tag) if part)}.h" for precision in precisions],
         wide=[wide(code, lanes, precision) for precision in precisions] if lanes else [],
         loops=[
-            _loop(signature, precision, wide_loops(code, lanes, precision).get(signature.full_name))
+            _loop(signature, precision, wider.get(signature.full_name))
             for precision in precisions
+            for wider in [wide_loops(code, lanes, precision)]
             for signature in signatures
         ],
     )
@@ -87,8 +86,8 @@ def _loop(signature: Signature, precision: Precision, wider: WideLoop | None) ->
     name = function_name(signature, precision)
     ports = tuple(_entries(signature, precision))
     size = sum(_bytes(port, precision) for port in signature.inputs + signature.outputs) // precision.size
-    table, before = ("sized", _sizing(signature, name, len(ports))) if signature.counts else (f"{name}_ports", "")
-    return Loop(name, precision.real, size, ports, table, before, tuple(_lines(signature, name, precision)), wider)
+    before = _sizing(signature, name, len(ports)) if signature.counts else ""
+    return Loop(name, precision.real, size, ports, before, tuple(_lines(signature, name, precision)), wider)
 
 
 def _entries(signature: Signature, precision: Precision) -> Iterator[str]:
@@ -127,15 +126,15 @@ def _lines(signature: Signature, name: str, precision: Precision) -> Iterator[st
     if signature.workspace:
         yield f"struct {'_'.join(part for part in (signature.workspace, precision.tag) if part)} work = {{0}};"
     for index, port in enumerate(signature.inputs):
-        place = f"a[{index}] + at * step[{index}]"
+        place = f"WALKGEN_PLACE({index})"
         if port.kind == "integer" and port.shape:
             yield f"int32_t {port.name}_{index}[{port.size}];"
             yield f"walkgen_integers({port.size}, {place}, {port.name}_{index});"
-        arguments.append(_input(port, f"{port.name}_{index}", place, precision))
+        arguments.append(_input(port, index, precision))
     arguments += ["&work"] if signature.workspace else []
     returned = ""
     for index, port in enumerate(signature.outputs, len(signature.inputs)):
-        place = f"({precision.real if port.kind == 'real' else 'int32_t'} *)(a[{index}] + at * step[{index}])"
+        place = f"WALKGEN_PORT({precision.real if port.kind == 'real' else 'int32_t'}, {index})"
         if port == signature.returned:
             returned = f"*{place} = "
         else:
@@ -157,8 +156,8 @@ def _call(opening: str, arguments: list[str]) -> Iterator[str]:
     yield from (f"    {argument}{',' if place < len(arguments) else ');'}" for place, argument in enumerate(arguments, 1))
 
 
-def _input(port: Port, local: str, place: str, precision: Precision) -> str:
+def _input(port: Port, index: int, precision: Precision) -> str:
     if port.kind == "integer":
-        return local if port.shape else f"walkgen_integer({place})"
-    pointer = f"(const {precision.real} *)({place})"
+        return f"{port.name}_{index}" if port.shape else f"walkgen_integer(WALKGEN_PLACE({index}))"
+    pointer = f"WALKGEN_PORT({precision.real}, {index})"
     return pointer if port.shape else f"*{pointer}"
