@@ -4,13 +4,844 @@
  * Spec digest 41e41e38ee1eecefdfaf6db8a628fc111db93d07e1c67408a434b74adbbbe792; 43 functions, 1432 operations. This
  *   code is yours to use under any terms.
  */
+#if !defined(WALKGEN_ROWS) /* else only what is read twice: see walkgen_lanes.h */
 #include "ambler_rpp.h"
 #include "walkgen_real_f64.h"
+#include "walkgen_batch.h"
 #include "walkgen_inverse_general.h"
 #include "walkgen_rows.h"
 #include "walkgen_inverse.h"
 #include "walkgen_within.h"
 #include "walkgen_damped.h"
+#endif
+
+WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double extend_shift_z = q[2] + 0.5;
+    p[2] = 1.0 - extend_shift_z;
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    p[0] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    p[1] = shoulder_to_tip_y;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+    R[2] = 0.0;
+    R[5] = 0.0;
+    R[6] = 0.0;
+    R[7] = 0.0;
+    R[8] = -1.0;
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    R[0] = sin_shoulder;
+    R[4] = -sin_shoulder;
+    const double t1 = -cos_shoulder;
+    R[1] = t1;
+    R[3] = t1;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    T[2] = 0.0;
+    T[6] = 0.0;
+    T[8] = 0.0;
+    T[9] = 0.0;
+    T[10] = -1.0;
+    T[12] = 0.0;
+    T[13] = 0.0;
+    T[14] = 0.0;
+    T[15] = 1.0;
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    T[0] = sin_shoulder;
+    T[5] = -sin_shoulder;
+    const double extend_shift_z = q[2] + 0.5;
+    T[11] = 1.0 - extend_shift_z;
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    T[3] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    T[7] = shoulder_to_tip_y;
+    const double t1 = -cos_shoulder;
+    T[1] = t1;
+    T[4] = t1;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[2] = 0.0;
+    J[5] = 0.0;
+    J[6] = 0.0;
+    J[7] = 0.0;
+    J[8] = -1.0;
+    const double cos_shoulder = WG_COS(q[0]);
+    J[1] = cos_shoulder;
+    const double sin_shoulder = WG_SIN(q[0]);
+    J[4] = sin_shoulder;
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    J[3] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    J[0] = -shoulder_to_tip_y;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,
+    double *WG_RESTRICT J) {
+    J[2] = 0.0;
+    J[5] = 0.0;
+    J[6] = 0.0;
+    J[7] = 0.0;
+    J[8] = -1.0;
+    const double cos_shoulder = WG_COS(q[0]);
+    J[1] = cos_shoulder;
+    const double sin_shoulder = WG_SIN(q[0]);
+    J[4] = sin_shoulder;
+    const double extend_shift_z = q[2] + 0.5;
+    p[2] = 1.0 - extend_shift_z;
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    p[0] = shoulder_to_tip_x;
+    J[3] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    p[1] = shoulder_to_tip_y;
+    J[0] = -shoulder_to_tip_y;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_spatial_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[2] = 0.0;
+    J[5] = 0.0;
+    J[6] = 0.0;
+    J[7] = 0.0;
+    J[8] = -1.0;
+    J[9] = 0.0;
+    J[10] = 0.0;
+    J[11] = 0.0;
+    J[12] = 0.0;
+    J[13] = 0.0;
+    J[14] = 0.0;
+    J[15] = 1.0;
+    J[16] = 0.0;
+    J[17] = 0.0;
+    const double cos_shoulder = WG_COS(q[0]);
+    J[1] = cos_shoulder;
+    const double sin_shoulder = WG_SIN(q[0]);
+    J[4] = sin_shoulder;
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    J[3] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    J[0] = -shoulder_to_tip_y;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_hessian)(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+    H[2] = 0.0;
+    H[4] = 0.0;
+    H[5] = 0.0;
+    H[6] = 0.0;
+    H[7] = 0.0;
+    H[8] = 0.0;
+    H[11] = 0.0;
+    H[13] = 0.0;
+    H[14] = 0.0;
+    H[15] = 0.0;
+    H[16] = 0.0;
+    H[17] = 0.0;
+    H[18] = 0.0;
+    H[19] = 0.0;
+    H[20] = 0.0;
+    H[21] = 0.0;
+    H[22] = 0.0;
+    H[23] = 0.0;
+    H[24] = 0.0;
+    H[25] = 0.0;
+    H[26] = 0.0;
+    const double cos_shoulder = WG_COS(q[0]);
+    H[10] = cos_shoulder;
+    H[12] = cos_shoulder;
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    H[0] = -shoulder_to_tip_x;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    H[9] = -shoulder_to_tip_y;
+    const double t1 = -sin_shoulder;
+    H[1] = t1;
+    H[3] = t1;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_velocity)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
+    v[2] = -qd[2];
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    v[1] = WG_FMA(qd[1], sin_shoulder, qd[0]*shoulder_to_tip_x);
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    v[0] = WG_FMA(-qd[0], shoulder_to_tip_y, qd[1]*cos_shoulder);
+}
+
+WG_ROW(void ambler_rpp_leg_foot_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+    a[2] = -qdd[2];
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
+    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
+    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
+    const double bias_shoulder_y = qd[0]*flow_shoulder_x;
+    const double flow_reach_x = qd[1]*cos_shoulder;
+    const double flow_reach_y = qd[1]*sin_shoulder;
+    const double rates_reach_z = qd[0]*2.0;
+    const double bias_reach_x = WG_FMA(flow_reach_y, rates_reach_z, bias_shoulder_x);
+    a[0] = WG_FMA(-qdd[0], shoulder_to_tip_y, qdd[1]*cos_shoulder) - bias_reach_x;
+    const double bias_reach_y = WG_FMA(-flow_reach_x, rates_reach_z, bias_shoulder_y);
+    a[1] = WG_FMA(qdd[1], sin_shoulder, qdd[0]*shoulder_to_tip_x) - bias_reach_y;
+}
+
+WG_ROW(void ambler_rpp_leg_foot_bias_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT a) {
+    a[2] = 0.0;
+    a[3] = 0.0;
+    a[4] = 0.0;
+    a[5] = 0.0;
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
+    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
+    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
+    const double flow_reach_x = qd[1]*cos_shoulder;
+    const double flow_reach_y = qd[1]*sin_shoulder;
+    const double rates_reach_z = qd[0]*2.0;
+    a[0] = WG_FMA(-flow_reach_y, rates_reach_z, -bias_shoulder_x);
+    a[1] = WG_FMA(-qd[0], flow_shoulder_x, flow_reach_x*rates_reach_z);
+}
+
+WG_ROW(void ambler_rpp_leg_foot_torque)(const double *WG_RESTRICT q, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+    tau[2] = -f[2];
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    tau[1] = WG_FMA(f[1], sin_shoulder, f[0]*cos_shoulder);
+    const double reach_shift_z = q[1] + 0.8;
+    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
+    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
+    tau[0] = WG_FMA(-f[0], shoulder_to_tip_y, f[1]*shoulder_to_tip_x);
+}
+
+WG_ROW(int32_t ambler_rpp_leg_within_limits)(const double *WG_RESTRICT q) {
+    const int t1 = -2.0943951023931957 <= q[0] && q[0] <= 2.0943951023931957;
+    return (int32_t)(WG_INDICATOR((t1 && (0.0 <= q[1] && q[1] <= 1.2)) && (0.0 <= q[2] && q[2] <= 1.5)));
+}
+
+WG_ROW(void ambler_rpp_leg_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double reach_at_x = q[1]*qdd[0];
+    const double reach_sliding_x = WG_FMA(qd[1], qd[0]*2.0, reach_at_x);
+    const double reach_sliding_z = WG_FMA(-q[1], shoulder_field_x_x, qdd[1]);
+    const double extend_at_x = WG_FMA(qdd[0], 0.8, reach_sliding_x);
+    const double extend_at_z = WG_FMA(-shoulder_field_x_x, 0.8, reach_sliding_z);
+    const double extend_sliding_z = qdd[2] - 9.80665;
+    const double shoulder_inertial_moment_z = qdd[0]*5.85;
+    const double reach_heave_y = reach_sliding_x*7.5;
+    const double reach_inertial_force_x = WG_FMA(reach_sliding_x, 25.0, qdd[0]*7.5);
+    const double reach_inertial_force_z = WG_FMA(-shoulder_field_x_x, 7.5, reach_sliding_z*25.0);
+    const double foot_force_shoulder_x = WG_FMA(-f[0], sin_shoulder, f[1]*cos_shoulder);
+    const double foot_force_shoulder_y = WG_FMA(f[1], sin_shoulder, f[0]*cos_shoulder);
+    const double extend_own_force_x = WG_FMA(extend_at_x, 20.0, -foot_force_shoulder_x);
+    const double extend_own_force_y = WG_FMA(extend_at_z, 20.0, -foot_force_shoulder_y);
+    const double extend_own_force_z = WG_FMA(extend_sliding_z, 20.0, f[2]);
+    tau[2] = extend_own_force_z;
+    const double reach_own_force_x = reach_inertial_force_x + extend_own_force_x;
+    const double reach_own_force_z = reach_inertial_force_z + extend_own_force_y;
+    tau[1] = reach_own_force_z;
+    const double reach_own_moment_y = WG_FMA(0.8, extend_own_force_x, reach_heave_y);
+    const double shoulder_own_moment_z = reach_own_moment_y + WG_FMA(q[1], reach_own_force_x, shoulder_inertial_moment_z);
+    tau[0] = shoulder_own_moment_z;
+}
+
+WG_ROW(void ambler_rpp_leg_forward_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double reach_at_y = q[1]*shoulder_field_x_x;
+    const double reach_sliding_x = qd[1]*(qd[0]*2.0);
+    const double extend_slid_y = q[2] - 0.2;
+    const double extend_at_z = WG_FMA(shoulder_field_x_x, 0.8, reach_at_y);
+    const double reach_heave_y = reach_sliding_x*7.5;
+    const double reach_inertial_force_z = WG_FMA(reach_at_y, 25.0, shoulder_field_x_x*7.5);
+    const double foot_force_shoulder_x = WG_FMA(-f[0], sin_shoulder, f[1]*cos_shoulder);
+    const double foot_force_shoulder_y = WG_FMA(f[1], sin_shoulder, f[0]*cos_shoulder);
+    const double extend_own_force_x = WG_FMA(reach_sliding_x, 20.0, -foot_force_shoulder_x);
+    const double extend_own_force_y = WG_FMA(extend_at_z, 20.0, foot_force_shoulder_y);
+    const double extend_own_force_z = f[2] - 196.133;
+    const double reach_own_force_x = WG_FMA(reach_sliding_x, 25.0, extend_own_force_x);
+    const double reach_own_force_z = reach_inertial_force_z + extend_own_force_y;
+    const double reach_own_moment_y = WG_FMA(0.8, extend_own_force_x, reach_heave_y);
+    const double shoulder_own_moment_z = WG_FMA(q[1], reach_own_force_x, reach_own_moment_y);
+    const double reach_borne_xx = WG_FMA(20.0, extend_slid_y*extend_slid_y, 12.8);
+    const double reach_whole_trace = 12.8 + reach_borne_xx;
+    const double reach_whole_rest = reach_borne_xx - reach_whole_trace;
+    const double shoulder_borne_zz = WG_FMA(45.0, q[1]*q[1], WG_FMA(q[1], 47.0, 5.85)) - reach_whole_rest;
+    const double reciprocal_0 = 1.0/shoulder_borne_zz;
+    const double halfway_2 = extend_own_force_z - tau[2];
+    const double halfway_1 = tau[1] + reach_own_force_z;
+    const double halfway_0 = shoulder_own_moment_z - tau[0];
+    const double solution_0 = reciprocal_0*halfway_0;
+    qdd[0] = -solution_0;
+    const double solution_1 = halfway_1*0.022222222222222223;
+    qdd[1] = solution_1;
+    const double solution_2 = halfway_2*0.05;
+    qdd[2] = -solution_2;
+}
+
+WG_ROW(void ambler_rpp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+    M[1] = 0.0;
+    M[2] = 0.0;
+    M[3] = 0.0;
+    M[4] = 45.0;
+    M[5] = 0.0;
+    M[6] = 0.0;
+    M[7] = 0.0;
+    M[8] = 20.0;
+    const double extend_slid_y = q[2] - 0.2;
+    const double reach_borne_xx = WG_FMA(20.0, extend_slid_y*extend_slid_y, 12.8);
+    const double reach_whole_trace = 12.8 + reach_borne_xx;
+    const double reach_whole_rest = reach_borne_xx - reach_whole_trace;
+    const double shoulder_borne_zz = WG_FMA(45.0, q[1]*q[1], WG_FMA(q[1], 47.0, 5.85)) - reach_whole_rest;
+    M[0] = shoulder_borne_zz;
+}
+
+WG_ROW(void ambler_rpp_leg_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
+    h[2] = -196.133;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double reach_at_y = q[1]*shoulder_field_x_x;
+    const double reach_sliding_x = qd[1]*(qd[0]*2.0);
+    const double extend_at_z = WG_FMA(shoulder_field_x_x, 0.8, reach_at_y);
+    const double reach_heave_y = reach_sliding_x*7.5;
+    const double reach_inertial_force_z = WG_FMA(reach_at_y, 25.0, shoulder_field_x_x*7.5);
+    h[1] = WG_FMA(-extend_at_z, 20.0, -reach_inertial_force_z);
+    const double extend_inertial_force_x = reach_sliding_x*20.0;
+    const double reach_own_force_x = WG_FMA(reach_sliding_x, 25.0, extend_inertial_force_x);
+    const double reach_own_moment_y = WG_FMA(0.8, extend_inertial_force_x, reach_heave_y);
+    const double shoulder_own_moment_z = WG_FMA(q[1], reach_own_force_x, reach_own_moment_y);
+    h[0] = shoulder_own_moment_z;
+}
+
+WG_ROW(void ambler_rpp_leg_gravity_torque)(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+    (void)q;
+    g[0] = 0.0;
+    g[1] = 0.0;
+    g[2] = -196.133;
+}
+
+WG_ROW(void ambler_rpp_leg_coriolis_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C) {
+    C[2] = 0.0;
+    C[4] = 0.0;
+    C[5] = 0.0;
+    C[6] = 0.0;
+    C[7] = 0.0;
+    C[8] = 0.0;
+    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
+    const double reach_at_y_d_qd_shoulder = q[1]*shoulder_field_x_x_d_qd_shoulder;
+    const double reach_sliding_x_d_qd_shoulder = qd[1]*2.0;
+    const double extend_at_z_d_qd_shoulder = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 0.8, reach_at_y_d_qd_shoulder);
+    const double reach_heave_y_d_qd_shoulder = reach_sliding_x_d_qd_shoulder*7.5;
+    const double reach_heave_y_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*7.5;
+    const double reach_inertial_force_z_d_qd_shoulder = WG_FMA(reach_at_y_d_qd_shoulder, 25.0, reach_heave_y_d_qd_reach);
+    const double extend_inertial_force_x_d_qd_shoulder = reach_sliding_x_d_qd_shoulder*20.0;
+    const double reach_own_force_x_d_qd_shoulder = WG_FMA(reach_sliding_x_d_qd_shoulder, 25.0, extend_inertial_force_x_d_qd_shoulder);
+    const double reach_own_force_z_d_qd_shoulder = WG_FMA(extend_at_z_d_qd_shoulder, 20.0, reach_inertial_force_z_d_qd_shoulder);
+    C[3] = -(reach_own_force_z_d_qd_shoulder*0.5);
+    const double reach_own_moment_y_d_qd_shoulder = WG_FMA(0.8, extend_inertial_force_x_d_qd_shoulder, reach_heave_y_d_qd_shoulder);
+    const double shoulder_own_moment_z_d_qd_shoulder = WG_FMA(q[1], reach_own_force_x_d_qd_shoulder, reach_own_moment_y_d_qd_shoulder);
+    C[0] = shoulder_own_moment_z_d_qd_shoulder*0.5;
+    const double extend_inertial_force_x_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*20.0;
+    const double reach_own_force_x_d_qd_reach = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 25.0, extend_inertial_force_x_d_qd_reach);
+    const double reach_own_moment_y_d_qd_reach = WG_FMA(0.8, extend_inertial_force_x_d_qd_reach, reach_heave_y_d_qd_reach);
+    const double shoulder_own_moment_z_d_qd_reach = WG_FMA(q[1], reach_own_force_x_d_qd_reach, reach_own_moment_y_d_qd_reach);
+    C[1] = shoulder_own_moment_z_d_qd_reach*0.5;
+}
+
+WG_ROW(void ambler_rpp_leg_kinetic_energy)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
+    const double reach_velocity_before_x = q[1]*qd[0];
+    const double extend_velocity_before_x = WG_FMA(qd[0], 0.8, reach_velocity_before_x);
+    const double shoulder_momentum_moment_z = qd[0]*5.85;
+    const double reach_momentum_force_x = WG_FMA(reach_velocity_before_x, 25.0, qd[0]*7.5);
+    const double reach_momentum_force_z = qd[1]*25.0;
+    const double reach_momentum_moment_y = reach_velocity_before_x*7.5;
+    const double extend_momentum_force_x = extend_velocity_before_x*20.0;
+    const double extend_momentum_force_y = qd[1]*20.0;
+    const double extend_momentum_force_z = qd[2]*20.0;
+    const double shoulder_energy = qd[0]*shoulder_momentum_moment_z;
+    const double t1 = WG_FMA(qd[1], reach_momentum_force_z, qd[0]*reach_momentum_moment_y);
+    const double reach_energy = WG_FMA(reach_velocity_before_x, reach_momentum_force_x, t1);
+    const double t2 = WG_FMA(qd[2], extend_momentum_force_z, qd[1]*extend_momentum_force_y);
+    const double extend_energy = WG_FMA(extend_velocity_before_x, extend_momentum_force_x, t2);
+    *T = WG_FMA(extend_energy, 0.5, WG_FMA(reach_energy, 0.5, shoulder_energy*0.5));
+}
+
+WG_ROW(void ambler_rpp_leg_potential_energy)(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
+    const double extend_slid_y = q[2] - 0.2;
+    const double moment_z = WG_FMA(extend_slid_y, 20.0, -75.0);
+    *U = -(moment_z*9.80665);
+}
+
+WG_ROW(void ambler_rpp_leg_inverse_dynamics_derivatives)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
+    tau_d_q[0] = 0.0;
+    tau_d_q[2] = 0.0;
+    tau_d_q[3] = 0.0;
+    tau_d_q[5] = 0.0;
+    tau_d_q[6] = 0.0;
+    tau_d_q[7] = 0.0;
+    tau_d_q[8] = 0.0;
+    tau_d_qd[2] = 0.0;
+    tau_d_qd[4] = 0.0;
+    tau_d_qd[5] = 0.0;
+    tau_d_qd[6] = 0.0;
+    tau_d_qd[7] = 0.0;
+    tau_d_qd[8] = 0.0;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double reach_at_x = q[1]*qdd[0];
+    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
+    const double reach_sliding_x = WG_FMA(qd[1], shoulder_field_x_x_d_qd_shoulder, reach_at_x);
+    const double extend_at_x = WG_FMA(qdd[0], 0.8, reach_sliding_x);
+    const double reach_heave_y_d_q_reach = qdd[0]*7.5;
+    const double reach_inertial_force_x = WG_FMA(reach_sliding_x, 25.0, reach_heave_y_d_q_reach);
+    const double reach_own_force_x = WG_FMA(extend_at_x, 20.0, reach_inertial_force_x);
+    const double reach_inertial_force_z_d_q_reach = shoulder_field_x_x*25.0;
+    tau_d_q[4] = WG_FMA(-shoulder_field_x_x, 20.0, -reach_inertial_force_z_d_q_reach);
+    const double extend_inertial_force_x_d_q_reach = qdd[0]*20.0;
+    const double reach_own_force_x_d_q_reach = WG_FMA(qdd[0], 25.0, extend_inertial_force_x_d_q_reach);
+    const double reach_own_moment_y_d_q_reach = WG_FMA(0.8, extend_inertial_force_x_d_q_reach, reach_heave_y_d_q_reach);
+    const double t1 = WG_FMA(q[1], reach_own_force_x_d_q_reach, reach_own_force_x);
+    const double shoulder_own_moment_z_d_q_reach = reach_own_moment_y_d_q_reach + t1;
+    tau_d_q[1] = shoulder_own_moment_z_d_q_reach;
+    const double reach_at_y_d_qd_shoulder = q[1]*shoulder_field_x_x_d_qd_shoulder;
+    const double reach_sliding_x_d_qd_shoulder = qd[1]*2.0;
+    const double extend_at_z_d_qd_shoulder = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 0.8, reach_at_y_d_qd_shoulder);
+    const double reach_heave_y_d_qd_shoulder = 7.5*reach_sliding_x_d_qd_shoulder;
+    const double reach_heave_y_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*7.5;
+    const double reach_inertial_force_z_d_qd_shoulder = WG_FMA(25.0, reach_at_y_d_qd_shoulder, reach_heave_y_d_qd_reach);
+    tau_d_qd[3] = WG_FMA(-20.0, extend_at_z_d_qd_shoulder, -reach_inertial_force_z_d_qd_shoulder);
+    const double extend_inertial_force_x_d_qd_shoulder = 20.0*reach_sliding_x_d_qd_shoulder;
+    const double reach_own_force_x_d_qd_shoulder = WG_FMA(25.0, reach_sliding_x_d_qd_shoulder, extend_inertial_force_x_d_qd_shoulder);
+    const double reach_own_moment_y_d_qd_shoulder = WG_FMA(0.8, extend_inertial_force_x_d_qd_shoulder, reach_heave_y_d_qd_shoulder);
+    const double shoulder_own_moment_z_d_qd_shoulder = WG_FMA(q[1], reach_own_force_x_d_qd_shoulder, reach_own_moment_y_d_qd_shoulder);
+    tau_d_qd[0] = shoulder_own_moment_z_d_qd_shoulder;
+    const double extend_inertial_force_x_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*20.0;
+    const double reach_own_force_x_d_qd_reach = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 25.0, extend_inertial_force_x_d_qd_reach);
+    const double reach_own_moment_y_d_qd_reach = WG_FMA(0.8, extend_inertial_force_x_d_qd_reach, reach_heave_y_d_qd_reach);
+    const double shoulder_own_moment_z_d_qd_reach = WG_FMA(q[1], reach_own_force_x_d_qd_reach, reach_own_moment_y_d_qd_reach);
+    tau_d_qd[1] = shoulder_own_moment_z_d_qd_reach;
+}
+
+WG_ROW(void ambler_rpp_leg_base_parameters)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
+    Y[0] = qdd[0];
+    Y[5] = 0.0;
+    Y[7] = qdd[0];
+    Y[10] = 0.0;
+    Y[11] = 0.0;
+    Y[12] = 0.0;
+    Y[13] = 0.0;
+    p[0] = 5.85;
+    p[1] = 25.0;
+    p[2] = 0.0;
+    p[3] = 7.5;
+    p[4] = 20.0;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    Y[8] = -shoulder_field_x_x;
+    const double reach_at_x = q[1]*qdd[0];
+    const double reach_at_y = q[1]*shoulder_field_x_x;
+    const double reach_sliding_x = WG_FMA(qd[1], qd[0]*2.0, reach_at_x);
+    const double reach_sliding_z = qdd[1] - reach_at_y;
+    Y[6] = reach_sliding_z;
+    const double extend_at_x = WG_FMA(qdd[0], 0.8, reach_sliding_x);
+    const double extend_at_z = WG_FMA(-shoulder_field_x_x, 0.8, reach_sliding_z);
+    Y[9] = extend_at_z;
+    const double extend_sliding_z = qdd[2] - 9.80665;
+    Y[14] = extend_sliding_z;
+    const double Y_reach_m_on_reach_moment_z = q[1]*reach_sliding_x;
+    Y[1] = Y_reach_m_on_reach_moment_z;
+    const double Y_reach_mx_on_reach_moment_z = reach_at_y + reach_sliding_z;
+    Y[2] = Y_reach_mx_on_reach_moment_z;
+    const double Y_reach_mz_on_reach_moment_z = reach_at_x + reach_sliding_x;
+    Y[3] = Y_reach_mz_on_reach_moment_z;
+    const double Y_extend_m_on_extend_moment_y = 0.8*extend_at_x;
+    const double Y_extend_m_on_reach_moment_z = WG_FMA(q[1], extend_at_x, Y_extend_m_on_extend_moment_y);
+    Y[4] = Y_extend_m_on_reach_moment_z;
+}
+
+#if defined(WALKGEN_ROWS)
+#if WALKGEN_ROWS == 2
+
+WG_BLOCK(ambler_rpp_leg_foot_position) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_foot_position_lane(q, p);
+        WG_KEEP_3(p, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_position) {
+    ambler_rpp_leg_foot_position(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_position, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_rotation) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], R[9];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_foot_rotation_lane(q, R);
+        WG_KEEP_9(R, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_rotation) {
+    ambler_rpp_leg_foot_rotation(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_rotation, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_pose) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], T[16];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_foot_pose_lane(q, T);
+        WG_KEEP_16(T, 0)
+        WG_DONE(16)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_pose) {
+    ambler_rpp_leg_foot_pose(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_pose, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[9];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_foot_jacobian_lane(q, J);
+        WG_KEEP_9(J, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_jacobian) {
+    ambler_rpp_leg_foot_jacobian(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_jacobian, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_position_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3], J[9];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_foot_position_jacobian_lane(q, p, J);
+        WG_KEEP_3(p, 0)
+        WG_KEEP_9(J, 3)
+        WG_DONE(12)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_position_jacobian) {
+    ambler_rpp_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
+}
+WG_LANED(ambler_rpp_leg_foot_position_jacobian, 1, 2);
+
+WG_BLOCK(ambler_rpp_leg_foot_spatial_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[18];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_foot_spatial_jacobian_lane(q, J);
+        WG_KEEP_18(J, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_spatial_jacobian) {
+    ambler_rpp_leg_foot_spatial_jacobian(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_spatial_jacobian, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_hessian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], H[27];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_foot_hessian_lane(q, H);
+        WG_KEEP_27(H, 0)
+        WG_DONE(27)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_hessian) {
+    ambler_rpp_leg_foot_hessian(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_hessian, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_velocity) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], v[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rpp_leg_foot_velocity_lane(q, qd, v);
+        WG_KEEP_3(v, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_velocity) {
+    ambler_rpp_leg_foot_velocity(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_velocity, 2, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], a[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        ambler_rpp_leg_foot_acceleration_lane(q, qd, qdd, a);
+        WG_KEEP_3(a, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_acceleration) {
+    ambler_rpp_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_acceleration, 3, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_bias_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], a[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rpp_leg_foot_bias_acceleration_lane(q, qd, a);
+        WG_KEEP_6(a, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_bias_acceleration) {
+    ambler_rpp_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_bias_acceleration, 2, 1);
+
+WG_BLOCK(ambler_rpp_leg_foot_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(f, 3)
+        ambler_rpp_leg_foot_torque_lane(q, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_foot_torque) {
+    ambler_rpp_leg_foot_torque(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_foot_torque, 2, 1);
+
+WG_BLOCK(ambler_rpp_leg_within_limits) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3];
+        int32_t within[1];
+        WG_TAKE_3(q, 0)
+        within[0] = ambler_rpp_leg_within_limits_lane(q);
+        WG_KEEP_STATUS_1(within, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_within_limits) {
+    int32_t within[1];
+    within[0] = ambler_rpp_leg_within_limits(&given[0]);
+    for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
+}
+WG_LANED(ambler_rpp_leg_within_limits, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_inverse_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_3(f, 9)
+        ambler_rpp_leg_inverse_dynamics_lane(q, qd, qdd, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_inverse_dynamics) {
+    ambler_rpp_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_inverse_dynamics, 4, 1);
+
+WG_BLOCK(ambler_rpp_leg_forward_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(tau, 6)
+        WG_TAKE_3(f, 9)
+        ambler_rpp_leg_forward_dynamics_lane(q, qd, tau, f, qdd);
+        WG_KEEP_3(qdd, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_forward_dynamics) {
+    ambler_rpp_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_forward_dynamics, 4, 1);
+
+WG_BLOCK(ambler_rpp_leg_mass_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], M[9];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_mass_matrix_lane(q, M);
+        WG_KEEP_9(M, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_mass_matrix) {
+    ambler_rpp_leg_mass_matrix(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_mass_matrix, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_bias) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], h[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rpp_leg_bias_lane(q, qd, h);
+        WG_KEEP_3(h, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_bias) {
+    ambler_rpp_leg_bias(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_bias, 2, 1);
+
+WG_BLOCK(ambler_rpp_leg_gravity_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], g[3];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_gravity_torque_lane(q, g);
+        WG_KEEP_3(g, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_gravity_torque) {
+    ambler_rpp_leg_gravity_torque(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_gravity_torque, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_coriolis_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], C[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rpp_leg_coriolis_matrix_lane(q, qd, C);
+        WG_KEEP_9(C, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_coriolis_matrix) {
+    ambler_rpp_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_coriolis_matrix, 2, 1);
+
+WG_BLOCK(ambler_rpp_leg_kinetic_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], T[1];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rpp_leg_kinetic_energy_lane(q, qd, T);
+        WG_KEEP_1(T, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_kinetic_energy) {
+    ambler_rpp_leg_kinetic_energy(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_kinetic_energy, 2, 1);
+
+WG_BLOCK(ambler_rpp_leg_potential_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], U[1];
+        WG_TAKE_3(q, 0)
+        ambler_rpp_leg_potential_energy_lane(q, U);
+        WG_KEEP_1(U, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_potential_energy) {
+    ambler_rpp_leg_potential_energy(&given[0], &found[0]);
+}
+WG_LANED(ambler_rpp_leg_potential_energy, 1, 1);
+
+WG_BLOCK(ambler_rpp_leg_inverse_dynamics_derivatives) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], tau_d_q[9], tau_d_qd[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        ambler_rpp_leg_inverse_dynamics_derivatives_lane(q, qd, qdd, tau_d_q, tau_d_qd);
+        WG_KEEP_9(tau_d_q, 0)
+        WG_KEEP_9(tau_d_qd, 9)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_inverse_dynamics_derivatives) {
+    ambler_rpp_leg_inverse_dynamics_derivatives(&given[0], &given[3], &given[6], &found[0], &found[9]);
+}
+WG_LANED(ambler_rpp_leg_inverse_dynamics_derivatives, 3, 2);
+
+WG_BLOCK(ambler_rpp_leg_base_parameters) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], Y[15], p[5];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        ambler_rpp_leg_base_parameters_lane(q, qd, qdd, Y, p);
+        WG_KEEP_15(Y, 0)
+        WG_KEEP_5(p, 15)
+        WG_DONE(20)
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_base_parameters) {
+    ambler_rpp_leg_base_parameters(&given[0], &given[3], &given[6], &found[0], &found[15]);
+}
+WG_LANED(ambler_rpp_leg_base_parameters, 3, 2);
+
+#endif
+#else
 
 static void ambler_rpp_leg_screws_kernel(double *WG_RESTRICT geometry) {
     geometry[0] = 0.0;
@@ -47,8 +878,8 @@ static void ambler_rpp_leg_limits_kernel(double *WG_RESTRICT limits) {
 
 static void ambler_rpp_leg_row_distances_kernel(const double *WG_RESTRICT rows, const double *WG_RESTRICT p,
     double *WG_RESTRICT distance) {
-    const double cos_shoulder = WG_COS(rows[0]);
-    const double sin_shoulder = WG_SIN(rows[0]);
+    double sin_shoulder, cos_shoulder, sin_shoulder_2, cos_shoulder_2;
+    WG_SINCOS_2(rows[0], sin_shoulder, cos_shoulder, rows[3], sin_shoulder_2, cos_shoulder_2);
     const double extend_shift_z = rows[2] + 0.5;
     const double reach_shift_z = rows[1] + 0.8;
     const double shoulder_to_tip_inner_z = extend_shift_z - 1.0;
@@ -56,8 +887,6 @@ static void ambler_rpp_leg_row_distances_kernel(const double *WG_RESTRICT rows, 
     const double gap_y = WG_FMA(-sin_shoulder, reach_shift_z, p[1]);
     const double gap_z = p[2] + shoulder_to_tip_inner_z;
     distance[0] = sqrt(WG_FMA(gap_z, gap_z, WG_FMA(gap_y, gap_y, gap_x*gap_x)));
-    const double cos_shoulder_2 = WG_COS(rows[3]);
-    const double sin_shoulder_2 = WG_SIN(rows[3]);
     const double extend_shift_z_2 = rows[5] + 0.5;
     const double reach_shift_z_2 = rows[4] + 0.8;
     const double shoulder_to_tip_inner_z_2 = extend_shift_z_2 - 1.0;
@@ -97,296 +926,6 @@ static void ambler_rpp_leg_acceleration_jacobian_kernel(const double *WG_RESTRIC
     rest[0] = wanted_x;
     const double wanted_y = a[1] + bias_reach_y;
     rest[1] = wanted_y;
-}
-
-void ambler_rpp_leg_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double extend_shift_z = q[2] + 0.5;
-    p[2] = 1.0 - extend_shift_z;
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    p[0] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    p[1] = shoulder_to_tip_y;
-}
-
-void ambler_rpp_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_position(q + row * 3, p + row * 3);
-    }
-}
-
-void ambler_rpp_leg_foot_rotation(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    R[2] = 0.0;
-    R[5] = 0.0;
-    R[6] = 0.0;
-    R[7] = 0.0;
-    R[8] = -1.0;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    R[0] = sin_shoulder;
-    R[4] = -sin_shoulder;
-    const double t1 = -cos_shoulder;
-    R[1] = t1;
-    R[3] = t1;
-}
-
-void ambler_rpp_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_rotation(q + row * 3, R + row * 9);
-    }
-}
-
-void ambler_rpp_leg_foot_pose(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    T[2] = 0.0;
-    T[6] = 0.0;
-    T[8] = 0.0;
-    T[9] = 0.0;
-    T[10] = -1.0;
-    T[12] = 0.0;
-    T[13] = 0.0;
-    T[14] = 0.0;
-    T[15] = 1.0;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    T[0] = sin_shoulder;
-    T[5] = -sin_shoulder;
-    const double extend_shift_z = q[2] + 0.5;
-    T[11] = 1.0 - extend_shift_z;
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    T[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    T[7] = shoulder_to_tip_y;
-    const double t1 = -cos_shoulder;
-    T[1] = t1;
-    T[4] = t1;
-}
-
-void ambler_rpp_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_pose(q + row * 3, T + row * 16);
-    }
-}
-
-void ambler_rpp_leg_foot_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[2] = 0.0;
-    J[5] = 0.0;
-    J[6] = 0.0;
-    J[7] = 0.0;
-    J[8] = -1.0;
-    const double cos_shoulder = WG_COS(q[0]);
-    J[1] = cos_shoulder;
-    const double sin_shoulder = WG_SIN(q[0]);
-    J[4] = sin_shoulder;
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    J[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    J[0] = -shoulder_to_tip_y;
-}
-
-void ambler_rpp_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_jacobian(q + row * 3, J + row * 9);
-    }
-}
-
-void ambler_rpp_leg_foot_position_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT p,
-    double *WG_RESTRICT J) {
-    J[2] = 0.0;
-    J[5] = 0.0;
-    J[6] = 0.0;
-    J[7] = 0.0;
-    J[8] = -1.0;
-    const double cos_shoulder = WG_COS(q[0]);
-    J[1] = cos_shoulder;
-    const double sin_shoulder = WG_SIN(q[0]);
-    J[4] = sin_shoulder;
-    const double extend_shift_z = q[2] + 0.5;
-    p[2] = 1.0 - extend_shift_z;
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    p[0] = shoulder_to_tip_x;
-    J[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    p[1] = shoulder_to_tip_y;
-    J[0] = -shoulder_to_tip_y;
-}
-
-void ambler_rpp_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
-    }
-}
-
-void ambler_rpp_leg_foot_spatial_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[2] = 0.0;
-    J[5] = 0.0;
-    J[6] = 0.0;
-    J[7] = 0.0;
-    J[8] = -1.0;
-    J[9] = 0.0;
-    J[10] = 0.0;
-    J[11] = 0.0;
-    J[12] = 0.0;
-    J[13] = 0.0;
-    J[14] = 0.0;
-    J[15] = 1.0;
-    J[16] = 0.0;
-    J[17] = 0.0;
-    const double cos_shoulder = WG_COS(q[0]);
-    J[1] = cos_shoulder;
-    const double sin_shoulder = WG_SIN(q[0]);
-    J[4] = sin_shoulder;
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    J[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    J[0] = -shoulder_to_tip_y;
-}
-
-void ambler_rpp_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_spatial_jacobian(q + row * 3, J + row * 18);
-    }
-}
-
-void ambler_rpp_leg_foot_hessian(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    H[2] = 0.0;
-    H[4] = 0.0;
-    H[5] = 0.0;
-    H[6] = 0.0;
-    H[7] = 0.0;
-    H[8] = 0.0;
-    H[11] = 0.0;
-    H[13] = 0.0;
-    H[14] = 0.0;
-    H[15] = 0.0;
-    H[16] = 0.0;
-    H[17] = 0.0;
-    H[18] = 0.0;
-    H[19] = 0.0;
-    H[20] = 0.0;
-    H[21] = 0.0;
-    H[22] = 0.0;
-    H[23] = 0.0;
-    H[24] = 0.0;
-    H[25] = 0.0;
-    H[26] = 0.0;
-    const double cos_shoulder = WG_COS(q[0]);
-    H[10] = cos_shoulder;
-    H[12] = cos_shoulder;
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    H[0] = -shoulder_to_tip_x;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    H[9] = -shoulder_to_tip_y;
-    const double t1 = -sin_shoulder;
-    H[1] = t1;
-    H[3] = t1;
-}
-
-void ambler_rpp_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_hessian(q + row * 3, H + row * 27);
-    }
-}
-
-void ambler_rpp_leg_foot_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
-    v[2] = -qd[2];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    v[1] = WG_FMA(qd[1], sin_shoulder, qd[0]*shoulder_to_tip_x);
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    v[0] = WG_FMA(-qd[0], shoulder_to_tip_y, qd[1]*cos_shoulder);
-}
-
-void ambler_rpp_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT v) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
-    }
-}
-
-void ambler_rpp_leg_foot_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    a[2] = -qdd[2];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
-    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
-    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
-    const double bias_shoulder_y = qd[0]*flow_shoulder_x;
-    const double flow_reach_x = qd[1]*cos_shoulder;
-    const double flow_reach_y = qd[1]*sin_shoulder;
-    const double rates_reach_z = qd[0]*2.0;
-    const double bias_reach_x = WG_FMA(flow_reach_y, rates_reach_z, bias_shoulder_x);
-    a[0] = WG_FMA(-qdd[0], shoulder_to_tip_y, qdd[1]*cos_shoulder) - bias_reach_x;
-    const double bias_reach_y = WG_FMA(-flow_reach_x, rates_reach_z, bias_shoulder_y);
-    a[1] = WG_FMA(qdd[1], sin_shoulder, qdd[0]*shoulder_to_tip_x) - bias_reach_y;
-}
-
-void ambler_rpp_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
-    }
-}
-
-void ambler_rpp_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT a) {
-    a[2] = 0.0;
-    a[3] = 0.0;
-    a[4] = 0.0;
-    a[5] = 0.0;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
-    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
-    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
-    const double flow_reach_x = qd[1]*cos_shoulder;
-    const double flow_reach_y = qd[1]*sin_shoulder;
-    const double rates_reach_z = qd[0]*2.0;
-    a[1] = WG_FMA(-qd[0], flow_shoulder_x, flow_reach_x*rates_reach_z);
-    const double bias_reach_x = WG_FMA(flow_reach_y, rates_reach_z, bias_shoulder_x);
-    a[0] = -bias_reach_x;
-}
-
-void ambler_rpp_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
-    }
-}
-
-void ambler_rpp_leg_foot_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    tau[2] = -f[2];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    tau[1] = WG_FMA(f[1], sin_shoulder, f[0]*cos_shoulder);
-    const double reach_shift_z = q[1] + 0.8;
-    const double shoulder_to_tip_x = cos_shoulder*reach_shift_z;
-    const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
-    tau[0] = WG_FMA(-f[0], shoulder_to_tip_y, f[1]*shoulder_to_tip_x);
-}
-
-void ambler_rpp_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
-    double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
-    }
 }
 
 void ambler_rpp_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
@@ -577,17 +1116,6 @@ void ambler_rpp_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRIC
     }
 }
 
-int32_t ambler_rpp_leg_within_limits(const double *WG_RESTRICT q) {
-    const int t1 = -2.0943951023931957 <= q[0] && q[0] <= 2.0943951023931957;
-    return (int32_t)(WG_INDICATOR((t1 && (0.0 <= q[1] && q[1] <= 1.2)) && (0.0 <= q[2] && q[2] <= 1.5)));
-}
-
-void ambler_rpp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
-    for (size_t row = 0; row < rows; ++row) {
-        within[row] = ambler_rpp_leg_within_limits(q + row * 3);
-    }
-}
-
 int32_t ambler_rpp_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     double *WG_RESTRICT qd) {
     double J[9];
@@ -625,279 +1153,6 @@ size_t ambler_rpp_leg_inverse_acceleration_batch(size_t rows, const double *WG_R
         bad += status[row] != WALKGEN_OK;
     }
     return bad;
-}
-
-void ambler_rpp_leg_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double reach_at_x = q[1]*qdd[0];
-    const double reach_sliding_x = WG_FMA(qd[1], qd[0]*2.0, reach_at_x);
-    const double reach_sliding_z = WG_FMA(-q[1], shoulder_field_x_x, qdd[1]);
-    const double extend_at_x = WG_FMA(qdd[0], 0.8, reach_sliding_x);
-    const double extend_at_z = WG_FMA(-shoulder_field_x_x, 0.8, reach_sliding_z);
-    const double extend_sliding_z = qdd[2] - 9.80665;
-    const double shoulder_inertial_moment_z = qdd[0]*5.85;
-    const double reach_heave_y = reach_sliding_x*7.5;
-    const double reach_inertial_force_x = WG_FMA(reach_sliding_x, 25.0, qdd[0]*7.5);
-    const double reach_inertial_force_z = WG_FMA(-shoulder_field_x_x, 7.5, reach_sliding_z*25.0);
-    const double foot_force_shoulder_x = WG_FMA(-f[0], sin_shoulder, f[1]*cos_shoulder);
-    const double foot_force_shoulder_y = WG_FMA(f[1], sin_shoulder, f[0]*cos_shoulder);
-    const double extend_own_force_x = WG_FMA(extend_at_x, 20.0, -foot_force_shoulder_x);
-    const double extend_own_force_y = WG_FMA(extend_at_z, 20.0, -foot_force_shoulder_y);
-    const double extend_own_force_z = WG_FMA(extend_sliding_z, 20.0, f[2]);
-    tau[2] = extend_own_force_z;
-    const double reach_own_force_x = reach_inertial_force_x + extend_own_force_x;
-    const double reach_own_force_z = reach_inertial_force_z + extend_own_force_y;
-    tau[1] = reach_own_force_z;
-    const double reach_own_moment_y = WG_FMA(0.8, extend_own_force_x, reach_heave_y);
-    const double shoulder_own_moment_z = reach_own_moment_y + WG_FMA(q[1], reach_own_force_x, shoulder_inertial_moment_z);
-    tau[0] = shoulder_own_moment_z;
-}
-
-void ambler_rpp_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
-    }
-}
-
-void ambler_rpp_leg_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double reach_at_y = q[1]*shoulder_field_x_x;
-    const double reach_sliding_x = qd[1]*(qd[0]*2.0);
-    const double extend_slid_y = q[2] - 0.2;
-    const double extend_at_z = WG_FMA(shoulder_field_x_x, 0.8, reach_at_y);
-    const double reach_heave_y = reach_sliding_x*7.5;
-    const double reach_inertial_force_z = WG_FMA(reach_at_y, 25.0, shoulder_field_x_x*7.5);
-    const double foot_force_shoulder_x = WG_FMA(-f[0], sin_shoulder, f[1]*cos_shoulder);
-    const double foot_force_shoulder_y = WG_FMA(f[1], sin_shoulder, f[0]*cos_shoulder);
-    const double extend_own_force_x = WG_FMA(reach_sliding_x, 20.0, -foot_force_shoulder_x);
-    const double extend_own_force_y = WG_FMA(extend_at_z, 20.0, foot_force_shoulder_y);
-    const double extend_own_force_z = f[2] - 196.133;
-    const double reach_own_force_x = WG_FMA(reach_sliding_x, 25.0, extend_own_force_x);
-    const double reach_own_force_z = reach_inertial_force_z + extend_own_force_y;
-    const double reach_own_moment_y = WG_FMA(0.8, extend_own_force_x, reach_heave_y);
-    const double shoulder_own_moment_z = WG_FMA(q[1], reach_own_force_x, reach_own_moment_y);
-    const double reach_borne_xx = WG_FMA(20.0, extend_slid_y*extend_slid_y, 12.8);
-    const double reach_whole_trace = 12.8 + reach_borne_xx;
-    const double reach_whole_rest = reach_borne_xx - reach_whole_trace;
-    const double shoulder_borne_zz = WG_FMA(45.0, q[1]*q[1], WG_FMA(q[1], 47.0, 5.85)) - reach_whole_rest;
-    const double reciprocal_0 = 1.0/shoulder_borne_zz;
-    const double halfway_2 = extend_own_force_z - tau[2];
-    const double halfway_1 = tau[1] + reach_own_force_z;
-    const double halfway_0 = shoulder_own_moment_z - tau[0];
-    const double solution_0 = reciprocal_0*halfway_0;
-    qdd[0] = -solution_0;
-    const double solution_1 = halfway_1*0.022222222222222223;
-    qdd[1] = solution_1;
-    const double solution_2 = halfway_2*0.05;
-    qdd[2] = -solution_2;
-}
-
-void ambler_rpp_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
-    }
-}
-
-void ambler_rpp_leg_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    M[1] = 0.0;
-    M[2] = 0.0;
-    M[3] = 0.0;
-    M[4] = 45.0;
-    M[5] = 0.0;
-    M[6] = 0.0;
-    M[7] = 0.0;
-    M[8] = 20.0;
-    const double extend_slid_y = q[2] - 0.2;
-    const double reach_borne_xx = WG_FMA(20.0, extend_slid_y*extend_slid_y, 12.8);
-    const double reach_whole_trace = 12.8 + reach_borne_xx;
-    const double reach_whole_rest = reach_borne_xx - reach_whole_trace;
-    const double shoulder_borne_zz = WG_FMA(45.0, q[1]*q[1], WG_FMA(q[1], 47.0, 5.85)) - reach_whole_rest;
-    M[0] = shoulder_borne_zz;
-}
-
-void ambler_rpp_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_mass_matrix(q + row * 3, M + row * 9);
-    }
-}
-
-void ambler_rpp_leg_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
-    h[2] = -196.133;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double reach_at_y = q[1]*shoulder_field_x_x;
-    const double reach_sliding_x = qd[1]*(qd[0]*2.0);
-    const double extend_at_z = WG_FMA(shoulder_field_x_x, 0.8, reach_at_y);
-    const double reach_heave_y = reach_sliding_x*7.5;
-    const double reach_inertial_force_z = WG_FMA(reach_at_y, 25.0, shoulder_field_x_x*7.5);
-    const double extend_inertial_force_x = reach_sliding_x*20.0;
-    const double reach_own_force_x = WG_FMA(reach_sliding_x, 25.0, extend_inertial_force_x);
-    const double reach_own_force_z = WG_FMA(extend_at_z, 20.0, reach_inertial_force_z);
-    h[1] = -reach_own_force_z;
-    const double reach_own_moment_y = WG_FMA(0.8, extend_inertial_force_x, reach_heave_y);
-    const double shoulder_own_moment_z = WG_FMA(q[1], reach_own_force_x, reach_own_moment_y);
-    h[0] = shoulder_own_moment_z;
-}
-
-void ambler_rpp_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_bias(q + row * 3, qd + row * 3, h + row * 3);
-    }
-}
-
-void ambler_rpp_leg_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    (void)q;
-    g[0] = 0.0;
-    g[1] = 0.0;
-    g[2] = -196.133;
-}
-
-void ambler_rpp_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_gravity_torque(q + row * 3, g + row * 3);
-    }
-}
-
-void ambler_rpp_leg_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT C) {
-    C[2] = 0.0;
-    C[4] = 0.0;
-    C[5] = 0.0;
-    C[6] = 0.0;
-    C[7] = 0.0;
-    C[8] = 0.0;
-    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
-    const double reach_at_y_d_qd_shoulder = q[1]*shoulder_field_x_x_d_qd_shoulder;
-    const double reach_sliding_x_d_qd_shoulder = qd[1]*2.0;
-    const double extend_at_z_d_qd_shoulder = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 0.8, reach_at_y_d_qd_shoulder);
-    const double reach_heave_y_d_qd_shoulder = reach_sliding_x_d_qd_shoulder*7.5;
-    const double reach_heave_y_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*7.5;
-    const double reach_inertial_force_z_d_qd_shoulder = WG_FMA(reach_at_y_d_qd_shoulder, 25.0, reach_heave_y_d_qd_reach);
-    const double extend_inertial_force_x_d_qd_shoulder = reach_sliding_x_d_qd_shoulder*20.0;
-    const double reach_own_force_x_d_qd_shoulder = WG_FMA(reach_sliding_x_d_qd_shoulder, 25.0, extend_inertial_force_x_d_qd_shoulder);
-    const double reach_own_force_z_d_qd_shoulder = WG_FMA(extend_at_z_d_qd_shoulder, 20.0, reach_inertial_force_z_d_qd_shoulder);
-    C[3] = -(reach_own_force_z_d_qd_shoulder*0.5);
-    const double reach_own_moment_y_d_qd_shoulder = WG_FMA(0.8, extend_inertial_force_x_d_qd_shoulder, reach_heave_y_d_qd_shoulder);
-    const double shoulder_own_moment_z_d_qd_shoulder = WG_FMA(q[1], reach_own_force_x_d_qd_shoulder, reach_own_moment_y_d_qd_shoulder);
-    C[0] = shoulder_own_moment_z_d_qd_shoulder*0.5;
-    const double extend_inertial_force_x_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*20.0;
-    const double reach_own_force_x_d_qd_reach = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 25.0, extend_inertial_force_x_d_qd_reach);
-    const double reach_own_moment_y_d_qd_reach = WG_FMA(0.8, extend_inertial_force_x_d_qd_reach, reach_heave_y_d_qd_reach);
-    const double shoulder_own_moment_z_d_qd_reach = WG_FMA(q[1], reach_own_force_x_d_qd_reach, reach_own_moment_y_d_qd_reach);
-    C[1] = shoulder_own_moment_z_d_qd_reach*0.5;
-}
-
-void ambler_rpp_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT C) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
-    }
-}
-
-void ambler_rpp_leg_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
-    const double reach_velocity_before_x = q[1]*qd[0];
-    const double extend_velocity_before_x = WG_FMA(qd[0], 0.8, reach_velocity_before_x);
-    const double shoulder_momentum_moment_z = qd[0]*5.85;
-    const double reach_momentum_force_x = WG_FMA(reach_velocity_before_x, 25.0, qd[0]*7.5);
-    const double reach_momentum_force_z = qd[1]*25.0;
-    const double reach_momentum_moment_y = reach_velocity_before_x*7.5;
-    const double extend_momentum_force_x = extend_velocity_before_x*20.0;
-    const double extend_momentum_force_y = qd[1]*20.0;
-    const double extend_momentum_force_z = qd[2]*20.0;
-    const double shoulder_energy = qd[0]*shoulder_momentum_moment_z;
-    const double t1 = WG_FMA(qd[1], reach_momentum_force_z, qd[0]*reach_momentum_moment_y);
-    const double reach_energy = WG_FMA(reach_velocity_before_x, reach_momentum_force_x, t1);
-    const double t2 = WG_FMA(qd[2], extend_momentum_force_z, qd[1]*extend_momentum_force_y);
-    const double extend_energy = WG_FMA(extend_velocity_before_x, extend_momentum_force_x, t2);
-    *T = WG_FMA(extend_energy, 0.5, WG_FMA(reach_energy, 0.5, shoulder_energy*0.5));
-}
-
-void ambler_rpp_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_kinetic_energy(q + row * 3, qd + row * 3, T + row);
-    }
-}
-
-void ambler_rpp_leg_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
-    const double extend_slid_y = q[2] - 0.2;
-    const double moment_z = WG_FMA(extend_slid_y, 20.0, -75.0);
-    *U = -(moment_z*9.80665);
-}
-
-void ambler_rpp_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_potential_energy(q + row * 3, U + row);
-    }
-}
-
-void ambler_rpp_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
-    tau_d_q[0] = 0.0;
-    tau_d_q[2] = 0.0;
-    tau_d_q[3] = 0.0;
-    tau_d_q[5] = 0.0;
-    tau_d_q[6] = 0.0;
-    tau_d_q[7] = 0.0;
-    tau_d_q[8] = 0.0;
-    tau_d_qd[2] = 0.0;
-    tau_d_qd[4] = 0.0;
-    tau_d_qd[5] = 0.0;
-    tau_d_qd[6] = 0.0;
-    tau_d_qd[7] = 0.0;
-    tau_d_qd[8] = 0.0;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double reach_at_x = q[1]*qdd[0];
-    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
-    const double reach_sliding_x = WG_FMA(qd[1], shoulder_field_x_x_d_qd_shoulder, reach_at_x);
-    const double extend_at_x = WG_FMA(qdd[0], 0.8, reach_sliding_x);
-    const double reach_heave_y_d_q_reach = qdd[0]*7.5;
-    const double reach_inertial_force_x = WG_FMA(reach_sliding_x, 25.0, reach_heave_y_d_q_reach);
-    const double reach_own_force_x = WG_FMA(extend_at_x, 20.0, reach_inertial_force_x);
-    const double reach_inertial_force_z_d_q_reach = shoulder_field_x_x*25.0;
-    const double extend_inertial_force_x_d_q_reach = qdd[0]*20.0;
-    const double reach_own_force_x_d_q_reach = WG_FMA(qdd[0], 25.0, extend_inertial_force_x_d_q_reach);
-    const double reach_own_force_z_d_q_reach = WG_FMA(shoulder_field_x_x, 20.0, reach_inertial_force_z_d_q_reach);
-    tau_d_q[4] = -reach_own_force_z_d_q_reach;
-    const double reach_own_moment_y_d_q_reach = WG_FMA(0.8, extend_inertial_force_x_d_q_reach, reach_heave_y_d_q_reach);
-    const double t1 = WG_FMA(q[1], reach_own_force_x_d_q_reach, reach_own_force_x);
-    const double shoulder_own_moment_z_d_q_reach = reach_own_moment_y_d_q_reach + t1;
-    tau_d_q[1] = shoulder_own_moment_z_d_q_reach;
-    const double reach_at_y_d_qd_shoulder = q[1]*shoulder_field_x_x_d_qd_shoulder;
-    const double reach_sliding_x_d_qd_shoulder = qd[1]*2.0;
-    const double extend_at_z_d_qd_shoulder = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 0.8, reach_at_y_d_qd_shoulder);
-    const double reach_heave_y_d_qd_shoulder = 7.5*reach_sliding_x_d_qd_shoulder;
-    const double reach_heave_y_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*7.5;
-    const double reach_inertial_force_z_d_qd_shoulder = WG_FMA(25.0, reach_at_y_d_qd_shoulder, reach_heave_y_d_qd_reach);
-    const double extend_inertial_force_x_d_qd_shoulder = 20.0*reach_sliding_x_d_qd_shoulder;
-    const double reach_own_force_x_d_qd_shoulder = WG_FMA(25.0, reach_sliding_x_d_qd_shoulder, extend_inertial_force_x_d_qd_shoulder);
-    const double reach_own_force_z_d_qd_shoulder = WG_FMA(20.0, extend_at_z_d_qd_shoulder, reach_inertial_force_z_d_qd_shoulder);
-    tau_d_qd[3] = -reach_own_force_z_d_qd_shoulder;
-    const double reach_own_moment_y_d_qd_shoulder = WG_FMA(0.8, extend_inertial_force_x_d_qd_shoulder, reach_heave_y_d_qd_shoulder);
-    const double shoulder_own_moment_z_d_qd_shoulder = WG_FMA(q[1], reach_own_force_x_d_qd_shoulder, reach_own_moment_y_d_qd_shoulder);
-    tau_d_qd[0] = shoulder_own_moment_z_d_qd_shoulder;
-    const double extend_inertial_force_x_d_qd_reach = shoulder_field_x_x_d_qd_shoulder*20.0;
-    const double reach_own_force_x_d_qd_reach = WG_FMA(shoulder_field_x_x_d_qd_shoulder, 25.0, extend_inertial_force_x_d_qd_reach);
-    const double reach_own_moment_y_d_qd_reach = WG_FMA(0.8, extend_inertial_force_x_d_qd_reach, reach_heave_y_d_qd_reach);
-    const double shoulder_own_moment_z_d_qd_reach = WG_FMA(q[1], reach_own_force_x_d_qd_reach, reach_own_moment_y_d_qd_reach);
-    tau_d_qd[1] = shoulder_own_moment_z_d_qd_reach;
-}
-
-void ambler_rpp_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
-    double *WG_RESTRICT tau_d_qd) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
-            tau_d_qd + row * 9);
-    }
 }
 
 void ambler_rpp_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1015,50 +1270,6 @@ void ambler_rpp_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, co
     const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
     for (size_t row = 0; row < rows; ++row) {
         ambler_rpp_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 90);
-    }
-}
-
-void ambler_rpp_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
-    Y[0] = qdd[0];
-    Y[5] = 0.0;
-    Y[7] = qdd[0];
-    Y[10] = 0.0;
-    Y[11] = 0.0;
-    Y[12] = 0.0;
-    Y[13] = 0.0;
-    p[0] = 5.85;
-    p[1] = 25.0;
-    p[2] = 0.0;
-    p[3] = 7.5;
-    p[4] = 20.0;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    Y[8] = -shoulder_field_x_x;
-    const double reach_at_x = q[1]*qdd[0];
-    const double reach_at_y = q[1]*shoulder_field_x_x;
-    const double reach_sliding_x = WG_FMA(qd[1], qd[0]*2.0, reach_at_x);
-    const double reach_sliding_z = qdd[1] - reach_at_y;
-    Y[6] = reach_sliding_z;
-    const double extend_at_x = WG_FMA(qdd[0], 0.8, reach_sliding_x);
-    const double extend_at_z = WG_FMA(-shoulder_field_x_x, 0.8, reach_sliding_z);
-    Y[9] = extend_at_z;
-    const double extend_sliding_z = qdd[2] - 9.80665;
-    Y[14] = extend_sliding_z;
-    const double Y_reach_m_on_reach_moment_z = q[1]*reach_sliding_x;
-    Y[1] = Y_reach_m_on_reach_moment_z;
-    const double Y_reach_mx_on_reach_moment_z = reach_at_y + reach_sliding_z;
-    Y[2] = Y_reach_mx_on_reach_moment_z;
-    const double Y_reach_mz_on_reach_moment_z = reach_at_x + reach_sliding_x;
-    Y[3] = Y_reach_mz_on_reach_moment_z;
-    const double Y_extend_m_on_extend_moment_y = 0.8*extend_at_x;
-    const double Y_extend_m_on_reach_moment_z = WG_FMA(q[1], extend_at_x, Y_extend_m_on_extend_moment_y);
-    Y[4] = Y_extend_m_on_reach_moment_z;
-}
-
-void ambler_rpp_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 15, p + row * 5);
     }
 }
 
@@ -1181,18 +1392,15 @@ void ambler_rpp_com_jacobian(const double *WG_RESTRICT base_pose, const double *
     const double centre_x = leg_shoulder_moment_own_x*0.0006349206349206349;
     const double centre_y = leg_shoulder_moment_own_y*0.0006349206349206349;
     const double centre_z = moment_z*0.0006349206349206349;
+    J[4] = WG_FMA(-base_pose[2], centre_x, -(base_pose[0]*centre_z));
+    J[13] = WG_FMA(-base_pose[6], centre_x, -(base_pose[4]*centre_z));
+    J[22] = WG_FMA(-base_pose[10], centre_x, -(base_pose[8]*centre_z));
     const double turn_x_x = WG_FMA(base_pose[2], centre_y, base_pose[1]*centre_z);
     J[3] = turn_x_x;
     const double turn_x_y = WG_FMA(base_pose[6], centre_y, base_pose[5]*centre_z);
     J[12] = turn_x_y;
     const double turn_x_z = WG_FMA(base_pose[10], centre_y, base_pose[9]*centre_z);
     J[21] = turn_x_z;
-    const double turn_y_x = WG_FMA(base_pose[2], centre_x, base_pose[0]*centre_z);
-    J[4] = -turn_y_x;
-    const double turn_y_y = WG_FMA(base_pose[6], centre_x, base_pose[4]*centre_z);
-    J[13] = -turn_y_y;
-    const double turn_y_z = WG_FMA(base_pose[10], centre_x, base_pose[8]*centre_z);
-    J[22] = -turn_y_z;
     const double leg_shoulder_frame_y_x = WG_FMA(base_pose[1], sin_leg_shoulder, base_pose[0]*cos_leg_shoulder);
     const double leg_shoulder_frame_y_y = WG_FMA(base_pose[5], sin_leg_shoulder, base_pose[4]*cos_leg_shoulder);
     const double leg_shoulder_frame_y_z = WG_FMA(base_pose[9], sin_leg_shoulder, base_pose[8]*cos_leg_shoulder);
@@ -1309,22 +1517,19 @@ void ambler_rpp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, 
     A[23] = WG_FMA(-centre_y, push_x_z, centre_x*push_y_z);
     const double push_z_x = base_pose[2]*1575.0;
     A[2] = push_z_x;
+    A[4] = WG_FMA(-centre_x, push_z_x, -(centre_z*push_x_x));
     const double push_z_y = base_pose[6]*1575.0;
     A[11] = push_z_y;
+    A[13] = WG_FMA(-centre_x, push_z_y, -(centre_z*push_x_y));
     const double push_z_z = base_pose[10]*1575.0;
     A[20] = push_z_z;
+    A[22] = WG_FMA(-centre_x, push_z_z, -(centre_z*push_x_z));
     const double turn_x_x = WG_FMA(centre_y, push_z_x, centre_z*push_y_x);
     A[3] = turn_x_x;
     const double turn_x_y = WG_FMA(centre_y, push_z_y, centre_z*push_y_y);
     A[12] = turn_x_y;
     const double turn_x_z = WG_FMA(centre_y, push_z_z, centre_z*push_y_z);
     A[21] = turn_x_z;
-    const double turn_y_x = WG_FMA(centre_x, push_z_x, centre_z*push_x_x);
-    A[4] = -turn_y_x;
-    const double turn_y_y = WG_FMA(centre_x, push_z_y, centre_z*push_x_y);
-    A[13] = -turn_y_y;
-    const double turn_y_z = WG_FMA(centre_x, push_z_z, centre_z*push_x_z);
-    A[22] = -turn_y_z;
     const double t18 = WG_FMA(base_pose[2], centroidal_xz, base_pose[0]*centroidal_xx);
     const double spin_x_x = WG_FMA(-base_pose[1], centroidal_xy, t18);
     A[30] = spin_x_x;
@@ -1516,29 +1721,23 @@ void ambler_rpp_centroidal_inertia(const double *WG_RESTRICT base_pose, const do
     const double t27 = WG_FMA(base_pose[9], centroidal_yz, base_pose[8]*centroidal_xz);
     const double spin_z_z = WG_FMA(-base_pose[10], centroidal_zz, t27);
     const double t28 = WG_FMA(base_pose[1], spin_y_x, base_pose[0]*spin_x_x);
-    const double inertia_00 = WG_FMA(base_pose[2], spin_z_x, t28);
-    I[0] = -inertia_00;
+    I[0] = WG_FMA(-base_pose[2], spin_z_x, -t28);
     const double t29 = WG_FMA(base_pose[1], spin_y_y, base_pose[0]*spin_x_y);
-    const double inertia_10 = WG_FMA(base_pose[2], spin_z_y, t29);
-    const double t30 = WG_FMA(base_pose[5], spin_y_y, base_pose[4]*spin_x_y);
-    const double inertia_11 = WG_FMA(base_pose[6], spin_z_y, t30);
-    I[4] = -inertia_11;
+    const double t30 = WG_FMA(-base_pose[2], spin_z_y, -t29);
+    I[1] = t30;
+    I[3] = t30;
     const double t31 = WG_FMA(base_pose[1], spin_y_z, base_pose[0]*spin_x_z);
-    const double inertia_20 = WG_FMA(base_pose[2], spin_z_z, t31);
-    const double t32 = WG_FMA(base_pose[5], spin_y_z, base_pose[4]*spin_x_z);
-    const double inertia_21 = WG_FMA(base_pose[6], spin_z_z, t32);
-    const double t33 = WG_FMA(base_pose[9], spin_y_z, base_pose[8]*spin_x_z);
-    const double inertia_22 = WG_FMA(base_pose[10], spin_z_z, t33);
-    I[8] = -inertia_22;
-    const double t34 = -inertia_10;
-    I[1] = t34;
-    I[3] = t34;
-    const double t35 = -inertia_20;
-    I[2] = t35;
-    I[6] = t35;
-    const double t36 = -inertia_21;
-    I[5] = t36;
-    I[7] = t36;
+    const double t32 = WG_FMA(-base_pose[2], spin_z_z, -t31);
+    I[2] = t32;
+    I[6] = t32;
+    const double t33 = WG_FMA(base_pose[5], spin_y_y, base_pose[4]*spin_x_y);
+    I[4] = WG_FMA(-base_pose[6], spin_z_y, -t33);
+    const double t34 = WG_FMA(base_pose[5], spin_y_z, base_pose[4]*spin_x_z);
+    const double t35 = WG_FMA(-base_pose[6], spin_z_z, -t34);
+    I[5] = t35;
+    I[7] = t35;
+    const double t36 = WG_FMA(base_pose[9], spin_y_z, base_pose[8]*spin_x_z);
+    I[8] = WG_FMA(-base_pose[10], spin_z_z, -t36);
 }
 
 void ambler_rpp_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
@@ -2165,3 +2364,272 @@ void ambler_rpp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
             foot_forces + row * 3, tau + row * 9);
     }
 }
+
+#if defined(WALKGEN_BLOCKS)
+#define WALKGEN_ROWS 2
+#include "walkgen_lanes.h"
+#include "ambler_rpp.c"
+#undef WALKGEN_ROWS
+#endif
+
+void ambler_rpp_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_position_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_position(q + row * 3, p + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(R, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_rotation_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_rotation(q + row * 3, R + row * 9);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(T, 16)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_pose_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_pose(q + row * 3, T + row * 16);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_jacobian(q + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p,
+    double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_position_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 18)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_spatial_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_spatial_jacobian(q + row * 3, J + row * 18);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(H, 27)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_hessian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_hessian(q + row * 3, H + row * 27);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT v) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(v, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_velocity_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(a, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(a, 6)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_bias_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
+    }
+#endif
+}
+
+void ambler_rpp_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(f, 3), WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_foot_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_within_limits_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        within[row] = ambler_rpp_leg_within_limits(q + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(f, 3),
+        WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_inverse_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(tau, 3), WG_DENSE(f, 3),
+        WG_DENSE(qdd, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_forward_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(M, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_mass_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_mass_matrix(q + row * 3, M + row * 9);
+    }
+#endif
+}
+
+void ambler_rpp_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(h, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_bias_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_bias(q + row * 3, qd + row * 3, h + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(g, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_gravity_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_gravity_torque(q + row * 3, g + row * 3);
+    }
+#endif
+}
+
+void ambler_rpp_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(C, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_coriolis_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
+    }
+#endif
+}
+
+void ambler_rpp_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(T, 1)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_kinetic_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_kinetic_energy(q + row * 3, qd + row * 3, T + row);
+    }
+#endif
+}
+
+void ambler_rpp_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(U, 1)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_potential_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_potential_energy(q + row * 3, U + row);
+    }
+#endif
+}
+
+void ambler_rpp_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(tau_d_q, 9),
+        WG_DENSE(tau_d_qd, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_inverse_dynamics_derivatives_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
+    }
+#endif
+}
+
+void ambler_rpp_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(Y, 15),
+        WG_DENSE(p, 5)};
+    (void)WG_NAME(wg_batch)(&ambler_rpp_leg_base_parameters_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 15, p + row * 5);
+    }
+#endif
+}
+
+#endif

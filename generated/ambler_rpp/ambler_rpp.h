@@ -129,7 +129,7 @@ void ambler_rpp_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRI
 
 /* Jdot qd of the spatial Jacobian, linear then angular.
  * q [3] rad or m, qd [3] rad or m/s -> a [6] m/s^2 and rad/s^2
- * 15 operations (at most 96 bytes of locals).
+ * 15 operations (at most 88 bytes of locals).
  * Source: H_ij = D_min(i,j) D_max(i,j) p
  */
 void ambler_rpp_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -262,7 +262,7 @@ void ambler_rpp_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, 
 /* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
  *   platform's axes.
  * q [3] rad or m, qd [3] rad or m/s -> h [3] N m or N
- * 14 operations (at most 88 bytes of locals).
+ * 14 operations (at most 80 bytes of locals).
  * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
  */
 void ambler_rpp_leg_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
@@ -308,7 +308,7 @@ void ambler_rpp_leg_potential_energy_batch(size_t rows, const double *WG_RESTRIC
  *   platform is held, gravity is the spec's in the platform's axes.
  * q [3] rad or m, qd [3] rad or m/s, qdd [3] rad or m/s^2 -> tau_d_q [3, 3] N m or N per rad or m, tau_d_qd [3, 3] N m
  *   or N per rad or m/s
- * 32 operations (at most 240 bytes of locals).
+ * 32 operations (at most 224 bytes of locals).
  * Source: forward differentiation of recursive Newton-Euler
  */
 void ambler_rpp_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -377,7 +377,7 @@ void ambler_rpp_com_batch(size_t rows, const double *WG_RESTRICT base_pose, cons
 /* Velocity of the centre of mass by v; world axes; v is the base's linear and angular velocity in its axes, then the
  *   joint rates.
  * base_pose [4, 4] 1 and m, q [3] rad or m -> J [3, 9] m per unit of v
- * 47 operations (at most 232 bytes of locals).
+ * 47 operations (at most 208 bytes of locals).
  * Source: momentum per mass of what each joint moves
  */
 void ambler_rpp_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -388,7 +388,7 @@ void ambler_rpp_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_p
 /* Momentum by v: linear momentum, then angular about the centre of mass; world axes; v is the base's linear and
  *   angular velocity in its axes, then the joint rates.
  * base_pose [4, 4] 1 and m, q [3] rad or m -> A [6, 9] kg m/s and kg m^2/s per unit of v
- * 224 operations (at most 1200 bytes of locals).
+ * 224 operations (at most 1176 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters; Orin and Goswami 2008
  */
 void ambler_rpp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -398,7 +398,7 @@ void ambler_rpp_centroidal_momentum_matrix_batch(size_t rows, const double *WG_R
 
 /* Rotational inertia of the robot about its centre of mass, world axes, its joints locked; rotors left out.
  * base_pose [4, 4] 1 and m, q [3] rad or m -> I [3, 3] kg m^2
- * 134 operations (at most 696 bytes of locals).
+ * 134 operations (at most 648 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters; Orin, Goswami and Lee 2013
  */
 void ambler_rpp_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,

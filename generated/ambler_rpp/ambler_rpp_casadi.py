@@ -126,57 +126,58 @@ def _leg_inverse_closed():
     gap_y_3 = point_y_5 + turned_y_3
     gap_z_3 = near_3 - point_y_4
     gap2_3 = gap_z_3 * gap_z_3 + (gap_y_3 * gap_y_3 + turned_x_3 * turned_x_3)
-    angle = ca.atan2(joint_sin_2, joint_cos_2)
-    t19 = -1e-05 <= margin
-    reaches = ca.if_else(ca.logic_and(gap2_3 <= tolerance2, t19), 1.0, 0.0)
-    singular = ca.if_else(t9, 1.0, 0.0)
-    start_3 = ca.if_else(t9, 1.0, first_cos_2)
     start_4 = ca.if_else(t9, 0.0, first_sin)
-    point_y_6 = 0.8 + slide2_2
-    t20 = near * start_4
-    t21 = near_2 * start_3
-    turned_x_4 = t20 - t21
-    turned_y_4 = near_2 * start_4 + near * start_3
-    gap_y_4 = point_y_6 - turned_y_4
-    column_x_3 = ca.if_else(t9, 1.0, turned_y_4)
-    column_y_3 = ca.if_else(t9, 0.0, t21 - t20)
-    step_part_7 = gap_y_4 * column_x_3 + turned_x_4 * column_y_3
-    step_part_8 = gap_z * column_x_3
+    t19 = near * start_4
+    start_3 = ca.if_else(t9, 1.0, first_cos_2)
+    t20 = near_2 * start_3
+    turned_x_4 = t19 - t20
     step_part_9 = ca.if_else(t9, 0.0, turned_x_4)
-    gap2_4 = gap_y_4 * gap_y_4 + (turned_x_4 * turned_x_4 + t12)
+    turned_y_4 = near_2 * start_4 + near * start_3
+    column_x_3 = ca.if_else(t9, 1.0, turned_y_4)
+    step_part_8 = gap_z * column_x_3
+    point_y_6 = 0.8 + slide2_2
+    gap_y_4 = point_y_6 - turned_y_4
+    column_y_3 = ca.if_else(t9, 0.0, t20 - t19)
+    step_part_7 = gap_y_4 * column_x_3 + turned_x_4 * column_y_3
     length2_3 = step_part_9 * step_part_9 + (step_part_8 * step_part_8 + step_part_7 * step_part_7)
-    t22 = gap2_4 * (10000.0 * (column_x_3 * (column_x_3 * (column_x_3 * column_x_3))))
-    t23 = ca.logic_and(1e-300 < ca.fabs(column_x_3), length2_3 * length2_3 <= t22)
-    gain_3 = ca.if_else(t23, 1.0 / ca.if_else(t23, column_x_3, 1.0), 0.0)
+    gap2_4 = gap_y_4 * gap_y_4 + (turned_x_4 * turned_x_4 + t12)
+    t21 = gap2_4 * (10000.0 * (column_x_3 * (column_x_3 * (column_x_3 * column_x_3))))
+    t22 = ca.logic_and(1e-300 < ca.fabs(column_x_3), length2_3 * length2_3 <= t21)
+    gain_3 = ca.if_else(t22, 1.0 / ca.if_else(t22, column_x_3, 1.0), 0.0)
     step_7 = step_part_9 * gain_3
     joint_scale_3 = 1.0 / ca.sqrt(step_7 * step_7 + 1.0)
     joint_cos_3 = joint_scale_3 * (start_4 * step_7 + start_3)
+    t23 = near_2 * joint_cos_3
     joint_sin_3 = joint_scale_3 * (start_4 - start_3 * step_7)
-    slide_5 = slide2_2 - step_part_7 * gain_3
+    t24 = near * joint_sin_3
+    step_part_12 = ca.if_else(t9, 0.0, t24 - t23)
+    turned_y_5 = near_2 * joint_sin_3 + near * joint_cos_3
+    column_x_4 = ca.if_else(t9, 1.0, turned_y_5)
     slide_6 = form - step_part_8 * gain_3
     point_y_7 = 0.5 + slide_6
-    point_y_8 = 0.8 + slide_5
-    t24 = near_2 * joint_cos_3
-    t25 = near * joint_sin_3
-    turned_x_5 = t24 - t25
-    turned_y_5 = near_2 * joint_sin_3 + near * joint_cos_3
-    gap_y_5 = point_y_8 - turned_y_5
     gap_z_4 = near_3 - point_y_7
-    column_x_4 = ca.if_else(t9, 1.0, turned_y_5)
-    column_y_4 = ca.if_else(t9, 0.0, turned_x_5)
-    step_part_10 = gap_y_5 * column_x_4 - turned_x_5 * column_y_4
     step_part_11 = gap_z_4 * column_x_4
-    step_part_12 = ca.if_else(t9, 0.0, t25 - t24)
+    turned_x_5 = t23 - t24
+    column_y_4 = ca.if_else(t9, 0.0, turned_x_5)
+    slide_5 = slide2_2 - step_part_7 * gain_3
+    point_y_8 = 0.8 + slide_5
+    gap_y_5 = point_y_8 - turned_y_5
+    step_part_10 = gap_y_5 * column_x_4 - turned_x_5 * column_y_4
+    t25 = step_part_11 * step_part_11 + step_part_10 * step_part_10
+    length2_4 = step_part_12 * step_part_12 + t25
     gap2_5 = gap_z_4 * gap_z_4 + (gap_y_5 * gap_y_5 + turned_x_5 * turned_x_5)
-    t26 = step_part_11 * step_part_11 + step_part_10 * step_part_10
-    length2_4 = step_part_12 * step_part_12 + t26
-    t27 = gap2_5 * (10000.0 * (column_x_4 * (column_x_4 * (column_x_4 * column_x_4))))
-    t28 = ca.logic_and(1e-300 < ca.fabs(column_x_4), length2_4 * length2_4 <= t27)
-    gain_4 = ca.if_else(t28, 1.0 / ca.if_else(t28, column_x_4, 1.0), 0.0)
+    t26 = gap2_5 * (10000.0 * (column_x_4 * (column_x_4 * (column_x_4 * column_x_4))))
+    t27 = ca.logic_and(1e-300 < ca.fabs(column_x_4), length2_4 * length2_4 <= t26)
+    gain_4 = ca.if_else(t27, 1.0 / ca.if_else(t27, column_x_4, 1.0), 0.0)
     step_10 = step_part_12 * gain_4
     joint_scale_4 = 1.0 / ca.sqrt(step_10 * step_10 + 1.0)
     joint_cos_4 = joint_scale_4 * (joint_sin_3 * step_10 + joint_cos_3)
     joint_sin_4 = joint_scale_4 * (joint_sin_3 - joint_cos_3 * step_10)
+    angle = ca.atan2(joint_sin_2, joint_cos_2)
+    angle_4 = ca.atan2(joint_sin_4, joint_cos_4)
+    t28 = -1e-05 <= margin
+    reaches = ca.if_else(ca.logic_and(gap2_3 <= tolerance2, t28), 1.0, 0.0)
+    singular = ca.if_else(t9, 1.0, 0.0)
     slide_7 = slide_5 - step_part_10 * gain_4
     slide_8 = step_part_11 * gain_4 + slide_6
     point_y_9 = 0.5 + slide_8
@@ -186,8 +187,7 @@ def _leg_inverse_closed():
     gap_y_6 = point_y_10 - turned_y_6
     gap_z_5 = near_3 - point_y_9
     gap2_6 = gap_z_5 * gap_z_5 + (gap_y_6 * gap_y_6 + turned_x_6 * turned_x_6)
-    angle_4 = ca.atan2(joint_sin_4, joint_cos_4)
-    reaches_2 = ca.if_else(ca.logic_and(gap2_6 <= tolerance2, t19), 1.0, 0.0)
+    reaches_2 = ca.if_else(ca.logic_and(gap2_6 <= tolerance2, t28), 1.0, 0.0)
     t29 = ca.logic_not(_finite(taint))
     t30 = ca.if_else(0.0 < singular, 3.0, 0.0)
     angle_2 = ca.if_else(angle <= -3.141592653589793, 3.141592653589793, angle)
@@ -253,7 +253,7 @@ def _row_by_index_2_rpp():
     states = ca.SX.sym("states", 2, 1)
     branch = ca.SX.sym("branch", 1, 1)
     t1 = ca.logic_and(0.0 <= branch, branch < 2.0)
-    stray = ca.if_else(t1, 0.0, ca.sqrt(-(branch * branch + 1.0)))
+    stray = ca.if_else(t1, 0.0, ca.sqrt(-branch * branch - 1.0))
     t2 = branch == 1.0
     chosen = ca.if_else(t2, rows[1, 0], rows[0, 0])
     chosen_2 = ca.if_else(t2, rows[1, 1], rows[0, 1])
@@ -279,23 +279,23 @@ def _row_nearest_2_rpp():
     q_seed = ca.SX.sym("q_seed", 3, 1)
     misses = ca.if_else(ca.logic_or(states[0] == 1.0, states[0] == 2.0), 1.0, 0.0)
     t1 = q_seed[0] - rows[0, 0]
-    t2 = ca.sin(t1)
-    t3 = ca.cos(t1)
-    t4 = ca.atan2(-t2, t3)
-    t5 = rows[0, 1] - q_seed[1]
-    t6 = rows[0, 2] - q_seed[2]
+    t2 = q_seed[0] - rows[1, 0]
+    t3 = ca.sin(t1)
+    t4 = ca.cos(t1)
+    t5 = ca.sin(t2)
+    t6 = ca.cos(t2)
+    t7 = ca.atan2(-t3, t4)
+    t8 = ca.atan2(-t5, t6)
+    t9 = rows[0, 1] - q_seed[1]
+    t10 = rows[0, 2] - q_seed[2]
     misses_2 = ca.if_else(ca.logic_or(states[1] == 1.0, states[1] == 2.0), 1.0, 0.0)
-    t7 = q_seed[0] - rows[1, 0]
-    t8 = ca.sin(t7)
-    t9 = ca.cos(t7)
-    t10 = ca.atan2(-t8, t9)
     t11 = rows[1, 1] - q_seed[1]
     t12 = rows[1, 2] - q_seed[2]
     t13 = ca.if_else(_finite(q_seed[0]), 0.0, float("nan"))
     t14 = t13 + ca.if_else(_finite(q_seed[1]), 0.0, float("nan"))
     taint = ca.if_else(_finite(q_seed[2]), 0.0, float("nan")) + t14
-    apart = t6 * t6 + (t5 * t5 + t4 * t4)
-    apart_2 = t12 * t12 + (t11 * t11 + t10 * t10)
+    apart = t10 * t10 + (t9 * t9 + t7 * t7)
+    apart_2 = t12 * t12 + (t11 * t11 + t8 * t8)
     t15 = ca.logic_or(misses_2 < misses, ca.logic_and(misses_2 == misses, apart_2 < apart))
     wins = ca.if_else(t15, 1.0, 0.0)
     t16 = 0.0 < wins
@@ -322,14 +322,14 @@ def _leg_row_distances():
     p = ca.SX.sym("p", 3, 1)
     cos_shoulder = ca.cos(rows[0, 0])
     sin_shoulder = ca.sin(rows[0, 0])
+    cos_shoulder_2 = ca.cos(rows[1, 0])
+    sin_shoulder_2 = ca.sin(rows[1, 0])
     extend_shift_z = rows[0, 2] + 0.5
     reach_shift_z = rows[0, 1] + 0.8
     shoulder_to_tip_inner_z = extend_shift_z - 1.0
     gap_x = p[0] - cos_shoulder * reach_shift_z
     gap_y = p[1] - sin_shoulder * reach_shift_z
     gap_z = p[2] + shoulder_to_tip_inner_z
-    cos_shoulder_2 = ca.cos(rows[1, 0])
-    sin_shoulder_2 = ca.sin(rows[1, 0])
     extend_shift_z_2 = rows[1, 2] + 0.5
     reach_shift_z_2 = rows[1, 1] + 0.8
     shoulder_to_tip_inner_z_2 = extend_shift_z_2 - 1.0
@@ -542,8 +542,10 @@ def leg_foot_bias_acceleration():
     flow_reach_x = qd[1] * cos_shoulder
     flow_reach_y = qd[1] * sin_shoulder
     rates_reach_z = qd[0] * 2.0
-    bias_reach_x = flow_reach_y * rates_reach_z + bias_shoulder_x
-    a = _column([-bias_reach_x, flow_reach_x * rates_reach_z - qd[0] * flow_shoulder_x, 0.0, 0.0, 0.0, 0.0])
+    a = _column([
+        -flow_reach_y * rates_reach_z - bias_shoulder_x,
+        flow_reach_x * rates_reach_z - qd[0] * flow_shoulder_x, 0.0, 0.0, 0.0, 0.0,
+    ])
     return ca.Function("ambler_rpp_leg_foot_bias_acceleration", [q, qd], [a], ["q", "qd"], ["a"])
 
 
@@ -945,10 +947,9 @@ def leg_bias():
     reach_inertial_force_z = reach_at_y * 25.0 + shoulder_field_x_x * 7.5
     extend_inertial_force_x = reach_sliding_x * 20.0
     reach_own_force_x = reach_sliding_x * 25.0 + extend_inertial_force_x
-    reach_own_force_z = extend_at_z * 20.0 + reach_inertial_force_z
     reach_own_moment_y = 0.8 * extend_inertial_force_x + reach_heave_y
     shoulder_own_moment_z = q[1] * reach_own_force_x + reach_own_moment_y
-    h = _column([shoulder_own_moment_z, -reach_own_force_z, -196.133])
+    h = _column([shoulder_own_moment_z, -extend_at_z * 20.0 - reach_inertial_force_z, -196.133])
     return ca.Function("ambler_rpp_leg_bias", [q, qd], [h], ["q", "qd"], ["h"])
 
 
@@ -1056,7 +1057,6 @@ def leg_inverse_dynamics_derivatives():
     reach_inertial_force_z_d_q_reach = shoulder_field_x_x * 25.0
     extend_inertial_force_x_d_q_reach = qdd[0] * 20.0
     reach_own_force_x_d_q_reach = qdd[0] * 25.0 + extend_inertial_force_x_d_q_reach
-    reach_own_force_z_d_q_reach = shoulder_field_x_x * 20.0 + reach_inertial_force_z_d_q_reach
     reach_own_moment_y_d_q_reach = 0.8 * extend_inertial_force_x_d_q_reach + reach_heave_y_d_q_reach
     t1 = q[1] * reach_own_force_x_d_q_reach + reach_own_force_x
     shoulder_own_moment_z_d_q_reach = reach_own_moment_y_d_q_reach + t1
@@ -1068,7 +1068,6 @@ def leg_inverse_dynamics_derivatives():
     reach_inertial_force_z_d_qd_shoulder = 25.0 * reach_at_y_d_qd_shoulder + reach_heave_y_d_qd_reach
     extend_inertial_force_x_d_qd_shoulder = 20.0 * reach_sliding_x_d_qd_shoulder
     reach_own_force_x_d_qd_shoulder = 25.0 * reach_sliding_x_d_qd_shoulder + extend_inertial_force_x_d_qd_shoulder
-    reach_own_force_z_d_qd_shoulder = 20.0 * extend_at_z_d_qd_shoulder + reach_inertial_force_z_d_qd_shoulder
     reach_own_moment_y_d_qd_shoulder = 0.8 * extend_inertial_force_x_d_qd_shoulder + reach_heave_y_d_qd_shoulder
     shoulder_own_moment_z_d_qd_shoulder = q[1] * reach_own_force_x_d_qd_shoulder + reach_own_moment_y_d_qd_shoulder
     extend_inertial_force_x_d_qd_reach = shoulder_field_x_x_d_qd_shoulder * 20.0
@@ -1076,11 +1075,12 @@ def leg_inverse_dynamics_derivatives():
     reach_own_moment_y_d_qd_reach = 0.8 * extend_inertial_force_x_d_qd_reach + reach_heave_y_d_qd_reach
     shoulder_own_moment_z_d_qd_reach = q[1] * reach_own_force_x_d_qd_reach + reach_own_moment_y_d_qd_reach
     tau_d_q = _rows(3, 3, [
-        0.0, shoulder_own_moment_z_d_q_reach, 0.0, 0.0, -reach_own_force_z_d_q_reach, 0.0, 0.0, 0.0, 0.0,
+        0.0, shoulder_own_moment_z_d_q_reach, 0.0, 0.0,
+        -shoulder_field_x_x * 20.0 - reach_inertial_force_z_d_q_reach, 0.0, 0.0, 0.0, 0.0,
     ])
     tau_d_qd = _rows(3, 3, [
         shoulder_own_moment_z_d_qd_shoulder, shoulder_own_moment_z_d_qd_reach, 0.0,
-        -reach_own_force_z_d_qd_shoulder, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -20.0 * extend_at_z_d_qd_shoulder - reach_inertial_force_z_d_qd_shoulder, 0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return ca.Function(
         "ambler_rpp_leg_inverse_dynamics_derivatives", [q, qd, qdd], [tau_d_q, tau_d_qd], ["q", "qd", "qdd"],
@@ -1258,9 +1258,6 @@ def com_jacobian():
     turn_x_x = base_pose[0, 2] * centre_y + base_pose[0, 1] * centre_z
     turn_x_y = base_pose[1, 2] * centre_y + base_pose[1, 1] * centre_z
     turn_x_z = base_pose[2, 2] * centre_y + base_pose[2, 1] * centre_z
-    turn_y_x = base_pose[0, 2] * centre_x + base_pose[0, 0] * centre_z
-    turn_y_y = base_pose[1, 2] * centre_x + base_pose[1, 0] * centre_z
-    turn_y_z = base_pose[2, 2] * centre_x + base_pose[2, 0] * centre_z
     leg_shoulder_frame_y_x = base_pose[0, 1] * sin_leg_shoulder + base_pose[0, 0] * cos_leg_shoulder
     leg_shoulder_frame_y_y = base_pose[1, 1] * sin_leg_shoulder + base_pose[1, 0] * cos_leg_shoulder
     leg_shoulder_frame_y_z = base_pose[2, 1] * sin_leg_shoulder + base_pose[2, 0] * cos_leg_shoulder
@@ -1274,10 +1271,13 @@ def com_jacobian():
     t2 = base_pose[1, 1] * centre_x - base_pose[1, 0] * centre_y
     t3 = base_pose[2, 1] * centre_x - base_pose[2, 0] * centre_y
     J = _rows(3, 9, [
-        base_pose[0, 0], base_pose[0, 1], base_pose[0, 2], turn_x_x, -turn_y_x, t1, t1, leg_reach_column_x,
-        -leg_extend_column_x, base_pose[1, 0], base_pose[1, 1], base_pose[1, 2], turn_x_y, -turn_y_y, t2, t2,
-        leg_reach_column_y, -leg_extend_column_y, base_pose[2, 0], base_pose[2, 1], base_pose[2, 2], turn_x_z,
-        -turn_y_z, t3, t3, leg_reach_column_z, -leg_extend_column_z,
+        base_pose[0, 0], base_pose[0, 1], base_pose[0, 2], turn_x_x,
+        -base_pose[0, 2] * centre_x - base_pose[0, 0] * centre_z, t1, t1, leg_reach_column_x,
+        -leg_extend_column_x, base_pose[1, 0], base_pose[1, 1], base_pose[1, 2], turn_x_y,
+        -base_pose[1, 2] * centre_x - base_pose[1, 0] * centre_z, t2, t2, leg_reach_column_y,
+        -leg_extend_column_y, base_pose[2, 0], base_pose[2, 1], base_pose[2, 2], turn_x_z,
+        -base_pose[2, 2] * centre_x - base_pose[2, 0] * centre_z, t3, t3, leg_reach_column_z,
+        -leg_extend_column_z,
     ])
     return ca.Function("ambler_rpp_com_jacobian", [base_pose, q], [J], ["base_pose", "q"], ["J"])
 
@@ -1358,9 +1358,6 @@ def centroidal_momentum_matrix():
     turn_x_x = centre_y * push_z_x + centre_z * push_y_x
     turn_x_y = centre_y * push_z_y + centre_z * push_y_y
     turn_x_z = centre_y * push_z_z + centre_z * push_y_z
-    turn_y_x = centre_x * push_z_x + centre_z * push_x_x
-    turn_y_y = centre_x * push_z_y + centre_z * push_x_y
-    turn_y_z = centre_x * push_z_z + centre_z * push_x_z
     t17 = base_pose[0, 2] * centroidal_xz + base_pose[0, 0] * centroidal_xx
     spin_x_x = t17 - base_pose[0, 1] * centroidal_xy
     t18 = base_pose[1, 2] * centroidal_xz + base_pose[1, 0] * centroidal_xx
@@ -1436,15 +1433,16 @@ def centroidal_momentum_matrix():
     leg_extend_moment_z = t48 - leg_extend_from_centre_x * leg_extend_force_y
     t49 = leg_extend_from_centre_x * leg_extend_force_z
     A = _rows(6, 9, [
-        push_x_x, push_y_x, push_z_x, turn_x_x, -turn_y_x, centre_x * push_y_x - centre_y * push_x_x,
-        t27 - t26, leg_reach_force_x, -leg_extend_force_x, push_x_y, push_y_y, push_z_y, turn_x_y, -turn_y_y,
+        push_x_x, push_y_x, push_z_x, turn_x_x, -centre_x * push_z_x - centre_z * push_x_x,
+        centre_x * push_y_x - centre_y * push_x_x, t27 - t26, leg_reach_force_x, -leg_extend_force_x,
+        push_x_y, push_y_y, push_z_y, turn_x_y, -centre_x * push_z_y - centre_z * push_x_y,
         centre_x * push_y_y - centre_y * push_x_y, t29 - t28, leg_reach_force_y, -leg_extend_force_y,
-        push_x_z, push_y_z, push_z_z, turn_x_z, -turn_y_z, centre_x * push_y_z - centre_y * push_x_z,
-        t31 - t30, leg_reach_force_z, -leg_extend_force_z, 0.0, 0.0, 0.0, spin_x_x, spin_y_x, spin_z_x,
-        leg_shoulder_moment_x, leg_reach_moment_x, leg_extend_moment_x, 0.0, 0.0, 0.0, spin_x_y, spin_y_y,
-        spin_z_y, leg_shoulder_moment_y, leg_reach_moment_y,
-        t49 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0, spin_x_z, spin_y_z, spin_z_z,
-        leg_shoulder_moment_z, leg_reach_moment_z, leg_extend_moment_z,
+        push_x_z, push_y_z, push_z_z, turn_x_z, -centre_x * push_z_z - centre_z * push_x_z,
+        centre_x * push_y_z - centre_y * push_x_z, t31 - t30, leg_reach_force_z, -leg_extend_force_z, 0.0,
+        0.0, 0.0, spin_x_x, spin_y_x, spin_z_x, leg_shoulder_moment_x, leg_reach_moment_x,
+        leg_extend_moment_x, 0.0, 0.0, 0.0, spin_x_y, spin_y_y, spin_z_y, leg_shoulder_moment_y,
+        leg_reach_moment_y, t49 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0, spin_x_z,
+        spin_y_z, spin_z_z, leg_shoulder_moment_z, leg_reach_moment_z, leg_extend_moment_z,
     ])
     return ca.Function(
         "ambler_rpp_centroidal_momentum_matrix", [base_pose, q], [A], ["base_pose", "q"], ["A"],
@@ -1531,21 +1529,18 @@ def centroidal_inertia():
     t25 = base_pose[2, 1] * centroidal_yz + base_pose[2, 0] * centroidal_xz
     spin_z_z = t25 - base_pose[2, 2] * centroidal_zz
     t26 = base_pose[0, 1] * spin_y_x + base_pose[0, 0] * spin_x_x
-    inertia_00 = base_pose[0, 2] * spin_z_x + t26
     t27 = base_pose[0, 1] * spin_y_y + base_pose[0, 0] * spin_x_y
-    inertia_10 = base_pose[0, 2] * spin_z_y + t27
-    t28 = base_pose[1, 1] * spin_y_y + base_pose[1, 0] * spin_x_y
-    inertia_11 = base_pose[1, 2] * spin_z_y + t28
+    t28 = -base_pose[0, 2] * spin_z_y - t27
     t29 = base_pose[0, 1] * spin_y_z + base_pose[0, 0] * spin_x_z
-    inertia_20 = base_pose[0, 2] * spin_z_z + t29
-    t30 = base_pose[1, 1] * spin_y_z + base_pose[1, 0] * spin_x_z
-    inertia_21 = base_pose[1, 2] * spin_z_z + t30
-    t31 = base_pose[2, 1] * spin_y_z + base_pose[2, 0] * spin_x_z
-    inertia_22 = base_pose[2, 2] * spin_z_z + t31
-    t32 = -inertia_10
-    t33 = -inertia_20
-    t34 = -inertia_21
-    I = _rows(3, 3, [-inertia_00, t32, t33, t32, -inertia_11, t34, t33, t34, -inertia_22])
+    t30 = -base_pose[0, 2] * spin_z_z - t29
+    t31 = base_pose[1, 1] * spin_y_y + base_pose[1, 0] * spin_x_y
+    t32 = base_pose[1, 1] * spin_y_z + base_pose[1, 0] * spin_x_z
+    t33 = -base_pose[1, 2] * spin_z_z - t32
+    t34 = base_pose[2, 1] * spin_y_z + base_pose[2, 0] * spin_x_z
+    I = _rows(3, 3, [
+        -base_pose[0, 2] * spin_z_x - t26, t28, t30, t28, -base_pose[1, 2] * spin_z_y - t31, t33, t30, t33,
+        -base_pose[2, 2] * spin_z_z - t34,
+    ])
     return ca.Function("ambler_rpp_centroidal_inertia", [base_pose, q], [I], ["base_pose", "q"], ["I"])
 
 

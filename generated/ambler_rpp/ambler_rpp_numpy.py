@@ -166,14 +166,14 @@ def _leg_row_distances(rows, p):
     )
     cos_shoulder = np.cos(rows_0_0)
     sin_shoulder = np.sin(rows_0_0)
+    cos_shoulder_2 = np.cos(rows_1_0)
+    sin_shoulder_2 = np.sin(rows_1_0)
     extend_shift_z = rows_0_2 + 0.5
     reach_shift_z = rows_0_1 + 0.8
     shoulder_to_tip_inner_z = extend_shift_z - 1.0
     gap_x = p_0 - cos_shoulder * reach_shift_z
     gap_y = p_1 - sin_shoulder * reach_shift_z
     gap_z = p_2 + shoulder_to_tip_inner_z
-    cos_shoulder_2 = np.cos(rows_1_0)
-    sin_shoulder_2 = np.sin(rows_1_0)
     extend_shift_z_2 = rows_1_2 + 0.5
     reach_shift_z_2 = rows_1_1 + 0.8
     shoulder_to_tip_inner_z_2 = extend_shift_z_2 - 1.0
@@ -426,9 +426,9 @@ def leg_foot_bias_acceleration(q, qd):
     flow_reach_x = qd_1 * cos_shoulder
     flow_reach_y = qd_1 * sin_shoulder
     rates_reach_z = qd_0 * 2.0
-    bias_reach_x = flow_reach_y * rates_reach_z + bias_shoulder_x
     a = _array(lead, (6,), np.float64, [
-        -bias_reach_x, flow_reach_x * rates_reach_z - qd_0 * flow_shoulder_x, 0.0, 0.0, 0.0, 0.0,
+        -flow_reach_y * rates_reach_z - bias_shoulder_x,
+        flow_reach_x * rates_reach_z - qd_0 * flow_shoulder_x, 0.0, 0.0, 0.0, 0.0,
     ])
     return a
 
@@ -714,10 +714,11 @@ def leg_bias(q, qd):
     reach_inertial_force_z = reach_at_y * 25.0 + shoulder_field_x_x * 7.5
     extend_inertial_force_x = reach_sliding_x * 20.0
     reach_own_force_x = reach_sliding_x * 25.0 + extend_inertial_force_x
-    reach_own_force_z = extend_at_z * 20.0 + reach_inertial_force_z
     reach_own_moment_y = 0.8 * extend_inertial_force_x + reach_heave_y
     shoulder_own_moment_z = q_1 * reach_own_force_x + reach_own_moment_y
-    h = _array(lead, (3,), np.float64, [shoulder_own_moment_z, -reach_own_force_z, -196.133])
+    h = _array(lead, (3,), np.float64, [
+        shoulder_own_moment_z, -extend_at_z * 20.0 - reach_inertial_force_z, -196.133,
+    ])
     return h
 
 
@@ -828,7 +829,6 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     reach_inertial_force_z_d_q_reach = shoulder_field_x_x * 25.0
     extend_inertial_force_x_d_q_reach = qdd_0 * 20.0
     reach_own_force_x_d_q_reach = qdd_0 * 25.0 + extend_inertial_force_x_d_q_reach
-    reach_own_force_z_d_q_reach = shoulder_field_x_x * 20.0 + reach_inertial_force_z_d_q_reach
     reach_own_moment_y_d_q_reach = 0.8 * extend_inertial_force_x_d_q_reach + reach_heave_y_d_q_reach
     t1 = q_1 * reach_own_force_x_d_q_reach + reach_own_force_x
     shoulder_own_moment_z_d_q_reach = reach_own_moment_y_d_q_reach + t1
@@ -840,7 +840,6 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     reach_inertial_force_z_d_qd_shoulder = 25.0 * reach_at_y_d_qd_shoulder + reach_heave_y_d_qd_reach
     extend_inertial_force_x_d_qd_shoulder = 20.0 * reach_sliding_x_d_qd_shoulder
     reach_own_force_x_d_qd_shoulder = 25.0 * reach_sliding_x_d_qd_shoulder + extend_inertial_force_x_d_qd_shoulder
-    reach_own_force_z_d_qd_shoulder = 20.0 * extend_at_z_d_qd_shoulder + reach_inertial_force_z_d_qd_shoulder
     reach_own_moment_y_d_qd_shoulder = 0.8 * extend_inertial_force_x_d_qd_shoulder + reach_heave_y_d_qd_shoulder
     shoulder_own_moment_z_d_qd_shoulder = q_1 * reach_own_force_x_d_qd_shoulder + reach_own_moment_y_d_qd_shoulder
     extend_inertial_force_x_d_qd_reach = shoulder_field_x_x_d_qd_shoulder * 20.0
@@ -848,11 +847,12 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     reach_own_moment_y_d_qd_reach = 0.8 * extend_inertial_force_x_d_qd_reach + reach_heave_y_d_qd_reach
     shoulder_own_moment_z_d_qd_reach = q_1 * reach_own_force_x_d_qd_reach + reach_own_moment_y_d_qd_reach
     tau_d_q = _array(lead, (3, 3), np.float64, [
-        0.0, shoulder_own_moment_z_d_q_reach, 0.0, 0.0, -reach_own_force_z_d_q_reach, 0.0, 0.0, 0.0, 0.0,
+        0.0, shoulder_own_moment_z_d_q_reach, 0.0, 0.0,
+        -shoulder_field_x_x * 20.0 - reach_inertial_force_z_d_q_reach, 0.0, 0.0, 0.0, 0.0,
     ])
     tau_d_qd = _array(lead, (3, 3), np.float64, [
         shoulder_own_moment_z_d_qd_shoulder, shoulder_own_moment_z_d_qd_reach, 0.0,
-        -reach_own_force_z_d_qd_shoulder, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -20.0 * extend_at_z_d_qd_shoulder - reach_inertial_force_z_d_qd_shoulder, 0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return tau_d_q, tau_d_qd
 
@@ -1038,9 +1038,6 @@ def com_jacobian(base_pose, q):
     turn_x_x = base_pose_0_2 * centre_y + base_pose_0_1 * centre_z
     turn_x_y = base_pose_1_2 * centre_y + base_pose_1_1 * centre_z
     turn_x_z = base_pose_2_2 * centre_y + base_pose_2_1 * centre_z
-    turn_y_x = base_pose_0_2 * centre_x + base_pose_0_0 * centre_z
-    turn_y_y = base_pose_1_2 * centre_x + base_pose_1_0 * centre_z
-    turn_y_z = base_pose_2_2 * centre_x + base_pose_2_0 * centre_z
     leg_shoulder_frame_y_x = base_pose_0_1 * sin_leg_shoulder + base_pose_0_0 * cos_leg_shoulder
     leg_shoulder_frame_y_y = base_pose_1_1 * sin_leg_shoulder + base_pose_1_0 * cos_leg_shoulder
     leg_shoulder_frame_y_z = base_pose_2_1 * sin_leg_shoulder + base_pose_2_0 * cos_leg_shoulder
@@ -1054,10 +1051,13 @@ def com_jacobian(base_pose, q):
     t2 = base_pose_1_1 * centre_x - base_pose_1_0 * centre_y
     t3 = base_pose_2_1 * centre_x - base_pose_2_0 * centre_y
     J = _array(lead, (3, 9), np.float64, [
-        base_pose_0_0, base_pose_0_1, base_pose_0_2, turn_x_x, -turn_y_x, t1, t1, leg_reach_column_x,
-        -leg_extend_column_x, base_pose_1_0, base_pose_1_1, base_pose_1_2, turn_x_y, -turn_y_y, t2, t2,
-        leg_reach_column_y, -leg_extend_column_y, base_pose_2_0, base_pose_2_1, base_pose_2_2, turn_x_z,
-        -turn_y_z, t3, t3, leg_reach_column_z, -leg_extend_column_z,
+        base_pose_0_0, base_pose_0_1, base_pose_0_2, turn_x_x,
+        -base_pose_0_2 * centre_x - base_pose_0_0 * centre_z, t1, t1, leg_reach_column_x,
+        -leg_extend_column_x, base_pose_1_0, base_pose_1_1, base_pose_1_2, turn_x_y,
+        -base_pose_1_2 * centre_x - base_pose_1_0 * centre_z, t2, t2, leg_reach_column_y,
+        -leg_extend_column_y, base_pose_2_0, base_pose_2_1, base_pose_2_2, turn_x_z,
+        -base_pose_2_2 * centre_x - base_pose_2_0 * centre_z, t3, t3, leg_reach_column_z,
+        -leg_extend_column_z,
     ])
     return J
 
@@ -1140,9 +1140,6 @@ def centroidal_momentum_matrix(base_pose, q):
     turn_x_x = centre_y * push_z_x + centre_z * push_y_x
     turn_x_y = centre_y * push_z_y + centre_z * push_y_y
     turn_x_z = centre_y * push_z_z + centre_z * push_y_z
-    turn_y_x = centre_x * push_z_x + centre_z * push_x_x
-    turn_y_y = centre_x * push_z_y + centre_z * push_x_y
-    turn_y_z = centre_x * push_z_z + centre_z * push_x_z
     t17 = base_pose_0_2 * centroidal_xz + base_pose_0_0 * centroidal_xx
     spin_x_x = t17 - base_pose_0_1 * centroidal_xy
     t18 = base_pose_1_2 * centroidal_xz + base_pose_1_0 * centroidal_xx
@@ -1218,15 +1215,16 @@ def centroidal_momentum_matrix(base_pose, q):
     leg_extend_moment_z = t48 - leg_extend_from_centre_x * leg_extend_force_y
     t49 = leg_extend_from_centre_x * leg_extend_force_z
     A = _array(lead, (6, 9), np.float64, [
-        push_x_x, push_y_x, push_z_x, turn_x_x, -turn_y_x, centre_x * push_y_x - centre_y * push_x_x,
-        t27 - t26, leg_reach_force_x, -leg_extend_force_x, push_x_y, push_y_y, push_z_y, turn_x_y, -turn_y_y,
+        push_x_x, push_y_x, push_z_x, turn_x_x, -centre_x * push_z_x - centre_z * push_x_x,
+        centre_x * push_y_x - centre_y * push_x_x, t27 - t26, leg_reach_force_x, -leg_extend_force_x,
+        push_x_y, push_y_y, push_z_y, turn_x_y, -centre_x * push_z_y - centre_z * push_x_y,
         centre_x * push_y_y - centre_y * push_x_y, t29 - t28, leg_reach_force_y, -leg_extend_force_y,
-        push_x_z, push_y_z, push_z_z, turn_x_z, -turn_y_z, centre_x * push_y_z - centre_y * push_x_z,
-        t31 - t30, leg_reach_force_z, -leg_extend_force_z, 0.0, 0.0, 0.0, spin_x_x, spin_y_x, spin_z_x,
-        leg_shoulder_moment_x, leg_reach_moment_x, leg_extend_moment_x, 0.0, 0.0, 0.0, spin_x_y, spin_y_y,
-        spin_z_y, leg_shoulder_moment_y, leg_reach_moment_y,
-        t49 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0, spin_x_z, spin_y_z, spin_z_z,
-        leg_shoulder_moment_z, leg_reach_moment_z, leg_extend_moment_z,
+        push_x_z, push_y_z, push_z_z, turn_x_z, -centre_x * push_z_z - centre_z * push_x_z,
+        centre_x * push_y_z - centre_y * push_x_z, t31 - t30, leg_reach_force_z, -leg_extend_force_z, 0.0,
+        0.0, 0.0, spin_x_x, spin_y_x, spin_z_x, leg_shoulder_moment_x, leg_reach_moment_x,
+        leg_extend_moment_x, 0.0, 0.0, 0.0, spin_x_y, spin_y_y, spin_z_y, leg_shoulder_moment_y,
+        leg_reach_moment_y, t49 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0, spin_x_z,
+        spin_y_z, spin_z_z, leg_shoulder_moment_z, leg_reach_moment_z, leg_extend_moment_z,
     ])
     return A
 
@@ -1312,17 +1310,13 @@ def centroidal_inertia(base_pose, q):
     spin_z_y = t24 - base_pose_1_2 * centroidal_zz
     t25 = base_pose_2_1 * centroidal_yz + base_pose_2_0 * centroidal_xz
     spin_z_z = t25 - base_pose_2_2 * centroidal_zz
-    inertia_00 = base_pose_0_2 * spin_z_x + (base_pose_0_1 * spin_y_x + base_pose_0_0 * spin_x_x)
-    inertia_10 = base_pose_0_2 * spin_z_y + (base_pose_0_1 * spin_y_y + base_pose_0_0 * spin_x_y)
-    inertia_11 = base_pose_1_2 * spin_z_y + (base_pose_1_1 * spin_y_y + base_pose_1_0 * spin_x_y)
-    inertia_20 = base_pose_0_2 * spin_z_z + (base_pose_0_1 * spin_y_z + base_pose_0_0 * spin_x_z)
-    inertia_21 = base_pose_1_2 * spin_z_z + (base_pose_1_1 * spin_y_z + base_pose_1_0 * spin_x_z)
-    inertia_22 = base_pose_2_2 * spin_z_z + (base_pose_2_1 * spin_y_z + base_pose_2_0 * spin_x_z)
-    t26 = -inertia_10
-    t27 = -inertia_20
-    t28 = -inertia_21
+    t26 = -base_pose_0_2 * spin_z_y - (base_pose_0_1 * spin_y_y + base_pose_0_0 * spin_x_y)
+    t27 = -base_pose_0_2 * spin_z_z - (base_pose_0_1 * spin_y_z + base_pose_0_0 * spin_x_z)
+    t28 = -base_pose_1_2 * spin_z_z - (base_pose_1_1 * spin_y_z + base_pose_1_0 * spin_x_z)
     I = _array(lead, (3, 3), np.float64, [
-        -inertia_00, t26, t27, t26, -inertia_11, t28, t27, t28, -inertia_22,
+        -base_pose_0_2 * spin_z_x - (base_pose_0_1 * spin_y_x + base_pose_0_0 * spin_x_x), t26, t27, t26,
+        -base_pose_1_2 * spin_z_y - (base_pose_1_1 * spin_y_y + base_pose_1_0 * spin_x_y), t28, t27, t28,
+        -base_pose_2_2 * spin_z_z - (base_pose_2_1 * spin_y_z + base_pose_2_0 * spin_x_z),
     ])
     return I
 

@@ -4,13 +4,993 @@
  * Spec digest 3e184edfaf64b988a1ad3658301a6a014fefa0fdd00a4f001e5324393e3d3c15; 43 functions, 2087 operations. This
  *   code is yours to use under any terms.
  */
+#if !defined(WALKGEN_ROWS) /* else only what is read twice: see walkgen_lanes.h */
 #include "ambler_rrp.h"
 #include "walkgen_real_f64.h"
+#include "walkgen_batch.h"
 #include "walkgen_inverse_general.h"
 #include "walkgen_rows.h"
 #include "walkgen_inverse.h"
 #include "walkgen_within.h"
 #include "walkgen_damped.h"
+#endif
+
+WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    const double extend_shift_z = q[2] + 0.5;
+    p[2] = 1.0 - extend_shift_z;
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    p[0] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
+    p[1] = shoulder_to_tip_y;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+    R[2] = 0.0;
+    R[5] = 0.0;
+    R[6] = 0.0;
+    R[7] = 0.0;
+    R[8] = -1.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
+    R[0] = cos_shoulder_elbow;
+    R[4] = -cos_shoulder_elbow;
+    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
+    R[1] = sin_shoulder_elbow;
+    R[3] = sin_shoulder_elbow;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    T[2] = 0.0;
+    T[6] = 0.0;
+    T[8] = 0.0;
+    T[9] = 0.0;
+    T[10] = -1.0;
+    T[12] = 0.0;
+    T[13] = 0.0;
+    T[14] = 0.0;
+    T[15] = 1.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    T[0] = cos_shoulder_elbow;
+    T[1] = sin_shoulder_elbow;
+    T[4] = sin_shoulder_elbow;
+    T[5] = -cos_shoulder_elbow;
+    const double extend_shift_z = q[2] + 0.5;
+    T[11] = 1.0 - extend_shift_z;
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    T[3] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
+    T[7] = shoulder_to_tip_y;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[2] = 0.0;
+    J[5] = 0.0;
+    J[6] = 0.0;
+    J[7] = 0.0;
+    J[8] = -1.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    J[0] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
+    J[1] = -sin_shoulder_elbow;
+    J[4] = cos_shoulder_elbow;
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    J[3] = shoulder_to_tip_x;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,
+    double *WG_RESTRICT J) {
+    J[2] = 0.0;
+    J[5] = 0.0;
+    J[6] = 0.0;
+    J[7] = 0.0;
+    J[8] = -1.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    J[1] = -sin_shoulder_elbow;
+    J[4] = cos_shoulder_elbow;
+    const double extend_shift_z = q[2] + 0.5;
+    p[2] = 1.0 - extend_shift_z;
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    p[0] = shoulder_to_tip_x;
+    J[3] = shoulder_to_tip_x;
+    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
+    p[1] = shoulder_to_tip_y;
+    J[0] = -shoulder_to_tip_y;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_spatial_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[2] = 0.0;
+    J[5] = 0.0;
+    J[6] = 0.0;
+    J[7] = 0.0;
+    J[8] = -1.0;
+    J[9] = 0.0;
+    J[10] = 0.0;
+    J[11] = 0.0;
+    J[12] = 0.0;
+    J[13] = 0.0;
+    J[14] = 0.0;
+    J[15] = 1.0;
+    J[16] = 1.0;
+    J[17] = 0.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    J[0] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
+    J[1] = -sin_shoulder_elbow;
+    J[4] = cos_shoulder_elbow;
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    J[3] = shoulder_to_tip_x;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_hessian)(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+    H[2] = 0.0;
+    H[5] = 0.0;
+    H[6] = 0.0;
+    H[7] = 0.0;
+    H[8] = 0.0;
+    H[11] = 0.0;
+    H[14] = 0.0;
+    H[15] = 0.0;
+    H[16] = 0.0;
+    H[17] = 0.0;
+    H[18] = 0.0;
+    H[19] = 0.0;
+    H[20] = 0.0;
+    H[21] = 0.0;
+    H[22] = 0.0;
+    H[23] = 0.0;
+    H[24] = 0.0;
+    H[25] = 0.0;
+    H[26] = 0.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    H[0] = WG_FMA(-cos_shoulder, 1.5, -cos_shoulder_elbow);
+    H[9] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
+    const double t1 = -cos_shoulder_elbow;
+    H[1] = t1;
+    H[3] = t1;
+    H[4] = t1;
+    const double t2 = -sin_shoulder_elbow;
+    H[10] = t2;
+    H[12] = t2;
+    H[13] = t2;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_velocity)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
+    v[2] = -qd[2];
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    v[1] = WG_FMA(qd[1], cos_shoulder_elbow, qd[0]*shoulder_to_tip_x);
+    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
+    v[0] = WG_FMA(-qd[1], sin_shoulder_elbow, -(qd[0]*shoulder_to_tip_y));
+}
+
+WG_ROW(void ambler_rrp_leg_foot_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+    a[2] = -qdd[2];
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
+    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
+    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
+    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
+    const double bias_shoulder_y = qd[0]*flow_shoulder_x;
+    const double flow_elbow_x = qd[1]*sin_shoulder_elbow;
+    const double flow_elbow_y = qd[1]*cos_shoulder_elbow;
+    const double rate_elbow_z = qd[0] + qd[1];
+    const double rates_elbow_z = qd[0] + rate_elbow_z;
+    const double bias_elbow_x = WG_FMA(flow_elbow_y, rates_elbow_z, bias_shoulder_x);
+    a[0] = -(bias_elbow_x + WG_FMA(qdd[1], sin_shoulder_elbow, qdd[0]*shoulder_to_tip_y));
+    const double bias_elbow_y = WG_FMA(flow_elbow_x, rates_elbow_z, bias_shoulder_y);
+    a[1] = WG_FMA(qdd[1], cos_shoulder_elbow, qdd[0]*shoulder_to_tip_x) - bias_elbow_y;
+}
+
+WG_ROW(void ambler_rrp_leg_foot_bias_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT a) {
+    a[2] = 0.0;
+    a[3] = 0.0;
+    a[4] = 0.0;
+    a[5] = 0.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
+    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
+    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
+    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
+    const double bias_shoulder_y = qd[0]*flow_shoulder_x;
+    const double flow_elbow_x = qd[1]*sin_shoulder_elbow;
+    const double flow_elbow_y = qd[1]*cos_shoulder_elbow;
+    const double rate_elbow_z = qd[0] + qd[1];
+    const double rates_elbow_z = qd[0] + rate_elbow_z;
+    a[0] = WG_FMA(-flow_elbow_y, rates_elbow_z, -bias_shoulder_x);
+    a[1] = WG_FMA(-flow_elbow_x, rates_elbow_z, -bias_shoulder_y);
+}
+
+WG_ROW(void ambler_rrp_leg_foot_torque)(const double *WG_RESTRICT q, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+    tau[2] = -f[2];
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    tau[1] = WG_FMA(-f[0], sin_shoulder_elbow, f[1]*cos_shoulder_elbow);
+    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
+    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
+    tau[0] = WG_FMA(-f[0], shoulder_to_tip_y, f[1]*shoulder_to_tip_x);
+}
+
+WG_ROW(int32_t ambler_rrp_leg_within_limits)(const double *WG_RESTRICT q) {
+    const int t1 = -2.0943951023931957 <= q[0] && q[0] <= 2.0943951023931957;
+    const int t2 = t1 && (-2.6179938779914944 <= q[1] && q[1] <= 2.6179938779914944);
+    return (int32_t)(WG_INDICATOR(t2 && (0.0 <= q[2] && q[2] <= 1.5)));
+}
+
+WG_ROW(void ambler_rrp_leg_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double elbow_at_x = WG_FMA(elbow_lever_x, shoulder_field_x_x, qdd[0]*elbow_lever_y);
+    const double elbow_at_y = WG_FMA(-elbow_lever_y, shoulder_field_x_x, qdd[0]*elbow_lever_x);
+    const double elbow_spin_z = qd[0] + qd[1];
+    const double elbow_rate = qdd[0] + qdd[1];
+    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
+    const double t1 = WG_FMA(elbow_rate, sin_shoulder_elbow, elbow_at_x);
+    const double extend_at_x = WG_FMA(cos_shoulder_elbow, elbow_field_x_x, t1);
+    const double t2 = WG_FMA(elbow_rate, cos_shoulder_elbow, elbow_at_y);
+    const double extend_at_y = WG_FMA(-sin_shoulder_elbow, elbow_field_x_x, t2);
+    const double extend_sliding_z = qdd[2] - 9.80665;
+    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
+    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
+    const double elbow_heave_z = WG_FMA(elbow_at_y, elbow_inertia_moment_x, elbow_at_x*elbow_inertia_moment_y);
+    const double t3 = WG_FMA(elbow_rate, elbow_inertia_moment_y, elbow_at_x*45.0);
+    const double elbow_inertial_force_x = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, t3);
+    const double t4 = WG_FMA(elbow_rate, elbow_inertia_moment_x, elbow_at_y*45.0);
+    const double elbow_inertial_force_y = WG_FMA(-elbow_field_x_x, elbow_inertia_moment_y, t4);
+    const double elbow_inertial_moment_z = WG_FMA(elbow_rate, 8.85, elbow_heave_z);
+    const double extend_own_force_x = WG_FMA(extend_at_x, 20.0, f[0]);
+    const double extend_own_force_y = WG_FMA(extend_at_y, 20.0, -f[1]);
+    const double extend_own_force_z = WG_FMA(extend_sliding_z, 20.0, f[2]);
+    tau[2] = extend_own_force_z;
+    const double elbow_force_x = elbow_inertial_force_x + extend_own_force_x;
+    const double elbow_force_y = elbow_inertial_force_y + extend_own_force_y;
+    const double t5 = cos_shoulder_elbow*extend_own_force_y;
+    const double elbow_moment_z = elbow_inertial_moment_z + WG_FMA(sin_shoulder_elbow, extend_own_force_x, t5);
+    tau[1] = elbow_moment_z;
+    const double t6 = elbow_moment_z + WG_FMA(elbow_lever_y, elbow_force_x, elbow_lever_x*elbow_force_y);
+    const double shoulder_moment_z = WG_FMA(-qdd[0], 14.5, t6);
+    tau[0] = shoulder_moment_z;
+}
+
+WG_ROW(void ambler_rrp_leg_forward_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double elbow_at_x = elbow_lever_x*shoulder_field_x_x;
+    const double elbow_at_y = elbow_lever_y*shoulder_field_x_x;
+    const double elbow_spin_z = qd[0] + qd[1];
+    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
+    const double extend_at_x = WG_FMA(cos_shoulder_elbow, elbow_field_x_x, elbow_at_x);
+    const double extend_at_y = WG_FMA(sin_shoulder_elbow, elbow_field_x_x, elbow_at_y);
+    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
+    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
+    const double elbow_heave_z = WG_FMA(-elbow_at_y, elbow_inertia_moment_x, elbow_at_x*elbow_inertia_moment_y);
+    const double elbow_inertial_force_x = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, elbow_at_x*45.0);
+    const double elbow_inertial_force_y = WG_FMA(elbow_field_x_x, elbow_inertia_moment_y, elbow_at_y*45.0);
+    const double extend_own_force_x = WG_FMA(extend_at_x, 20.0, f[0]);
+    const double extend_own_force_y = WG_FMA(extend_at_y, 20.0, f[1]);
+    const double extend_own_force_z = f[2] - 196.133;
+    const double elbow_force_x = elbow_inertial_force_x + extend_own_force_x;
+    const double elbow_force_y = elbow_inertial_force_y + extend_own_force_y;
+    const double t1 = WG_FMA(sin_shoulder_elbow, extend_own_force_x, elbow_heave_z);
+    const double elbow_moment_z = WG_FMA(-cos_shoulder_elbow, extend_own_force_y, t1);
+    const double t2 = WG_FMA(elbow_lever_y, elbow_force_x, elbow_moment_z);
+    const double shoulder_moment_z = WG_FMA(-elbow_lever_x, elbow_force_y, t2);
+    const double t3 = WG_FMA(20.0, cos_shoulder_elbow*cos_shoulder_elbow, 8.85);
+    const double elbow_composite_zz = WG_FMA(20.0, sin_shoulder_elbow*sin_shoulder_elbow, t3);
+    const double elbow_composite_moment_x = WG_FMA(cos_shoulder_elbow, 20.0, elbow_inertia_moment_x);
+    const double elbow_composite_moment_y = WG_FMA(sin_shoulder_elbow, 20.0, elbow_inertia_moment_y);
+    const double t4 = 65.0*(elbow_lever_x*elbow_lever_x);
+    const double t5 = WG_FMA(elbow_composite_moment_x, elbow_lever_x*2.0, t4);
+    const double t6 = WG_FMA(65.0, elbow_lever_y*elbow_lever_y, t5);
+    const double shoulder_composite_zz = elbow_composite_zz + WG_FMA(elbow_composite_moment_y, elbow_lever_y*2.0, t6) - 14.5;
+    const double t7 = elbow_lever_x*elbow_composite_moment_x;
+    const double M_elbow_on_elbow_moment_z = elbow_composite_zz + WG_FMA(elbow_lever_y, elbow_composite_moment_y, t7);
+    const double reciprocal_1 = 1.0/elbow_composite_zz;
+    const double L_1_0 = M_elbow_on_elbow_moment_z*reciprocal_1;
+    const double D_0_0 = WG_FMA(M_elbow_on_elbow_moment_z, L_1_0, -shoulder_composite_zz);
+    const double reciprocal_0 = 1.0/D_0_0;
+    const double halfway_2 = extend_own_force_z - tau[2];
+    const double halfway_1 = elbow_moment_z - tau[1];
+    const double halfway_0 = WG_FMA(L_1_0, halfway_1, tau[0]) - shoulder_moment_z;
+    const double solution_0 = reciprocal_0*halfway_0;
+    qdd[0] = -solution_0;
+    const double solution_1 = WG_FMA(-reciprocal_1, halfway_1, L_1_0*solution_0);
+    qdd[1] = solution_1;
+    const double solution_2 = halfway_2*0.05;
+    qdd[2] = -solution_2;
+}
+
+WG_ROW(void ambler_rrp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+    M[2] = 0.0;
+    M[5] = 0.0;
+    M[6] = 0.0;
+    M[7] = 0.0;
+    M[8] = 20.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
+    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
+    const double t1 = WG_FMA(20.0, cos_shoulder_elbow*cos_shoulder_elbow, 8.85);
+    const double elbow_composite_zz = WG_FMA(20.0, sin_shoulder_elbow*sin_shoulder_elbow, t1);
+    M[4] = elbow_composite_zz;
+    const double elbow_composite_moment_x = WG_FMA(cos_shoulder_elbow, 20.0, elbow_inertia_moment_x);
+    const double elbow_composite_moment_y = WG_FMA(sin_shoulder_elbow, 20.0, elbow_inertia_moment_y);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double t2 = WG_FMA(elbow_lever_x, elbow_composite_moment_x*2.0, elbow_composite_zz);
+    const double t3 = WG_FMA(elbow_lever_y, elbow_composite_moment_y*2.0, t2);
+    const double t4 = WG_FMA(65.0, elbow_lever_x*elbow_lever_x, t3);
+    const double shoulder_composite_zz = WG_FMA(65.0, elbow_lever_y*elbow_lever_y, t4) - 14.5;
+    M[0] = shoulder_composite_zz;
+    const double t5 = WG_FMA(elbow_composite_moment_x, elbow_lever_x, elbow_composite_zz);
+    const double M_elbow_on_elbow_moment_z = WG_FMA(elbow_composite_moment_y, elbow_lever_y, t5);
+    M[1] = M_elbow_on_elbow_moment_z;
+    M[3] = M_elbow_on_elbow_moment_z;
+}
+
+WG_ROW(void ambler_rrp_leg_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
+    h[2] = -196.133;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double elbow_at_x = elbow_lever_x*shoulder_field_x_x;
+    const double elbow_at_y = elbow_lever_y*shoulder_field_x_x;
+    const double elbow_spin_z = qd[0] + qd[1];
+    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
+    const double extend_at_x = WG_FMA(cos_shoulder_elbow, elbow_field_x_x, elbow_at_x);
+    const double extend_at_y = WG_FMA(sin_shoulder_elbow, elbow_field_x_x, elbow_at_y);
+    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
+    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
+    const double elbow_heave_z = WG_FMA(-elbow_at_y, elbow_inertia_moment_x, elbow_at_x*elbow_inertia_moment_y);
+    const double elbow_inertial_force_x = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, elbow_at_x*45.0);
+    const double elbow_inertial_force_y = WG_FMA(elbow_field_x_x, elbow_inertia_moment_y, elbow_at_y*45.0);
+    const double extend_inertial_force_x = extend_at_x*20.0;
+    const double extend_inertial_force_y = extend_at_y*20.0;
+    const double elbow_force_x = elbow_inertial_force_x + extend_inertial_force_x;
+    const double elbow_force_y = elbow_inertial_force_y + extend_inertial_force_y;
+    const double t1 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x, elbow_heave_z);
+    const double elbow_moment_z = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y, t1);
+    h[1] = elbow_moment_z;
+    const double t2 = WG_FMA(elbow_lever_y, elbow_force_x, elbow_moment_z);
+    const double shoulder_moment_z = WG_FMA(-elbow_lever_x, elbow_force_y, t2);
+    h[0] = shoulder_moment_z;
+}
+
+WG_ROW(void ambler_rrp_leg_gravity_torque)(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+    (void)q;
+    g[0] = 0.0;
+    g[1] = 0.0;
+    g[2] = -196.133;
+}
+
+WG_ROW(void ambler_rrp_leg_coriolis_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C) {
+    C[2] = 0.0;
+    C[5] = 0.0;
+    C[6] = 0.0;
+    C[7] = 0.0;
+    C[8] = 0.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double elbow_spin_z = qd[0] + qd[1];
+    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
+    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
+    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
+    const double elbow_at_x_d_qd_shoulder = elbow_lever_x*shoulder_field_x_x_d_qd_shoulder;
+    const double elbow_at_y_d_qd_shoulder = elbow_lever_y*shoulder_field_x_x_d_qd_shoulder;
+    const double elbow_field_x_x_d_qd_shoulder = elbow_spin_z*2.0;
+    const double extend_at_x_d_qd_elbow = cos_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
+    const double extend_at_x_d_qd_shoulder = elbow_at_x_d_qd_shoulder + extend_at_x_d_qd_elbow;
+    const double extend_at_y_d_qd_elbow = sin_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
+    const double extend_at_y_d_qd_shoulder = elbow_at_y_d_qd_shoulder + extend_at_y_d_qd_elbow;
+    const double t1 = elbow_inertia_moment_y*elbow_at_x_d_qd_shoulder;
+    const double elbow_heave_z_d_qd_shoulder = WG_FMA(-elbow_inertia_moment_x, elbow_at_y_d_qd_shoulder, t1);
+    const double elbow_inertial_force_x_d_qd_elbow = elbow_inertia_moment_x*elbow_field_x_x_d_qd_shoulder;
+    const double elbow_inertial_force_x_d_qd_shoulder = WG_FMA(elbow_at_x_d_qd_shoulder, 45.0, elbow_inertial_force_x_d_qd_elbow);
+    const double elbow_inertial_force_y_d_qd_elbow = elbow_inertia_moment_y*elbow_field_x_x_d_qd_shoulder;
+    const double elbow_inertial_force_y_d_qd_shoulder = WG_FMA(elbow_at_y_d_qd_shoulder, 45.0, elbow_inertial_force_y_d_qd_elbow);
+    const double extend_inertial_force_x_d_qd_shoulder = extend_at_x_d_qd_shoulder*20.0;
+    const double extend_inertial_force_y_d_qd_shoulder = extend_at_y_d_qd_shoulder*20.0;
+    const double elbow_force_x_d_qd_shoulder = elbow_inertial_force_x_d_qd_shoulder + extend_inertial_force_x_d_qd_shoulder;
+    const double elbow_force_y_d_qd_shoulder = elbow_inertial_force_y_d_qd_shoulder + extend_inertial_force_y_d_qd_shoulder;
+    const double t2 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x_d_qd_shoulder, elbow_heave_z_d_qd_shoulder);
+    const double elbow_moment_z_d_qd_shoulder = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y_d_qd_shoulder, t2);
+    C[3] = elbow_moment_z_d_qd_shoulder*0.5;
+    const double t3 = WG_FMA(elbow_lever_y, elbow_force_x_d_qd_shoulder, elbow_moment_z_d_qd_shoulder);
+    const double shoulder_moment_z_d_qd_shoulder = WG_FMA(-elbow_lever_x, elbow_force_y_d_qd_shoulder, t3);
+    C[0] = shoulder_moment_z_d_qd_shoulder*0.5;
+    const double extend_inertial_force_x_d_qd_elbow = extend_at_x_d_qd_elbow*20.0;
+    const double extend_inertial_force_y_d_qd_elbow = extend_at_y_d_qd_elbow*20.0;
+    const double elbow_force_x_d_qd_elbow = elbow_inertial_force_x_d_qd_elbow + extend_inertial_force_x_d_qd_elbow;
+    const double elbow_force_y_d_qd_elbow = elbow_inertial_force_y_d_qd_elbow + extend_inertial_force_y_d_qd_elbow;
+    const double t4 = cos_shoulder_elbow*extend_inertial_force_y_d_qd_elbow;
+    const double elbow_moment_z_d_qd_elbow = WG_FMA(-sin_shoulder_elbow, extend_inertial_force_x_d_qd_elbow, t4);
+    C[4] = -(elbow_moment_z_d_qd_elbow*0.5);
+    const double t5 = WG_FMA(elbow_lever_x, elbow_force_y_d_qd_elbow, elbow_moment_z_d_qd_elbow);
+    const double shoulder_moment_z_d_qd_elbow = WG_FMA(-elbow_lever_y, elbow_force_x_d_qd_elbow, t5);
+    C[1] = -(shoulder_moment_z_d_qd_elbow*0.5);
+}
+
+WG_ROW(void ambler_rrp_leg_kinetic_energy)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double elbow_velocity_before_x = qd[0]*elbow_lever_y;
+    const double elbow_velocity_before_y = qd[0]*elbow_lever_x;
+    const double elbow_spin_z = qd[0] + qd[1];
+    const double extend_velocity_before_x = WG_FMA(elbow_spin_z, sin_shoulder_elbow, elbow_velocity_before_x);
+    const double extend_velocity_before_y = WG_FMA(elbow_spin_z, cos_shoulder_elbow, elbow_velocity_before_y);
+    const double shoulder_momentum_moment_z = qd[0]*14.5;
+    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
+    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
+    const double elbow_momentum_force_x = WG_FMA(elbow_spin_z, elbow_inertia_moment_y, elbow_velocity_before_x*45.0);
+    const double elbow_momentum_force_y = WG_FMA(elbow_spin_z, elbow_inertia_moment_x, elbow_velocity_before_y*45.0);
+    const double t1 = elbow_velocity_before_x*elbow_inertia_moment_y;
+    const double t2 = WG_FMA(elbow_velocity_before_y, elbow_inertia_moment_x, t1);
+    const double elbow_momentum_moment_z = WG_FMA(elbow_spin_z, 8.85, t2);
+    const double extend_momentum_force_x = extend_velocity_before_x*20.0;
+    const double extend_momentum_force_y = extend_velocity_before_y*20.0;
+    const double extend_momentum_force_z = qd[2]*20.0;
+    const double shoulder_energy = qd[0]*shoulder_momentum_moment_z;
+    const double t3 = elbow_velocity_before_x*elbow_momentum_force_x;
+    const double t4 = WG_FMA(elbow_velocity_before_y, elbow_momentum_force_y, t3);
+    const double elbow_energy = WG_FMA(elbow_spin_z, elbow_momentum_moment_z, t4);
+    const double t5 = qd[2]*extend_momentum_force_z;
+    const double t6 = WG_FMA(extend_velocity_before_x, extend_momentum_force_x, t5);
+    const double extend_energy = WG_FMA(extend_velocity_before_y, extend_momentum_force_y, t6);
+    *T = WG_FMA(-shoulder_energy, 0.5, WG_FMA(extend_energy, 0.5, elbow_energy*0.5));
+}
+
+WG_ROW(void ambler_rrp_leg_potential_energy)(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
+    const double extend_slid_z = q[2] - 0.2;
+    const double moment_z = WG_FMA(extend_slid_z, 20.0, -85.0);
+    *U = -(moment_z*9.80665);
+}
+
+WG_ROW(void ambler_rrp_leg_inverse_dynamics_derivatives)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
+    tau_d_q[0] = 0.0;
+    tau_d_q[2] = 0.0;
+    tau_d_q[3] = 0.0;
+    tau_d_q[5] = 0.0;
+    tau_d_q[6] = 0.0;
+    tau_d_q[7] = 0.0;
+    tau_d_q[8] = 0.0;
+    tau_d_qd[2] = 0.0;
+    tau_d_qd[5] = 0.0;
+    tau_d_qd[6] = 0.0;
+    tau_d_qd[7] = 0.0;
+    tau_d_qd[8] = 0.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double elbow_at_x = WG_FMA(elbow_lever_x, shoulder_field_x_x, qdd[0]*elbow_lever_y);
+    const double elbow_at_y = WG_FMA(-elbow_lever_y, shoulder_field_x_x, qdd[0]*elbow_lever_x);
+    const double elbow_spin_z = qd[0] + qd[1];
+    const double elbow_rate = qdd[0] + qdd[1];
+    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
+    const double t1 = elbow_rate*sin_shoulder_elbow;
+    const double t2 = cos_shoulder_elbow*elbow_field_x_x;
+    const double extend_at_x = t2 + (elbow_at_x + t1);
+    const double t3 = elbow_rate*cos_shoulder_elbow;
+    const double t4 = sin_shoulder_elbow*elbow_field_x_x;
+    const double extend_at_y = elbow_at_y + t3 - t4;
+    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
+    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
+    const double extend_inertial_force_x = extend_at_x*20.0;
+    const double extend_inertial_force_y = extend_at_y*20.0;
+    const double extend_at_x_d_q_elbow = t3 - t4;
+    const double extend_at_y_d_q_elbow = t1 + t2;
+    const double elbow_heave_z_d_q_elbow = WG_FMA(-elbow_at_y, elbow_inertia_moment_y, elbow_at_x*elbow_inertia_moment_x);
+    const double elbow_inertial_force_x_d_q_elbow = WG_FMA(-elbow_rate, elbow_inertia_moment_x, elbow_field_x_x*elbow_inertia_moment_y);
+    const double elbow_inertial_force_y_d_q_elbow = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, elbow_rate*elbow_inertia_moment_y);
+    const double extend_inertial_force_x_d_q_elbow = 20.0*extend_at_x_d_q_elbow;
+    const double extend_inertial_force_y_d_q_elbow = 20.0*extend_at_y_d_q_elbow;
+    const double elbow_force_x_d_q_elbow = elbow_inertial_force_x_d_q_elbow - extend_inertial_force_x_d_q_elbow;
+    const double elbow_force_y_d_q_elbow = elbow_inertial_force_y_d_q_elbow + extend_inertial_force_y_d_q_elbow;
+    const double t5 = cos_shoulder_elbow*extend_inertial_force_x;
+    const double t6 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x_d_q_elbow, t5);
+    const double t7 = elbow_heave_z_d_q_elbow + t6;
+    const double t8 = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y_d_q_elbow, t7);
+    const double elbow_moment_z_d_q_elbow = WG_FMA(-sin_shoulder_elbow, extend_inertial_force_y, t8);
+    tau_d_q[4] = elbow_moment_z_d_q_elbow;
+    const double t9 = elbow_lever_x*elbow_force_y_d_q_elbow;
+    tau_d_q[1] = elbow_moment_z_d_q_elbow - WG_FMA(elbow_lever_y, elbow_force_x_d_q_elbow, t9);
+    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
+    const double elbow_at_x_d_qd_shoulder = elbow_lever_x*shoulder_field_x_x_d_qd_shoulder;
+    const double elbow_at_y_d_qd_shoulder = elbow_lever_y*shoulder_field_x_x_d_qd_shoulder;
+    const double elbow_field_x_x_d_qd_shoulder = elbow_spin_z*2.0;
+    const double extend_at_x_d_qd_elbow = cos_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
+    const double extend_at_x_d_qd_shoulder = elbow_at_x_d_qd_shoulder + extend_at_x_d_qd_elbow;
+    const double extend_at_y_d_qd_elbow = sin_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
+    const double extend_at_y_d_qd_shoulder = elbow_at_y_d_qd_shoulder + extend_at_y_d_qd_elbow;
+    const double t10 = elbow_inertia_moment_y*elbow_at_x_d_qd_shoulder;
+    const double elbow_heave_z_d_qd_shoulder = WG_FMA(-elbow_inertia_moment_x, elbow_at_y_d_qd_shoulder, t10);
+    const double elbow_inertial_force_x_d_qd_elbow = elbow_inertia_moment_x*elbow_field_x_x_d_qd_shoulder;
+    const double elbow_inertial_force_x_d_qd_shoulder = WG_FMA(elbow_at_x_d_qd_shoulder, 45.0, elbow_inertial_force_x_d_qd_elbow);
+    const double elbow_inertial_force_y_d_qd_elbow = elbow_inertia_moment_y*elbow_field_x_x_d_qd_shoulder;
+    const double elbow_inertial_force_y_d_qd_shoulder = WG_FMA(elbow_at_y_d_qd_shoulder, 45.0, elbow_inertial_force_y_d_qd_elbow);
+    const double extend_inertial_force_x_d_qd_shoulder = 20.0*extend_at_x_d_qd_shoulder;
+    const double extend_inertial_force_y_d_qd_shoulder = 20.0*extend_at_y_d_qd_shoulder;
+    const double elbow_force_x_d_qd_shoulder = elbow_inertial_force_x_d_qd_shoulder + extend_inertial_force_x_d_qd_shoulder;
+    const double elbow_force_y_d_qd_shoulder = elbow_inertial_force_y_d_qd_shoulder + extend_inertial_force_y_d_qd_shoulder;
+    const double t11 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x_d_qd_shoulder, elbow_heave_z_d_qd_shoulder);
+    const double elbow_moment_z_d_qd_shoulder = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y_d_qd_shoulder, t11);
+    tau_d_qd[3] = elbow_moment_z_d_qd_shoulder;
+    const double t12 = WG_FMA(elbow_lever_y, elbow_force_x_d_qd_shoulder, elbow_moment_z_d_qd_shoulder);
+    const double shoulder_moment_z_d_qd_shoulder = WG_FMA(-elbow_lever_x, elbow_force_y_d_qd_shoulder, t12);
+    tau_d_qd[0] = shoulder_moment_z_d_qd_shoulder;
+    const double extend_inertial_force_x_d_qd_elbow = 20.0*extend_at_x_d_qd_elbow;
+    const double extend_inertial_force_y_d_qd_elbow = 20.0*extend_at_y_d_qd_elbow;
+    const double elbow_force_x_d_qd_elbow = elbow_inertial_force_x_d_qd_elbow + extend_inertial_force_x_d_qd_elbow;
+    const double elbow_force_y_d_qd_elbow = elbow_inertial_force_y_d_qd_elbow + extend_inertial_force_y_d_qd_elbow;
+    const double t13 = cos_shoulder_elbow*extend_inertial_force_y_d_qd_elbow;
+    const double t14 = sin_shoulder_elbow*extend_inertial_force_x_d_qd_elbow;
+    tau_d_qd[4] = t14 - t13;
+    const double elbow_moment_z_d_qd_elbow = t13 - t14;
+    const double t15 = WG_FMA(elbow_lever_x, elbow_force_y_d_qd_elbow, elbow_moment_z_d_qd_elbow);
+    tau_d_qd[1] = WG_FMA(elbow_lever_y, elbow_force_x_d_qd_elbow, -t15);
+}
+
+WG_ROW(void ambler_rrp_leg_base_parameters)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
+    Y[0] = qdd[0];
+    Y[5] = 0.0;
+    Y[10] = 0.0;
+    Y[11] = 0.0;
+    Y[12] = 0.0;
+    Y[13] = 0.0;
+    p[0] = 86.75;
+    p[1] = 12.5;
+    p[2] = 0.0;
+    p[3] = 8.85;
+    p[4] = 20.0;
+    const double angle_shoulder_elbow = q[0] + q[1];
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    const double elbow_lever_x = cos_shoulder*1.5;
+    const double elbow_lever_y = sin_shoulder*1.5;
+    const double shoulder_field_x_x = qd[0]*qd[0];
+    const double elbow_at_x = WG_FMA(elbow_lever_x, shoulder_field_x_x, qdd[0]*elbow_lever_y);
+    const double elbow_at_y = WG_FMA(-elbow_lever_y, shoulder_field_x_x, qdd[0]*elbow_lever_x);
+    const double elbow_spin_z = qd[0] + qd[1];
+    const double elbow_rate = qdd[0] + qdd[1];
+    Y[3] = elbow_rate;
+    Y[8] = elbow_rate;
+    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
+    const double t1 = elbow_rate*sin_shoulder_elbow;
+    const double t2 = cos_shoulder_elbow*elbow_field_x_x;
+    const double extend_at_x = t2 + (elbow_at_x + t1);
+    const double t3 = elbow_rate*cos_shoulder_elbow;
+    const double t4 = sin_shoulder_elbow*elbow_field_x_x;
+    const double extend_at_y = elbow_at_y + t3 - t4;
+    const double extend_sliding_z = qdd[2] - 9.80665;
+    Y[14] = extend_sliding_z;
+    const double elbow_at_own_x = WG_FMA(-elbow_at_y, sin_shoulder_elbow, elbow_at_x*cos_shoulder_elbow);
+    Y[7] = elbow_at_own_x;
+    const double elbow_at_own_y = WG_FMA(elbow_at_y, cos_shoulder_elbow, elbow_at_x*sin_shoulder_elbow);
+    Y[6] = elbow_at_own_y;
+    const double elbow_mx_force_x = t1 + t2;
+    const double elbow_mx_force_y = t3 - t4;
+    const double t5 = WG_FMA(elbow_lever_y, elbow_mx_force_x, elbow_lever_x*elbow_mx_force_y);
+    const double Y_elbow_mx_on_elbow_moment_z = elbow_at_own_y + t5;
+    Y[1] = Y_elbow_mx_on_elbow_moment_z;
+    const double t6 = WG_FMA(elbow_lever_y, elbow_mx_force_y, elbow_at_own_x);
+    const double Y_elbow_my_on_elbow_moment_z = WG_FMA(-elbow_lever_x, elbow_mx_force_x, t6);
+    Y[2] = Y_elbow_my_on_elbow_moment_z;
+    const double extend_at_own_x = WG_FMA(-sin_shoulder_elbow, extend_at_y, cos_shoulder_elbow*extend_at_x);
+    const double extend_at_own_y = WG_FMA(sin_shoulder_elbow, extend_at_x, cos_shoulder_elbow*extend_at_y);
+    const double extend_m_force_x = WG_FMA(sin_shoulder_elbow, extend_at_own_y, cos_shoulder_elbow*extend_at_own_x);
+    const double extend_m_force_y = WG_FMA(-sin_shoulder_elbow, extend_at_own_x, cos_shoulder_elbow*extend_at_own_y);
+    const double Y_extend_m_on_extend_moment_z = WG_FMA(sin_shoulder_elbow, extend_m_force_x, cos_shoulder_elbow*extend_m_force_y);
+    Y[9] = Y_extend_m_on_extend_moment_z;
+    const double t7 = WG_FMA(elbow_lever_y, extend_m_force_x, elbow_lever_x*extend_m_force_y);
+    const double Y_extend_m_on_elbow_moment_z = Y_extend_m_on_extend_moment_z + t7;
+    Y[4] = Y_extend_m_on_elbow_moment_z;
+}
+
+#if defined(WALKGEN_ROWS)
+#if WALKGEN_ROWS == 2
+
+WG_BLOCK(ambler_rrp_leg_foot_position) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_foot_position_lane(q, p);
+        WG_KEEP_3(p, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_position) {
+    ambler_rrp_leg_foot_position(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_position, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_rotation) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], R[9];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_foot_rotation_lane(q, R);
+        WG_KEEP_9(R, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_rotation) {
+    ambler_rrp_leg_foot_rotation(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_rotation, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_pose) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], T[16];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_foot_pose_lane(q, T);
+        WG_KEEP_16(T, 0)
+        WG_DONE(16)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_pose) {
+    ambler_rrp_leg_foot_pose(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_pose, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[9];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_foot_jacobian_lane(q, J);
+        WG_KEEP_9(J, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_jacobian) {
+    ambler_rrp_leg_foot_jacobian(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_jacobian, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_position_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3], J[9];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_foot_position_jacobian_lane(q, p, J);
+        WG_KEEP_3(p, 0)
+        WG_KEEP_9(J, 3)
+        WG_DONE(12)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_position_jacobian) {
+    ambler_rrp_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
+}
+WG_LANED(ambler_rrp_leg_foot_position_jacobian, 1, 2);
+
+WG_BLOCK(ambler_rrp_leg_foot_spatial_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[18];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_foot_spatial_jacobian_lane(q, J);
+        WG_KEEP_18(J, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_spatial_jacobian) {
+    ambler_rrp_leg_foot_spatial_jacobian(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_spatial_jacobian, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_hessian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], H[27];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_foot_hessian_lane(q, H);
+        WG_KEEP_27(H, 0)
+        WG_DONE(27)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_hessian) {
+    ambler_rrp_leg_foot_hessian(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_hessian, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_velocity) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], v[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rrp_leg_foot_velocity_lane(q, qd, v);
+        WG_KEEP_3(v, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_velocity) {
+    ambler_rrp_leg_foot_velocity(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_velocity, 2, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], a[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        ambler_rrp_leg_foot_acceleration_lane(q, qd, qdd, a);
+        WG_KEEP_3(a, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_acceleration) {
+    ambler_rrp_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_acceleration, 3, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_bias_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], a[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rrp_leg_foot_bias_acceleration_lane(q, qd, a);
+        WG_KEEP_6(a, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_bias_acceleration) {
+    ambler_rrp_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_bias_acceleration, 2, 1);
+
+WG_BLOCK(ambler_rrp_leg_foot_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(f, 3)
+        ambler_rrp_leg_foot_torque_lane(q, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_foot_torque) {
+    ambler_rrp_leg_foot_torque(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_foot_torque, 2, 1);
+
+WG_BLOCK(ambler_rrp_leg_within_limits) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3];
+        int32_t within[1];
+        WG_TAKE_3(q, 0)
+        within[0] = ambler_rrp_leg_within_limits_lane(q);
+        WG_KEEP_STATUS_1(within, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_within_limits) {
+    int32_t within[1];
+    within[0] = ambler_rrp_leg_within_limits(&given[0]);
+    for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
+}
+WG_LANED(ambler_rrp_leg_within_limits, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_inverse_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_3(f, 9)
+        ambler_rrp_leg_inverse_dynamics_lane(q, qd, qdd, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_inverse_dynamics) {
+    ambler_rrp_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_inverse_dynamics, 4, 1);
+
+WG_BLOCK(ambler_rrp_leg_forward_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(tau, 6)
+        WG_TAKE_3(f, 9)
+        ambler_rrp_leg_forward_dynamics_lane(q, qd, tau, f, qdd);
+        WG_KEEP_3(qdd, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_forward_dynamics) {
+    ambler_rrp_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_forward_dynamics, 4, 1);
+
+WG_BLOCK(ambler_rrp_leg_mass_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], M[9];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_mass_matrix_lane(q, M);
+        WG_KEEP_9(M, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_mass_matrix) {
+    ambler_rrp_leg_mass_matrix(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_mass_matrix, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_bias) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], h[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rrp_leg_bias_lane(q, qd, h);
+        WG_KEEP_3(h, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_bias) {
+    ambler_rrp_leg_bias(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_bias, 2, 1);
+
+WG_BLOCK(ambler_rrp_leg_gravity_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], g[3];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_gravity_torque_lane(q, g);
+        WG_KEEP_3(g, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_gravity_torque) {
+    ambler_rrp_leg_gravity_torque(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_gravity_torque, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_coriolis_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], C[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rrp_leg_coriolis_matrix_lane(q, qd, C);
+        WG_KEEP_9(C, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_coriolis_matrix) {
+    ambler_rrp_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_coriolis_matrix, 2, 1);
+
+WG_BLOCK(ambler_rrp_leg_kinetic_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], T[1];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        ambler_rrp_leg_kinetic_energy_lane(q, qd, T);
+        WG_KEEP_1(T, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_kinetic_energy) {
+    ambler_rrp_leg_kinetic_energy(&given[0], &given[3], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_kinetic_energy, 2, 1);
+
+WG_BLOCK(ambler_rrp_leg_potential_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], U[1];
+        WG_TAKE_3(q, 0)
+        ambler_rrp_leg_potential_energy_lane(q, U);
+        WG_KEEP_1(U, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_potential_energy) {
+    ambler_rrp_leg_potential_energy(&given[0], &found[0]);
+}
+WG_LANED(ambler_rrp_leg_potential_energy, 1, 1);
+
+WG_BLOCK(ambler_rrp_leg_inverse_dynamics_derivatives) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], tau_d_q[9], tau_d_qd[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        ambler_rrp_leg_inverse_dynamics_derivatives_lane(q, qd, qdd, tau_d_q, tau_d_qd);
+        WG_KEEP_9(tau_d_q, 0)
+        WG_KEEP_9(tau_d_qd, 9)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_inverse_dynamics_derivatives) {
+    ambler_rrp_leg_inverse_dynamics_derivatives(&given[0], &given[3], &given[6], &found[0], &found[9]);
+}
+WG_LANED(ambler_rrp_leg_inverse_dynamics_derivatives, 3, 2);
+
+WG_BLOCK(ambler_rrp_leg_base_parameters) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], Y[15], p[5];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        ambler_rrp_leg_base_parameters_lane(q, qd, qdd, Y, p);
+        WG_KEEP_15(Y, 0)
+        WG_KEEP_5(p, 15)
+        WG_DONE(20)
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_base_parameters) {
+    ambler_rrp_leg_base_parameters(&given[0], &given[3], &given[6], &found[0], &found[15]);
+}
+WG_LANED(ambler_rrp_leg_base_parameters, 3, 2);
+
+#endif
+#else
 
 static void ambler_rrp_leg_screws_kernel(double *WG_RESTRICT geometry) {
     geometry[0] = 0.0;
@@ -48,11 +1028,13 @@ static void ambler_rrp_leg_limits_kernel(double *WG_RESTRICT limits) {
 static void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT rows, const double *WG_RESTRICT p,
     double *WG_RESTRICT distance) {
     const double angle_shoulder_elbow = rows[0] + rows[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
+    const double angle_shoulder_elbow_2 = rows[3] + rows[4];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder, sin_shoulder_elbow_2,
+        cos_shoulder_elbow_2, sin_shoulder_2, cos_shoulder_2;
+    WG_SINCOS_4(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, rows[0], sin_shoulder, cos_shoulder,
+        angle_shoulder_elbow_2, sin_shoulder_elbow_2, cos_shoulder_elbow_2, rows[3], sin_shoulder_2,
+        cos_shoulder_2);
     const double extend_shift_z = rows[2] + 0.5;
-    const double cos_shoulder = WG_COS(rows[0]);
-    const double sin_shoulder = WG_SIN(rows[0]);
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
     const double shoulder_to_tip_z = extend_shift_z - 1.0;
@@ -60,12 +1042,7 @@ static void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT rows, 
     const double gap_y = p[1] - shoulder_to_tip_y;
     const double gap_z = p[2] + shoulder_to_tip_z;
     distance[0] = sqrt(WG_FMA(gap_z, gap_z, WG_FMA(gap_y, gap_y, gap_x*gap_x)));
-    const double angle_shoulder_elbow_2 = rows[3] + rows[4];
-    const double cos_shoulder_elbow_2 = WG_COS(angle_shoulder_elbow_2);
-    const double sin_shoulder_elbow_2 = WG_SIN(angle_shoulder_elbow_2);
     const double extend_shift_z_2 = rows[5] + 0.5;
-    const double cos_shoulder_2 = WG_COS(rows[3]);
-    const double sin_shoulder_2 = WG_SIN(rows[3]);
     const double shoulder_to_tip_x_2 = WG_FMA(1.5, cos_shoulder_2, cos_shoulder_elbow_2);
     const double shoulder_to_tip_y_2 = WG_FMA(1.5, sin_shoulder_2, sin_shoulder_elbow_2);
     const double shoulder_to_tip_z_2 = extend_shift_z_2 - 1.0;
@@ -74,11 +1051,13 @@ static void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT rows, 
     const double gap_z_2 = p[2] + shoulder_to_tip_z_2;
     distance[1] = sqrt(WG_FMA(gap_z_2, gap_z_2, WG_FMA(gap_y_2, gap_y_2, gap_x_2*gap_x_2)));
     const double angle_shoulder_elbow_3 = rows[6] + rows[7];
-    const double cos_shoulder_elbow_3 = WG_COS(angle_shoulder_elbow_3);
-    const double sin_shoulder_elbow_3 = WG_SIN(angle_shoulder_elbow_3);
+    const double angle_shoulder_elbow_4 = rows[9] + rows[10];
+    double sin_shoulder_elbow_3, cos_shoulder_elbow_3, sin_shoulder_3, cos_shoulder_3, sin_shoulder_elbow_4,
+        cos_shoulder_elbow_4, sin_shoulder_4, cos_shoulder_4;
+    WG_SINCOS_4(angle_shoulder_elbow_3, sin_shoulder_elbow_3, cos_shoulder_elbow_3, rows[6], sin_shoulder_3,
+        cos_shoulder_3, angle_shoulder_elbow_4, sin_shoulder_elbow_4, cos_shoulder_elbow_4, rows[9], sin_shoulder_4,
+        cos_shoulder_4);
     const double extend_shift_z_3 = rows[8] + 0.5;
-    const double cos_shoulder_3 = WG_COS(rows[6]);
-    const double sin_shoulder_3 = WG_SIN(rows[6]);
     const double shoulder_to_tip_x_3 = WG_FMA(1.5, cos_shoulder_3, cos_shoulder_elbow_3);
     const double shoulder_to_tip_y_3 = WG_FMA(1.5, sin_shoulder_3, sin_shoulder_elbow_3);
     const double shoulder_to_tip_z_3 = extend_shift_z_3 - 1.0;
@@ -86,12 +1065,7 @@ static void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT rows, 
     const double gap_y_3 = p[1] - shoulder_to_tip_y_3;
     const double gap_z_3 = p[2] + shoulder_to_tip_z_3;
     distance[2] = sqrt(WG_FMA(gap_z_3, gap_z_3, WG_FMA(gap_y_3, gap_y_3, gap_x_3*gap_x_3)));
-    const double angle_shoulder_elbow_4 = rows[9] + rows[10];
-    const double cos_shoulder_elbow_4 = WG_COS(angle_shoulder_elbow_4);
-    const double sin_shoulder_elbow_4 = WG_SIN(angle_shoulder_elbow_4);
     const double extend_shift_z_4 = rows[11] + 0.5;
-    const double cos_shoulder_4 = WG_COS(rows[9]);
-    const double sin_shoulder_4 = WG_SIN(rows[9]);
     const double shoulder_to_tip_x_4 = WG_FMA(1.5, cos_shoulder_4, cos_shoulder_elbow_4);
     const double shoulder_to_tip_y_4 = WG_FMA(1.5, sin_shoulder_4, sin_shoulder_elbow_4);
     const double shoulder_to_tip_z_4 = extend_shift_z_4 - 1.0;
@@ -110,12 +1084,10 @@ static void ambler_rrp_leg_acceleration_jacobian_kernel(const double *WG_RESTRIC
     J[8] = -1.0;
     rest[2] = a[2];
     const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    J[4] = cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
     J[1] = -sin_shoulder_elbow;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
+    J[4] = cos_shoulder_elbow;
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     J[3] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
@@ -134,320 +1106,6 @@ static void ambler_rrp_leg_acceleration_jacobian_kernel(const double *WG_RESTRIC
     rest[0] = wanted_x;
     const double wanted_y = a[1] + bias_elbow_y;
     rest[1] = wanted_y;
-}
-
-void ambler_rrp_leg_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double extend_shift_z = q[2] + 0.5;
-    p[2] = 1.0 - extend_shift_z;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    p[0] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    p[1] = shoulder_to_tip_y;
-}
-
-void ambler_rrp_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_position(q + row * 3, p + row * 3);
-    }
-}
-
-void ambler_rrp_leg_foot_rotation(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    R[2] = 0.0;
-    R[5] = 0.0;
-    R[6] = 0.0;
-    R[7] = 0.0;
-    R[8] = -1.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    R[0] = cos_shoulder_elbow;
-    R[4] = -cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    R[1] = sin_shoulder_elbow;
-    R[3] = sin_shoulder_elbow;
-}
-
-void ambler_rrp_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_rotation(q + row * 3, R + row * 9);
-    }
-}
-
-void ambler_rrp_leg_foot_pose(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    T[2] = 0.0;
-    T[6] = 0.0;
-    T[8] = 0.0;
-    T[9] = 0.0;
-    T[10] = -1.0;
-    T[12] = 0.0;
-    T[13] = 0.0;
-    T[14] = 0.0;
-    T[15] = 1.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    T[0] = cos_shoulder_elbow;
-    T[5] = -cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    T[1] = sin_shoulder_elbow;
-    T[4] = sin_shoulder_elbow;
-    const double extend_shift_z = q[2] + 0.5;
-    T[11] = 1.0 - extend_shift_z;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    T[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    T[7] = shoulder_to_tip_y;
-}
-
-void ambler_rrp_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_pose(q + row * 3, T + row * 16);
-    }
-}
-
-void ambler_rrp_leg_foot_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[2] = 0.0;
-    J[5] = 0.0;
-    J[6] = 0.0;
-    J[7] = 0.0;
-    J[8] = -1.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    J[4] = cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    J[1] = -sin_shoulder_elbow;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    J[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    J[0] = -shoulder_to_tip_y;
-}
-
-void ambler_rrp_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_jacobian(q + row * 3, J + row * 9);
-    }
-}
-
-void ambler_rrp_leg_foot_position_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT p,
-    double *WG_RESTRICT J) {
-    J[2] = 0.0;
-    J[5] = 0.0;
-    J[6] = 0.0;
-    J[7] = 0.0;
-    J[8] = -1.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    J[4] = cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    J[1] = -sin_shoulder_elbow;
-    const double extend_shift_z = q[2] + 0.5;
-    p[2] = 1.0 - extend_shift_z;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    p[0] = shoulder_to_tip_x;
-    J[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    p[1] = shoulder_to_tip_y;
-    J[0] = -shoulder_to_tip_y;
-}
-
-void ambler_rrp_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
-    }
-}
-
-void ambler_rrp_leg_foot_spatial_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[2] = 0.0;
-    J[5] = 0.0;
-    J[6] = 0.0;
-    J[7] = 0.0;
-    J[8] = -1.0;
-    J[9] = 0.0;
-    J[10] = 0.0;
-    J[11] = 0.0;
-    J[12] = 0.0;
-    J[13] = 0.0;
-    J[14] = 0.0;
-    J[15] = 1.0;
-    J[16] = 1.0;
-    J[17] = 0.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    J[4] = cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    J[1] = -sin_shoulder_elbow;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    J[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    J[0] = -shoulder_to_tip_y;
-}
-
-void ambler_rrp_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_spatial_jacobian(q + row * 3, J + row * 18);
-    }
-}
-
-void ambler_rrp_leg_foot_hessian(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    H[2] = 0.0;
-    H[5] = 0.0;
-    H[6] = 0.0;
-    H[7] = 0.0;
-    H[8] = 0.0;
-    H[11] = 0.0;
-    H[14] = 0.0;
-    H[15] = 0.0;
-    H[16] = 0.0;
-    H[17] = 0.0;
-    H[18] = 0.0;
-    H[19] = 0.0;
-    H[20] = 0.0;
-    H[21] = 0.0;
-    H[22] = 0.0;
-    H[23] = 0.0;
-    H[24] = 0.0;
-    H[25] = 0.0;
-    H[26] = 0.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    H[0] = -shoulder_to_tip_x;
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    H[9] = -shoulder_to_tip_y;
-    const double t1 = -cos_shoulder_elbow;
-    H[1] = t1;
-    H[3] = t1;
-    H[4] = t1;
-    const double t2 = -sin_shoulder_elbow;
-    H[10] = t2;
-    H[12] = t2;
-    H[13] = t2;
-}
-
-void ambler_rrp_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_hessian(q + row * 3, H + row * 27);
-    }
-}
-
-void ambler_rrp_leg_foot_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
-    v[2] = -qd[2];
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    v[1] = WG_FMA(qd[1], cos_shoulder_elbow, qd[0]*shoulder_to_tip_x);
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    v[0] = -WG_FMA(qd[1], sin_shoulder_elbow, qd[0]*shoulder_to_tip_y);
-}
-
-void ambler_rrp_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT v) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
-    }
-}
-
-void ambler_rrp_leg_foot_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    a[2] = -qdd[2];
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
-    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
-    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
-    const double bias_shoulder_y = qd[0]*flow_shoulder_x;
-    const double flow_elbow_x = qd[1]*sin_shoulder_elbow;
-    const double flow_elbow_y = qd[1]*cos_shoulder_elbow;
-    const double rate_elbow_z = qd[0] + qd[1];
-    const double rates_elbow_z = qd[0] + rate_elbow_z;
-    const double bias_elbow_x = WG_FMA(flow_elbow_y, rates_elbow_z, bias_shoulder_x);
-    a[0] = -(bias_elbow_x + WG_FMA(qdd[1], sin_shoulder_elbow, qdd[0]*shoulder_to_tip_y));
-    const double bias_elbow_y = WG_FMA(flow_elbow_x, rates_elbow_z, bias_shoulder_y);
-    a[1] = WG_FMA(qdd[1], cos_shoulder_elbow, qdd[0]*shoulder_to_tip_x) - bias_elbow_y;
-}
-
-void ambler_rrp_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
-    }
-}
-
-void ambler_rrp_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT a) {
-    a[2] = 0.0;
-    a[3] = 0.0;
-    a[4] = 0.0;
-    a[5] = 0.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
-    const double flow_shoulder_y = qd[0]*shoulder_to_tip_x;
-    const double bias_shoulder_x = qd[0]*flow_shoulder_y;
-    const double bias_shoulder_y = qd[0]*flow_shoulder_x;
-    const double flow_elbow_x = qd[1]*sin_shoulder_elbow;
-    const double flow_elbow_y = qd[1]*cos_shoulder_elbow;
-    const double rate_elbow_z = qd[0] + qd[1];
-    const double rates_elbow_z = qd[0] + rate_elbow_z;
-    const double bias_elbow_x = WG_FMA(flow_elbow_y, rates_elbow_z, bias_shoulder_x);
-    a[0] = -bias_elbow_x;
-    const double bias_elbow_y = WG_FMA(flow_elbow_x, rates_elbow_z, bias_shoulder_y);
-    a[1] = -bias_elbow_y;
-}
-
-void ambler_rrp_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
-    }
-}
-
-void ambler_rrp_leg_foot_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    tau[2] = -f[2];
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    tau[1] = WG_FMA(-f[0], sin_shoulder_elbow, f[1]*cos_shoulder_elbow);
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    tau[0] = WG_FMA(-f[0], shoulder_to_tip_y, f[1]*shoulder_to_tip_x);
-}
-
-void ambler_rrp_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
-    double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
-    }
 }
 
 void ambler_rrp_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
@@ -497,20 +1155,18 @@ void ambler_rrp_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRIC
     T[62] = 0.0;
     T[63] = 1.0;
     const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    T[32] = cos_shoulder_elbow;
-    T[48] = cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    T[33] = sin_shoulder_elbow;
-    T[36] = sin_shoulder_elbow;
-    T[49] = sin_shoulder_elbow;
-    T[52] = sin_shoulder_elbow;
-    const double cos_shoulder = WG_COS(q[0]);
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
     T[16] = cos_shoulder;
-    T[21] = cos_shoulder;
-    const double sin_shoulder = WG_SIN(q[0]);
     T[17] = -sin_shoulder;
     T[20] = sin_shoulder;
+    T[21] = cos_shoulder;
+    T[32] = cos_shoulder_elbow;
+    T[33] = sin_shoulder_elbow;
+    T[36] = sin_shoulder_elbow;
+    T[48] = cos_shoulder_elbow;
+    T[49] = sin_shoulder_elbow;
+    T[52] = sin_shoulder_elbow;
     const double shoulder_to_tip_link_x = cos_shoulder*1.5;
     T[19] = shoulder_to_tip_link_x;
     const double shoulder_to_tip_link_y = sin_shoulder*1.5;
@@ -640,18 +1296,6 @@ void ambler_rrp_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRIC
     }
 }
 
-int32_t ambler_rrp_leg_within_limits(const double *WG_RESTRICT q) {
-    const int t1 = -2.0943951023931957 <= q[0] && q[0] <= 2.0943951023931957;
-    const int t2 = t1 && (-2.6179938779914944 <= q[1] && q[1] <= 2.6179938779914944);
-    return (int32_t)(WG_INDICATOR(t2 && (0.0 <= q[2] && q[2] <= 1.5)));
-}
-
-void ambler_rrp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
-    for (size_t row = 0; row < rows; ++row) {
-        within[row] = ambler_rrp_leg_within_limits(q + row * 3);
-    }
-}
-
 int32_t ambler_rrp_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     double *WG_RESTRICT qd) {
     double J[9];
@@ -689,419 +1333,6 @@ size_t ambler_rrp_leg_inverse_acceleration_batch(size_t rows, const double *WG_R
         bad += status[row] != WALKGEN_OK;
     }
     return bad;
-}
-
-void ambler_rrp_leg_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double elbow_at_x = WG_FMA(elbow_lever_x, shoulder_field_x_x, qdd[0]*elbow_lever_y);
-    const double elbow_at_y = WG_FMA(-elbow_lever_y, shoulder_field_x_x, qdd[0]*elbow_lever_x);
-    const double elbow_spin_z = qd[0] + qd[1];
-    const double elbow_rate = qdd[0] + qdd[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
-    const double t1 = WG_FMA(elbow_rate, sin_shoulder_elbow, elbow_at_x);
-    const double extend_at_x = WG_FMA(cos_shoulder_elbow, elbow_field_x_x, t1);
-    const double t2 = WG_FMA(elbow_rate, cos_shoulder_elbow, elbow_at_y);
-    const double extend_at_y = WG_FMA(-sin_shoulder_elbow, elbow_field_x_x, t2);
-    const double extend_sliding_z = qdd[2] - 9.80665;
-    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
-    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
-    const double elbow_heave_z = WG_FMA(elbow_at_y, elbow_inertia_moment_x, elbow_at_x*elbow_inertia_moment_y);
-    const double t3 = WG_FMA(elbow_rate, elbow_inertia_moment_y, elbow_at_x*45.0);
-    const double elbow_inertial_force_x = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, t3);
-    const double t4 = WG_FMA(elbow_rate, elbow_inertia_moment_x, elbow_at_y*45.0);
-    const double elbow_inertial_force_y = WG_FMA(-elbow_field_x_x, elbow_inertia_moment_y, t4);
-    const double elbow_inertial_moment_z = WG_FMA(elbow_rate, 8.85, elbow_heave_z);
-    const double extend_own_force_x = WG_FMA(extend_at_x, 20.0, f[0]);
-    const double extend_own_force_y = WG_FMA(extend_at_y, 20.0, -f[1]);
-    const double extend_own_force_z = WG_FMA(extend_sliding_z, 20.0, f[2]);
-    tau[2] = extend_own_force_z;
-    const double elbow_force_x = elbow_inertial_force_x + extend_own_force_x;
-    const double elbow_force_y = elbow_inertial_force_y + extend_own_force_y;
-    const double t5 = cos_shoulder_elbow*extend_own_force_y;
-    const double elbow_moment_z = elbow_inertial_moment_z + WG_FMA(sin_shoulder_elbow, extend_own_force_x, t5);
-    tau[1] = elbow_moment_z;
-    const double t6 = elbow_moment_z + WG_FMA(elbow_lever_y, elbow_force_x, elbow_lever_x*elbow_force_y);
-    const double shoulder_moment_z = WG_FMA(-qdd[0], 14.5, t6);
-    tau[0] = shoulder_moment_z;
-}
-
-void ambler_rrp_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
-    }
-}
-
-void ambler_rrp_leg_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double elbow_at_x = elbow_lever_x*shoulder_field_x_x;
-    const double elbow_at_y = elbow_lever_y*shoulder_field_x_x;
-    const double elbow_spin_z = qd[0] + qd[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
-    const double extend_at_x = WG_FMA(cos_shoulder_elbow, elbow_field_x_x, elbow_at_x);
-    const double extend_at_y = WG_FMA(sin_shoulder_elbow, elbow_field_x_x, elbow_at_y);
-    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
-    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
-    const double elbow_heave_z = WG_FMA(-elbow_at_y, elbow_inertia_moment_x, elbow_at_x*elbow_inertia_moment_y);
-    const double elbow_inertial_force_x = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, elbow_at_x*45.0);
-    const double elbow_inertial_force_y = WG_FMA(elbow_field_x_x, elbow_inertia_moment_y, elbow_at_y*45.0);
-    const double extend_own_force_x = WG_FMA(extend_at_x, 20.0, f[0]);
-    const double extend_own_force_y = WG_FMA(extend_at_y, 20.0, f[1]);
-    const double extend_own_force_z = f[2] - 196.133;
-    const double elbow_force_x = elbow_inertial_force_x + extend_own_force_x;
-    const double elbow_force_y = elbow_inertial_force_y + extend_own_force_y;
-    const double t1 = WG_FMA(sin_shoulder_elbow, extend_own_force_x, elbow_heave_z);
-    const double elbow_moment_z = WG_FMA(-cos_shoulder_elbow, extend_own_force_y, t1);
-    const double t2 = WG_FMA(elbow_lever_y, elbow_force_x, elbow_moment_z);
-    const double shoulder_moment_z = WG_FMA(-elbow_lever_x, elbow_force_y, t2);
-    const double t3 = WG_FMA(20.0, cos_shoulder_elbow*cos_shoulder_elbow, 8.85);
-    const double elbow_composite_zz = WG_FMA(20.0, sin_shoulder_elbow*sin_shoulder_elbow, t3);
-    const double elbow_composite_moment_x = WG_FMA(cos_shoulder_elbow, 20.0, elbow_inertia_moment_x);
-    const double elbow_composite_moment_y = WG_FMA(sin_shoulder_elbow, 20.0, elbow_inertia_moment_y);
-    const double t4 = 65.0*(elbow_lever_x*elbow_lever_x);
-    const double t5 = WG_FMA(elbow_composite_moment_x, elbow_lever_x*2.0, t4);
-    const double t6 = WG_FMA(65.0, elbow_lever_y*elbow_lever_y, t5);
-    const double shoulder_composite_zz = elbow_composite_zz + WG_FMA(elbow_composite_moment_y, elbow_lever_y*2.0, t6) - 14.5;
-    const double t7 = elbow_lever_x*elbow_composite_moment_x;
-    const double M_elbow_on_elbow_moment_z = elbow_composite_zz + WG_FMA(elbow_lever_y, elbow_composite_moment_y, t7);
-    const double reciprocal_1 = 1.0/elbow_composite_zz;
-    const double L_1_0 = M_elbow_on_elbow_moment_z*reciprocal_1;
-    const double D_0_0 = WG_FMA(M_elbow_on_elbow_moment_z, L_1_0, -shoulder_composite_zz);
-    const double reciprocal_0 = 1.0/D_0_0;
-    const double halfway_2 = extend_own_force_z - tau[2];
-    const double halfway_1 = elbow_moment_z - tau[1];
-    const double halfway_0 = WG_FMA(L_1_0, halfway_1, tau[0]) - shoulder_moment_z;
-    const double solution_0 = reciprocal_0*halfway_0;
-    qdd[0] = -solution_0;
-    const double solution_1 = WG_FMA(-reciprocal_1, halfway_1, L_1_0*solution_0);
-    qdd[1] = solution_1;
-    const double solution_2 = halfway_2*0.05;
-    qdd[2] = -solution_2;
-}
-
-void ambler_rrp_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
-    }
-}
-
-void ambler_rrp_leg_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    M[2] = 0.0;
-    M[5] = 0.0;
-    M[6] = 0.0;
-    M[7] = 0.0;
-    M[8] = 20.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
-    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
-    const double t1 = WG_FMA(20.0, cos_shoulder_elbow*cos_shoulder_elbow, 8.85);
-    const double elbow_composite_zz = WG_FMA(20.0, sin_shoulder_elbow*sin_shoulder_elbow, t1);
-    M[4] = elbow_composite_zz;
-    const double elbow_composite_moment_x = WG_FMA(cos_shoulder_elbow, 20.0, elbow_inertia_moment_x);
-    const double elbow_composite_moment_y = WG_FMA(sin_shoulder_elbow, 20.0, elbow_inertia_moment_y);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double t2 = WG_FMA(elbow_lever_x, elbow_composite_moment_x*2.0, elbow_composite_zz);
-    const double t3 = WG_FMA(elbow_lever_y, elbow_composite_moment_y*2.0, t2);
-    const double t4 = WG_FMA(65.0, elbow_lever_x*elbow_lever_x, t3);
-    const double shoulder_composite_zz = WG_FMA(65.0, elbow_lever_y*elbow_lever_y, t4) - 14.5;
-    M[0] = shoulder_composite_zz;
-    const double t5 = WG_FMA(elbow_composite_moment_x, elbow_lever_x, elbow_composite_zz);
-    const double M_elbow_on_elbow_moment_z = WG_FMA(elbow_composite_moment_y, elbow_lever_y, t5);
-    M[1] = M_elbow_on_elbow_moment_z;
-    M[3] = M_elbow_on_elbow_moment_z;
-}
-
-void ambler_rrp_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_mass_matrix(q + row * 3, M + row * 9);
-    }
-}
-
-void ambler_rrp_leg_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
-    h[2] = -196.133;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double elbow_at_x = elbow_lever_x*shoulder_field_x_x;
-    const double elbow_at_y = elbow_lever_y*shoulder_field_x_x;
-    const double elbow_spin_z = qd[0] + qd[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
-    const double extend_at_x = WG_FMA(cos_shoulder_elbow, elbow_field_x_x, elbow_at_x);
-    const double extend_at_y = WG_FMA(sin_shoulder_elbow, elbow_field_x_x, elbow_at_y);
-    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
-    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
-    const double elbow_heave_z = WG_FMA(-elbow_at_y, elbow_inertia_moment_x, elbow_at_x*elbow_inertia_moment_y);
-    const double elbow_inertial_force_x = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, elbow_at_x*45.0);
-    const double elbow_inertial_force_y = WG_FMA(elbow_field_x_x, elbow_inertia_moment_y, elbow_at_y*45.0);
-    const double extend_inertial_force_x = extend_at_x*20.0;
-    const double extend_inertial_force_y = extend_at_y*20.0;
-    const double elbow_force_x = elbow_inertial_force_x + extend_inertial_force_x;
-    const double elbow_force_y = elbow_inertial_force_y + extend_inertial_force_y;
-    const double t1 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x, elbow_heave_z);
-    const double elbow_moment_z = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y, t1);
-    h[1] = elbow_moment_z;
-    const double t2 = WG_FMA(elbow_lever_y, elbow_force_x, elbow_moment_z);
-    const double shoulder_moment_z = WG_FMA(-elbow_lever_x, elbow_force_y, t2);
-    h[0] = shoulder_moment_z;
-}
-
-void ambler_rrp_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_bias(q + row * 3, qd + row * 3, h + row * 3);
-    }
-}
-
-void ambler_rrp_leg_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    (void)q;
-    g[0] = 0.0;
-    g[1] = 0.0;
-    g[2] = -196.133;
-}
-
-void ambler_rrp_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_gravity_torque(q + row * 3, g + row * 3);
-    }
-}
-
-void ambler_rrp_leg_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT C) {
-    C[2] = 0.0;
-    C[5] = 0.0;
-    C[6] = 0.0;
-    C[7] = 0.0;
-    C[8] = 0.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double elbow_spin_z = qd[0] + qd[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
-    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
-    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
-    const double elbow_at_x_d_qd_shoulder = elbow_lever_x*shoulder_field_x_x_d_qd_shoulder;
-    const double elbow_at_y_d_qd_shoulder = elbow_lever_y*shoulder_field_x_x_d_qd_shoulder;
-    const double elbow_field_x_x_d_qd_shoulder = elbow_spin_z*2.0;
-    const double extend_at_x_d_qd_elbow = cos_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
-    const double extend_at_x_d_qd_shoulder = elbow_at_x_d_qd_shoulder + extend_at_x_d_qd_elbow;
-    const double extend_at_y_d_qd_elbow = sin_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
-    const double extend_at_y_d_qd_shoulder = elbow_at_y_d_qd_shoulder + extend_at_y_d_qd_elbow;
-    const double t1 = elbow_inertia_moment_y*elbow_at_x_d_qd_shoulder;
-    const double elbow_heave_z_d_qd_shoulder = WG_FMA(-elbow_inertia_moment_x, elbow_at_y_d_qd_shoulder, t1);
-    const double elbow_inertial_force_x_d_qd_elbow = elbow_inertia_moment_x*elbow_field_x_x_d_qd_shoulder;
-    const double elbow_inertial_force_x_d_qd_shoulder = WG_FMA(elbow_at_x_d_qd_shoulder, 45.0, elbow_inertial_force_x_d_qd_elbow);
-    const double elbow_inertial_force_y_d_qd_elbow = elbow_inertia_moment_y*elbow_field_x_x_d_qd_shoulder;
-    const double elbow_inertial_force_y_d_qd_shoulder = WG_FMA(elbow_at_y_d_qd_shoulder, 45.0, elbow_inertial_force_y_d_qd_elbow);
-    const double extend_inertial_force_x_d_qd_shoulder = extend_at_x_d_qd_shoulder*20.0;
-    const double extend_inertial_force_y_d_qd_shoulder = extend_at_y_d_qd_shoulder*20.0;
-    const double elbow_force_x_d_qd_shoulder = elbow_inertial_force_x_d_qd_shoulder + extend_inertial_force_x_d_qd_shoulder;
-    const double elbow_force_y_d_qd_shoulder = elbow_inertial_force_y_d_qd_shoulder + extend_inertial_force_y_d_qd_shoulder;
-    const double t2 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x_d_qd_shoulder, elbow_heave_z_d_qd_shoulder);
-    const double elbow_moment_z_d_qd_shoulder = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y_d_qd_shoulder, t2);
-    C[3] = elbow_moment_z_d_qd_shoulder*0.5;
-    const double t3 = WG_FMA(elbow_lever_y, elbow_force_x_d_qd_shoulder, elbow_moment_z_d_qd_shoulder);
-    const double shoulder_moment_z_d_qd_shoulder = WG_FMA(-elbow_lever_x, elbow_force_y_d_qd_shoulder, t3);
-    C[0] = shoulder_moment_z_d_qd_shoulder*0.5;
-    const double extend_inertial_force_x_d_qd_elbow = extend_at_x_d_qd_elbow*20.0;
-    const double extend_inertial_force_y_d_qd_elbow = extend_at_y_d_qd_elbow*20.0;
-    const double elbow_force_x_d_qd_elbow = elbow_inertial_force_x_d_qd_elbow + extend_inertial_force_x_d_qd_elbow;
-    const double elbow_force_y_d_qd_elbow = elbow_inertial_force_y_d_qd_elbow + extend_inertial_force_y_d_qd_elbow;
-    const double t4 = cos_shoulder_elbow*extend_inertial_force_y_d_qd_elbow;
-    const double elbow_moment_z_d_qd_elbow = WG_FMA(-sin_shoulder_elbow, extend_inertial_force_x_d_qd_elbow, t4);
-    C[4] = -(elbow_moment_z_d_qd_elbow*0.5);
-    const double t5 = WG_FMA(elbow_lever_x, elbow_force_y_d_qd_elbow, elbow_moment_z_d_qd_elbow);
-    const double shoulder_moment_z_d_qd_elbow = WG_FMA(-elbow_lever_y, elbow_force_x_d_qd_elbow, t5);
-    C[1] = -(shoulder_moment_z_d_qd_elbow*0.5);
-}
-
-void ambler_rrp_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT C) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
-    }
-}
-
-void ambler_rrp_leg_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double elbow_velocity_before_x = qd[0]*elbow_lever_y;
-    const double elbow_velocity_before_y = qd[0]*elbow_lever_x;
-    const double elbow_spin_z = qd[0] + qd[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double extend_velocity_before_x = WG_FMA(elbow_spin_z, sin_shoulder_elbow, elbow_velocity_before_x);
-    const double extend_velocity_before_y = WG_FMA(elbow_spin_z, cos_shoulder_elbow, elbow_velocity_before_y);
-    const double shoulder_momentum_moment_z = qd[0]*14.5;
-    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
-    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
-    const double elbow_momentum_force_x = WG_FMA(elbow_spin_z, elbow_inertia_moment_y, elbow_velocity_before_x*45.0);
-    const double elbow_momentum_force_y = WG_FMA(elbow_spin_z, elbow_inertia_moment_x, elbow_velocity_before_y*45.0);
-    const double t1 = elbow_velocity_before_x*elbow_inertia_moment_y;
-    const double t2 = WG_FMA(elbow_velocity_before_y, elbow_inertia_moment_x, t1);
-    const double elbow_momentum_moment_z = WG_FMA(elbow_spin_z, 8.85, t2);
-    const double extend_momentum_force_x = extend_velocity_before_x*20.0;
-    const double extend_momentum_force_y = extend_velocity_before_y*20.0;
-    const double extend_momentum_force_z = qd[2]*20.0;
-    const double shoulder_energy = qd[0]*shoulder_momentum_moment_z;
-    const double t3 = elbow_velocity_before_x*elbow_momentum_force_x;
-    const double t4 = WG_FMA(elbow_velocity_before_y, elbow_momentum_force_y, t3);
-    const double elbow_energy = WG_FMA(elbow_spin_z, elbow_momentum_moment_z, t4);
-    const double t5 = qd[2]*extend_momentum_force_z;
-    const double t6 = WG_FMA(extend_velocity_before_x, extend_momentum_force_x, t5);
-    const double extend_energy = WG_FMA(extend_velocity_before_y, extend_momentum_force_y, t6);
-    *T = WG_FMA(-shoulder_energy, 0.5, WG_FMA(extend_energy, 0.5, elbow_energy*0.5));
-}
-
-void ambler_rrp_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_kinetic_energy(q + row * 3, qd + row * 3, T + row);
-    }
-}
-
-void ambler_rrp_leg_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
-    const double extend_slid_z = q[2] - 0.2;
-    const double moment_z = WG_FMA(extend_slid_z, 20.0, -85.0);
-    *U = -(moment_z*9.80665);
-}
-
-void ambler_rrp_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_potential_energy(q + row * 3, U + row);
-    }
-}
-
-void ambler_rrp_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
-    tau_d_q[0] = 0.0;
-    tau_d_q[2] = 0.0;
-    tau_d_q[3] = 0.0;
-    tau_d_q[5] = 0.0;
-    tau_d_q[6] = 0.0;
-    tau_d_q[7] = 0.0;
-    tau_d_q[8] = 0.0;
-    tau_d_qd[2] = 0.0;
-    tau_d_qd[5] = 0.0;
-    tau_d_qd[6] = 0.0;
-    tau_d_qd[7] = 0.0;
-    tau_d_qd[8] = 0.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double elbow_at_x = WG_FMA(elbow_lever_x, shoulder_field_x_x, qdd[0]*elbow_lever_y);
-    const double elbow_at_y = WG_FMA(-elbow_lever_y, shoulder_field_x_x, qdd[0]*elbow_lever_x);
-    const double elbow_spin_z = qd[0] + qd[1];
-    const double elbow_rate = qdd[0] + qdd[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
-    const double t1 = elbow_rate*sin_shoulder_elbow;
-    const double t2 = cos_shoulder_elbow*elbow_field_x_x;
-    const double extend_at_x = t2 + (elbow_at_x + t1);
-    const double t3 = elbow_rate*cos_shoulder_elbow;
-    const double t4 = sin_shoulder_elbow*elbow_field_x_x;
-    const double extend_at_y = elbow_at_y + t3 - t4;
-    const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
-    const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
-    const double extend_inertial_force_x = extend_at_x*20.0;
-    const double extend_inertial_force_y = extend_at_y*20.0;
-    const double extend_at_x_d_q_elbow = t3 - t4;
-    const double extend_at_y_d_q_elbow = t1 + t2;
-    const double elbow_heave_z_d_q_elbow = WG_FMA(-elbow_at_y, elbow_inertia_moment_y, elbow_at_x*elbow_inertia_moment_x);
-    const double elbow_inertial_force_x_d_q_elbow = WG_FMA(-elbow_rate, elbow_inertia_moment_x, elbow_field_x_x*elbow_inertia_moment_y);
-    const double elbow_inertial_force_y_d_q_elbow = WG_FMA(elbow_field_x_x, elbow_inertia_moment_x, elbow_rate*elbow_inertia_moment_y);
-    const double extend_inertial_force_x_d_q_elbow = 20.0*extend_at_x_d_q_elbow;
-    const double extend_inertial_force_y_d_q_elbow = 20.0*extend_at_y_d_q_elbow;
-    const double elbow_force_x_d_q_elbow = elbow_inertial_force_x_d_q_elbow - extend_inertial_force_x_d_q_elbow;
-    const double elbow_force_y_d_q_elbow = elbow_inertial_force_y_d_q_elbow + extend_inertial_force_y_d_q_elbow;
-    const double t5 = cos_shoulder_elbow*extend_inertial_force_x;
-    const double t6 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x_d_q_elbow, t5);
-    const double t7 = elbow_heave_z_d_q_elbow + t6;
-    const double t8 = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y_d_q_elbow, t7);
-    const double elbow_moment_z_d_q_elbow = WG_FMA(-sin_shoulder_elbow, extend_inertial_force_y, t8);
-    tau_d_q[4] = elbow_moment_z_d_q_elbow;
-    const double t9 = elbow_lever_x*elbow_force_y_d_q_elbow;
-    tau_d_q[1] = elbow_moment_z_d_q_elbow - WG_FMA(elbow_lever_y, elbow_force_x_d_q_elbow, t9);
-    const double shoulder_field_x_x_d_qd_shoulder = qd[0]*2.0;
-    const double elbow_at_x_d_qd_shoulder = elbow_lever_x*shoulder_field_x_x_d_qd_shoulder;
-    const double elbow_at_y_d_qd_shoulder = elbow_lever_y*shoulder_field_x_x_d_qd_shoulder;
-    const double elbow_field_x_x_d_qd_shoulder = elbow_spin_z*2.0;
-    const double extend_at_x_d_qd_elbow = cos_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
-    const double extend_at_x_d_qd_shoulder = elbow_at_x_d_qd_shoulder + extend_at_x_d_qd_elbow;
-    const double extend_at_y_d_qd_elbow = sin_shoulder_elbow*elbow_field_x_x_d_qd_shoulder;
-    const double extend_at_y_d_qd_shoulder = elbow_at_y_d_qd_shoulder + extend_at_y_d_qd_elbow;
-    const double t10 = elbow_inertia_moment_y*elbow_at_x_d_qd_shoulder;
-    const double elbow_heave_z_d_qd_shoulder = WG_FMA(-elbow_inertia_moment_x, elbow_at_y_d_qd_shoulder, t10);
-    const double elbow_inertial_force_x_d_qd_elbow = elbow_inertia_moment_x*elbow_field_x_x_d_qd_shoulder;
-    const double elbow_inertial_force_x_d_qd_shoulder = WG_FMA(elbow_at_x_d_qd_shoulder, 45.0, elbow_inertial_force_x_d_qd_elbow);
-    const double elbow_inertial_force_y_d_qd_elbow = elbow_inertia_moment_y*elbow_field_x_x_d_qd_shoulder;
-    const double elbow_inertial_force_y_d_qd_shoulder = WG_FMA(elbow_at_y_d_qd_shoulder, 45.0, elbow_inertial_force_y_d_qd_elbow);
-    const double extend_inertial_force_x_d_qd_shoulder = 20.0*extend_at_x_d_qd_shoulder;
-    const double extend_inertial_force_y_d_qd_shoulder = 20.0*extend_at_y_d_qd_shoulder;
-    const double elbow_force_x_d_qd_shoulder = elbow_inertial_force_x_d_qd_shoulder + extend_inertial_force_x_d_qd_shoulder;
-    const double elbow_force_y_d_qd_shoulder = elbow_inertial_force_y_d_qd_shoulder + extend_inertial_force_y_d_qd_shoulder;
-    const double t11 = WG_FMA(sin_shoulder_elbow, extend_inertial_force_x_d_qd_shoulder, elbow_heave_z_d_qd_shoulder);
-    const double elbow_moment_z_d_qd_shoulder = WG_FMA(-cos_shoulder_elbow, extend_inertial_force_y_d_qd_shoulder, t11);
-    tau_d_qd[3] = elbow_moment_z_d_qd_shoulder;
-    const double t12 = WG_FMA(elbow_lever_y, elbow_force_x_d_qd_shoulder, elbow_moment_z_d_qd_shoulder);
-    const double shoulder_moment_z_d_qd_shoulder = WG_FMA(-elbow_lever_x, elbow_force_y_d_qd_shoulder, t12);
-    tau_d_qd[0] = shoulder_moment_z_d_qd_shoulder;
-    const double extend_inertial_force_x_d_qd_elbow = 20.0*extend_at_x_d_qd_elbow;
-    const double extend_inertial_force_y_d_qd_elbow = 20.0*extend_at_y_d_qd_elbow;
-    const double elbow_force_x_d_qd_elbow = elbow_inertial_force_x_d_qd_elbow + extend_inertial_force_x_d_qd_elbow;
-    const double elbow_force_y_d_qd_elbow = elbow_inertial_force_y_d_qd_elbow + extend_inertial_force_y_d_qd_elbow;
-    const double t13 = cos_shoulder_elbow*extend_inertial_force_y_d_qd_elbow;
-    const double t14 = sin_shoulder_elbow*extend_inertial_force_x_d_qd_elbow;
-    tau_d_qd[4] = t14 - t13;
-    const double elbow_moment_z_d_qd_elbow = t13 - t14;
-    const double t15 = WG_FMA(elbow_lever_x, elbow_force_y_d_qd_elbow, elbow_moment_z_d_qd_elbow);
-    tau_d_qd[1] = WG_FMA(elbow_lever_y, elbow_force_x_d_qd_elbow, -t15);
-}
-
-void ambler_rrp_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
-    double *WG_RESTRICT tau_d_qd) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
-            tau_d_qd + row * 9);
-    }
 }
 
 void ambler_rrp_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1177,8 +1408,8 @@ void ambler_rrp_leg_regressor(const double *WG_RESTRICT q, const double *WG_REST
     Y[88] = 0.0;
     Y[89] = 0.0;
     const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
+    double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double shoulder_field_x_x = qd[0]*qd[0];
@@ -1190,8 +1421,6 @@ void ambler_rrp_leg_regressor(const double *WG_RESTRICT q, const double *WG_REST
     Y[26] = elbow_rate;
     Y[46] = elbow_rate;
     Y[56] = elbow_rate;
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
     const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
     const double t1 = elbow_rate*sin_shoulder_elbow;
     const double t2 = cos_shoulder_elbow*elbow_field_x_x;
@@ -1260,72 +1489,6 @@ void ambler_rrp_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, co
     }
 }
 
-void ambler_rrp_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
-    Y[0] = qdd[0];
-    Y[5] = 0.0;
-    Y[10] = 0.0;
-    Y[11] = 0.0;
-    Y[12] = 0.0;
-    Y[13] = 0.0;
-    p[0] = 86.75;
-    p[1] = 12.5;
-    p[2] = 0.0;
-    p[3] = 8.85;
-    p[4] = 20.0;
-    const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double elbow_lever_x = cos_shoulder*1.5;
-    const double elbow_lever_y = sin_shoulder*1.5;
-    const double shoulder_field_x_x = qd[0]*qd[0];
-    const double elbow_at_x = WG_FMA(elbow_lever_x, shoulder_field_x_x, qdd[0]*elbow_lever_y);
-    const double elbow_at_y = WG_FMA(-elbow_lever_y, shoulder_field_x_x, qdd[0]*elbow_lever_x);
-    const double elbow_spin_z = qd[0] + qd[1];
-    const double elbow_rate = qdd[0] + qdd[1];
-    Y[3] = elbow_rate;
-    Y[8] = elbow_rate;
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
-    const double elbow_field_x_x = elbow_spin_z*elbow_spin_z;
-    const double t1 = elbow_rate*sin_shoulder_elbow;
-    const double t2 = cos_shoulder_elbow*elbow_field_x_x;
-    const double extend_at_x = t2 + (elbow_at_x + t1);
-    const double t3 = elbow_rate*cos_shoulder_elbow;
-    const double t4 = sin_shoulder_elbow*elbow_field_x_x;
-    const double extend_at_y = elbow_at_y + t3 - t4;
-    const double extend_sliding_z = qdd[2] - 9.80665;
-    Y[14] = extend_sliding_z;
-    const double elbow_at_own_x = WG_FMA(-elbow_at_y, sin_shoulder_elbow, elbow_at_x*cos_shoulder_elbow);
-    Y[7] = elbow_at_own_x;
-    const double elbow_at_own_y = WG_FMA(elbow_at_y, cos_shoulder_elbow, elbow_at_x*sin_shoulder_elbow);
-    Y[6] = elbow_at_own_y;
-    const double elbow_mx_force_x = t1 + t2;
-    const double elbow_mx_force_y = t3 - t4;
-    const double t5 = WG_FMA(elbow_lever_y, elbow_mx_force_x, elbow_lever_x*elbow_mx_force_y);
-    const double Y_elbow_mx_on_elbow_moment_z = elbow_at_own_y + t5;
-    Y[1] = Y_elbow_mx_on_elbow_moment_z;
-    const double t6 = WG_FMA(elbow_lever_y, elbow_mx_force_y, elbow_at_own_x);
-    const double Y_elbow_my_on_elbow_moment_z = WG_FMA(-elbow_lever_x, elbow_mx_force_x, t6);
-    Y[2] = Y_elbow_my_on_elbow_moment_z;
-    const double extend_at_own_x = WG_FMA(-sin_shoulder_elbow, extend_at_y, cos_shoulder_elbow*extend_at_x);
-    const double extend_at_own_y = WG_FMA(sin_shoulder_elbow, extend_at_x, cos_shoulder_elbow*extend_at_y);
-    const double extend_m_force_x = WG_FMA(sin_shoulder_elbow, extend_at_own_y, cos_shoulder_elbow*extend_at_own_x);
-    const double extend_m_force_y = WG_FMA(-sin_shoulder_elbow, extend_at_own_x, cos_shoulder_elbow*extend_at_own_y);
-    const double Y_extend_m_on_extend_moment_z = WG_FMA(sin_shoulder_elbow, extend_m_force_x, cos_shoulder_elbow*extend_m_force_y);
-    Y[9] = Y_extend_m_on_extend_moment_z;
-    const double t7 = WG_FMA(elbow_lever_y, extend_m_force_x, elbow_lever_x*extend_m_force_y);
-    const double Y_extend_m_on_elbow_moment_z = Y_extend_m_on_extend_moment_z + t7;
-    Y[4] = Y_extend_m_on_elbow_moment_z;
-}
-
-void ambler_rrp_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rrp_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 15, p + row * 5);
-    }
-}
-
 void ambler_rrp_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
     (void)q;
     T[0] = 1.0;
@@ -1354,12 +1517,10 @@ void ambler_rrp_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, d
 
 void ambler_rrp_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
     const double extend_shift_z = q[2] + 0.5;
     p[2] = 1.0 - extend_shift_z;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     p[0] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
@@ -1379,16 +1540,13 @@ void ambler_rrp_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT 
     J[7] = 0.0;
     J[8] = -1.0;
     const double angle_shoulder_elbow = q[0] + q[1];
-    const double cos_shoulder_elbow = WG_COS(angle_shoulder_elbow);
-    J[4] = cos_shoulder_elbow;
-    const double sin_shoulder_elbow = WG_SIN(angle_shoulder_elbow);
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    J[0] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
     J[1] = -sin_shoulder_elbow;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
+    J[4] = cos_shoulder_elbow;
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     J[3] = shoulder_to_tip_x;
-    const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
-    J[0] = -shoulder_to_tip_y;
 }
 
 void ambler_rrp_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
@@ -1399,15 +1557,14 @@ void ambler_rrp_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, d
 
 void ambler_rrp_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c) {
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
+    double sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder;
+    WG_SINCOS_2(angle_leg_shoulder_elbow, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0], sin_leg_shoulder,
+        cos_leg_shoulder);
     const double leg_extend_slid_z = q[2] - 0.2;
     const double leg_elbow_moment_own_x = cos_leg_shoulder_elbow*12.5;
     const double leg_elbow_moment_own_y = sin_leg_shoulder_elbow*12.5;
     const double leg_elbow_moment_x = WG_FMA(cos_leg_shoulder_elbow, 20.0, leg_elbow_moment_own_x);
     const double leg_elbow_moment_y = WG_FMA(sin_leg_shoulder_elbow, 20.0, leg_elbow_moment_own_y);
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double leg_shoulder_moment_x = WG_FMA(cos_leg_shoulder, 67.5, WG_FMA(20.0, leg_elbow_lever_x, leg_elbow_moment_x));
@@ -1447,15 +1604,14 @@ void ambler_rrp_com_jacobian(const double *WG_RESTRICT base_pose, const double *
     J[19] = base_pose[9];
     J[20] = base_pose[10];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
+    double sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder;
+    WG_SINCOS_2(angle_leg_shoulder_elbow, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0], sin_leg_shoulder,
+        cos_leg_shoulder);
     const double leg_extend_slid_z = q[2] - 0.2;
     const double leg_elbow_moment_own_x = cos_leg_shoulder_elbow*12.5;
     const double leg_elbow_moment_own_y = sin_leg_shoulder_elbow*12.5;
     const double leg_elbow_moment_x = WG_FMA(cos_leg_shoulder_elbow, 20.0, leg_elbow_moment_own_x);
     const double leg_elbow_moment_y = WG_FMA(sin_leg_shoulder_elbow, 20.0, leg_elbow_moment_own_y);
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double leg_shoulder_moment_x = WG_FMA(cos_leg_shoulder, 67.5, WG_FMA(20.0, leg_elbow_lever_x, leg_elbow_moment_x));
@@ -1465,18 +1621,15 @@ void ambler_rrp_com_jacobian(const double *WG_RESTRICT base_pose, const double *
     const double centre_x = leg_shoulder_moment_x*0.0006309148264984228;
     const double centre_y = leg_shoulder_moment_y*0.0006309148264984228;
     const double centre_z = moment_z*0.0006309148264984228;
+    J[4] = WG_FMA(-base_pose[2], centre_x, -(base_pose[0]*centre_z));
+    J[13] = WG_FMA(-base_pose[6], centre_x, -(base_pose[4]*centre_z));
+    J[22] = WG_FMA(-base_pose[10], centre_x, -(base_pose[8]*centre_z));
     const double turn_x_x = WG_FMA(base_pose[2], centre_y, base_pose[1]*centre_z);
     J[3] = turn_x_x;
     const double turn_x_y = WG_FMA(base_pose[6], centre_y, base_pose[5]*centre_z);
     J[12] = turn_x_y;
     const double turn_x_z = WG_FMA(base_pose[10], centre_y, base_pose[9]*centre_z);
     J[21] = turn_x_z;
-    const double turn_y_x = WG_FMA(base_pose[2], centre_x, base_pose[0]*centre_z);
-    J[4] = -turn_y_x;
-    const double turn_y_y = WG_FMA(base_pose[6], centre_x, base_pose[4]*centre_z);
-    J[13] = -turn_y_y;
-    const double turn_y_z = WG_FMA(base_pose[10], centre_x, base_pose[8]*centre_z);
-    J[22] = -turn_y_z;
     const double leg_elbow_unit_x = leg_elbow_moment_y*0.0006309148264984228;
     const double leg_elbow_unit_y = leg_elbow_moment_x*0.0006309148264984228;
     J[7] = WG_FMA(-base_pose[0], leg_elbow_unit_x, base_pose[1]*leg_elbow_unit_y);
@@ -1518,16 +1671,15 @@ void ambler_rrp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, 
     A[46] = 0.0;
     A[47] = 0.0;
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
+    double sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder;
+    WG_SINCOS_2(angle_leg_shoulder_elbow, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0], sin_leg_shoulder,
+        cos_leg_shoulder);
     const double leg_extend_slid_z = q[2] - 0.2;
     const double t1 = cos_leg_shoulder_elbow*20.0;
     const double leg_elbow_moment_x = WG_FMA(cos_leg_shoulder_elbow, 12.5, t1);
     const double t2 = sin_leg_shoulder_elbow*20.0;
     const double leg_elbow_moment_y = WG_FMA(sin_leg_shoulder_elbow, 12.5, t2);
     const double leg_elbow_moment_z = leg_extend_slid_z*20.0;
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double t3 = 20.0*leg_elbow_lever_x;
@@ -1606,22 +1758,19 @@ void ambler_rrp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, 
     A[23] = WG_FMA(-centre_y, push_x_z, centre_x*push_y_z);
     const double push_z_x = base_pose[2]*1585.0;
     A[2] = push_z_x;
+    A[4] = WG_FMA(-centre_x, push_z_x, -(centre_z*push_x_x));
     const double push_z_y = base_pose[6]*1585.0;
     A[11] = push_z_y;
+    A[13] = WG_FMA(-centre_x, push_z_y, -(centre_z*push_x_y));
     const double push_z_z = base_pose[10]*1585.0;
     A[20] = push_z_z;
+    A[22] = WG_FMA(-centre_x, push_z_z, -(centre_z*push_x_z));
     const double turn_x_x = WG_FMA(centre_y, push_z_x, centre_z*push_y_x);
     A[3] = turn_x_x;
     const double turn_x_y = WG_FMA(centre_y, push_z_y, centre_z*push_y_y);
     A[12] = turn_x_y;
     const double turn_x_z = WG_FMA(centre_y, push_z_z, centre_z*push_y_z);
     A[21] = turn_x_z;
-    const double turn_y_x = WG_FMA(centre_x, push_z_x, centre_z*push_x_x);
-    A[4] = -turn_y_x;
-    const double turn_y_y = WG_FMA(centre_x, push_z_y, centre_z*push_x_y);
-    A[13] = -turn_y_y;
-    const double turn_y_z = WG_FMA(centre_x, push_z_z, centre_z*push_x_z);
-    A[22] = -turn_y_z;
     const double t27 = base_pose[0]*leg_shoulder_moment_y;
     const double t28 = base_pose[1]*leg_shoulder_moment_x;
     A[6] = t28 - t27;
@@ -1738,13 +1887,12 @@ void ambler_rrp_centroidal_momentum_matrix_batch(size_t rows, const double *WG_R
 void ambler_rrp_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     double *WG_RESTRICT I) {
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
+    double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
+        cos_leg_shoulder_elbow);
     const double leg_shoulder_inertia_spun_y = sin_leg_shoulder*86.25;
     const double leg_shoulder_inertia_xx = sin_leg_shoulder*leg_shoulder_inertia_spun_y;
     const double leg_shoulder_inertia_rest = leg_shoulder_inertia_xx - 86.25;
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
     const double leg_elbow_inertia_spun_y = sin_leg_shoulder_elbow*8.45;
     const double leg_elbow_inertia_xx = sin_leg_shoulder_elbow*leg_elbow_inertia_spun_y;
     const double leg_elbow_inertia_rest = leg_elbow_inertia_xx - 8.45;
@@ -1828,29 +1976,23 @@ void ambler_rrp_centroidal_inertia(const double *WG_RESTRICT base_pose, const do
     const double t37 = WG_FMA(base_pose[9], centroidal_yz, base_pose[8]*centroidal_xz);
     const double spin_z_z = WG_FMA(-base_pose[10], centroidal_zz, t37);
     const double t38 = WG_FMA(base_pose[1], spin_y_x, base_pose[0]*spin_x_x);
-    const double inertia_00 = WG_FMA(base_pose[2], spin_z_x, t38);
-    I[0] = -inertia_00;
+    I[0] = WG_FMA(-base_pose[2], spin_z_x, -t38);
     const double t39 = WG_FMA(base_pose[1], spin_y_y, base_pose[0]*spin_x_y);
-    const double inertia_10 = WG_FMA(base_pose[2], spin_z_y, t39);
-    const double t40 = WG_FMA(base_pose[5], spin_y_y, base_pose[4]*spin_x_y);
-    const double inertia_11 = WG_FMA(base_pose[6], spin_z_y, t40);
-    I[4] = -inertia_11;
+    const double t40 = WG_FMA(-base_pose[2], spin_z_y, -t39);
+    I[1] = t40;
+    I[3] = t40;
     const double t41 = WG_FMA(base_pose[1], spin_y_z, base_pose[0]*spin_x_z);
-    const double inertia_20 = WG_FMA(base_pose[2], spin_z_z, t41);
-    const double t42 = WG_FMA(base_pose[5], spin_y_z, base_pose[4]*spin_x_z);
-    const double inertia_21 = WG_FMA(base_pose[6], spin_z_z, t42);
-    const double t43 = WG_FMA(base_pose[9], spin_y_z, base_pose[8]*spin_x_z);
-    const double inertia_22 = WG_FMA(base_pose[10], spin_z_z, t43);
-    I[8] = -inertia_22;
-    const double t44 = -inertia_10;
-    I[1] = t44;
-    I[3] = t44;
-    const double t45 = -inertia_20;
-    I[2] = t45;
-    I[6] = t45;
-    const double t46 = -inertia_21;
-    I[5] = t46;
-    I[7] = t46;
+    const double t42 = WG_FMA(-base_pose[2], spin_z_z, -t41);
+    I[2] = t42;
+    I[6] = t42;
+    const double t43 = WG_FMA(base_pose[5], spin_y_y, base_pose[4]*spin_x_y);
+    I[4] = WG_FMA(-base_pose[6], spin_z_y, -t43);
+    const double t44 = WG_FMA(base_pose[5], spin_y_z, base_pose[4]*spin_x_z);
+    const double t45 = WG_FMA(-base_pose[6], spin_z_z, -t44);
+    I[5] = t45;
+    I[7] = t45;
+    const double t46 = WG_FMA(base_pose[9], spin_y_z, base_pose[8]*spin_x_z);
+    I[8] = WG_FMA(-base_pose[10], spin_z_z, -t46);
 }
 
 void ambler_rrp_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
@@ -1864,16 +2006,15 @@ void ambler_rrp_momentum(const double *WG_RESTRICT base_pose, const double *WG_R
     const double *WG_RESTRICT v, double *WG_RESTRICT h) {
     const double leg_shoulder_spin_z = v[5] + v[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
+    double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
+        cos_leg_shoulder_elbow);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double leg_elbow_velocity_before_x = WG_FMA(-leg_shoulder_spin_z, leg_elbow_lever_y, v[0] + v[4]);
     const double leg_elbow_velocity_before_y = WG_FMA(leg_shoulder_spin_z, leg_elbow_lever_x, v[1]) - v[3];
     const double leg_elbow_velocity_before_z = WG_FMA(-v[4], leg_elbow_lever_x, WG_FMA(v[3], leg_elbow_lever_y, v[2]));
     const double leg_elbow_spin_z = v[7] + leg_shoulder_spin_z;
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
     const double leg_extend_slid_z = q[2] - 0.2;
     const double t1 = WG_FMA(leg_elbow_spin_z, sin_leg_shoulder_elbow, v[4]*leg_extend_slid_z);
     const double leg_extend_velocity_before_x = t1 - leg_elbow_velocity_before_x;
@@ -2004,8 +2145,9 @@ void ambler_rrp_momentum_rate(const double *WG_RESTRICT base_pose, const double 
     const double leg_shoulder_spin_z = v[5] + v[6];
     const double leg_shoulder_rate = a[5] + a[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
+    double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
+        cos_leg_shoulder_elbow);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double t5 = leg_shoulder_spin_z*leg_shoulder_spin_z;
@@ -2025,8 +2167,6 @@ void ambler_rrp_momentum_rate(const double *WG_RESTRICT base_pose, const double 
     const double leg_elbow_at_z = WG_FMA(-leg_elbow_lever_x, leg_shoulder_field_x_z, t10 - base_field_z_z);
     const double leg_elbow_spin_z = v[7] + leg_shoulder_spin_z;
     const double leg_elbow_rate = a[7] + leg_shoulder_rate;
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
     const double leg_extend_slid_z = q[2] - 0.2;
     const double t11 = leg_elbow_spin_z*leg_elbow_spin_z;
     const double leg_elbow_field_x_x = t4 + t11;
@@ -2191,8 +2331,9 @@ void ambler_rrp_demanded_wrench(const double *WG_RESTRICT base_pose, const doubl
     const double leg_shoulder_spin_z = v[5] + v[6];
     const double leg_shoulder_rate = a[5] + a[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
+    double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
+        cos_leg_shoulder_elbow);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double t5 = leg_shoulder_spin_z*leg_shoulder_spin_z;
@@ -2212,8 +2353,6 @@ void ambler_rrp_demanded_wrench(const double *WG_RESTRICT base_pose, const doubl
     const double leg_elbow_at_z = WG_FMA(-leg_elbow_lever_x, leg_shoulder_field_x_z, t10 - base_field_z_z);
     const double leg_elbow_spin_z = v[7] + leg_shoulder_spin_z;
     const double leg_elbow_rate = a[7] + leg_shoulder_rate;
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
     const double leg_extend_slid_z = q[2] - 0.2;
     const double t11 = leg_elbow_spin_z*leg_elbow_spin_z;
     const double leg_elbow_field_x_x = t4 + t11;
@@ -2383,13 +2522,12 @@ void ambler_rrp_floating_mass_matrix(const double *WG_RESTRICT base_pose, const 
     M[79] = 0.0;
     M[80] = 20.0;
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
+    double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
+        cos_leg_shoulder_elbow);
     const double leg_shoulder_inertia_spun_y = sin_leg_shoulder*86.25;
     const double leg_shoulder_inertia_xx = sin_leg_shoulder*leg_shoulder_inertia_spun_y;
     const double leg_shoulder_inertia_rest = leg_shoulder_inertia_xx - 86.25;
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
     const double leg_elbow_inertia_spun_y = sin_leg_shoulder_elbow*8.45;
     const double leg_elbow_inertia_xx = sin_leg_shoulder_elbow*leg_elbow_inertia_spun_y;
     const double leg_elbow_inertia_rest = leg_elbow_inertia_xx - 8.45;
@@ -2428,15 +2566,13 @@ void ambler_rrp_floating_mass_matrix(const double *WG_RESTRICT base_pose, const 
     const double t9 = 20.0*leg_elbow_lever_x;
     const double t10 = WG_FMA(cos_leg_shoulder, leg_shoulder_inertia_spun_y, leg_elbow_composite_xy);
     const double t11 = WG_FMA(leg_elbow_composite_moment_x, leg_elbow_lever_y, t10);
-    const double t12 = WG_FMA(leg_elbow_composite_moment_y, leg_elbow_lever_x, t11);
-    const double leg_shoulder_composite_xy = WG_FMA(leg_elbow_lever_y, t9, t12);
     const double leg_shoulder_composite_moment_x = t9 + WG_FMA(cos_leg_shoulder, 67.5, leg_elbow_composite_moment_x);
     M[14] = leg_shoulder_composite_moment_x;
     M[15] = leg_shoulder_composite_moment_x;
     M[46] = leg_shoulder_composite_moment_x;
     M[55] = leg_shoulder_composite_moment_x;
-    const double t13 = 20.0*leg_elbow_lever_y;
-    const double leg_shoulder_composite_moment_y = t13 + WG_FMA(sin_leg_shoulder, 67.5, leg_elbow_composite_moment_y);
+    const double t12 = 20.0*leg_elbow_lever_y;
+    const double leg_shoulder_composite_moment_y = t12 + WG_FMA(sin_leg_shoulder, 67.5, leg_elbow_composite_moment_y);
     M[21] = leg_shoulder_composite_moment_y;
     M[29] = leg_shoulder_composite_moment_y;
     const double leg_shoulder_composite_moment_z = leg_elbow_composite_moment_z - 20.0;
@@ -2449,31 +2585,32 @@ void ambler_rrp_floating_mass_matrix(const double *WG_RESTRICT base_pose, const 
     const double base_moment_z = leg_shoulder_composite_moment_z - 1565.0;
     M[12] = base_moment_z;
     M[28] = base_moment_z;
-    const double t14 = WG_FMA(leg_elbow_composite_moment_x, leg_elbow_lever_x, leg_elbow_composite_zz);
-    const double M_leg_elbow_on_leg_elbow_moment_z = WG_FMA(leg_elbow_composite_moment_y, leg_elbow_lever_y, t14);
+    const double t13 = WG_FMA(leg_elbow_composite_moment_x, leg_elbow_lever_x, leg_elbow_composite_zz);
+    const double M_leg_elbow_on_leg_elbow_moment_z = WG_FMA(leg_elbow_composite_moment_y, leg_elbow_lever_y, t13);
     M[52] = M_leg_elbow_on_leg_elbow_moment_z;
     M[61] = M_leg_elbow_on_leg_elbow_moment_z;
     M[68] = M_leg_elbow_on_leg_elbow_moment_z;
     M[69] = M_leg_elbow_on_leg_elbow_moment_z;
-    const double M_leg_extend_on_leg_elbow_moment_x = M_leg_extend_on_leg_extend_moment_x + t13;
+    const double M_leg_extend_on_leg_elbow_moment_x = M_leg_extend_on_leg_extend_moment_x + t12;
     const double M_leg_extend_on_leg_elbow_moment_y = M_leg_extend_on_leg_extend_moment_y + t9;
     M[44] = M_leg_extend_on_leg_elbow_moment_y;
     M[76] = M_leg_extend_on_leg_elbow_moment_y;
-    const double t15 = 1565.0 - leg_shoulder_composite_moment_z;
-    M[4] = t15;
-    M[36] = t15;
-    const double t16 = -leg_shoulder_composite_moment_y;
-    M[5] = t16;
-    M[6] = t16;
-    M[45] = t16;
-    M[54] = t16;
-    const double t17 = -leg_elbow_composite_moment_y;
-    M[7] = t17;
-    M[63] = t17;
-    const double t18 = -leg_shoulder_composite_moment_x;
-    M[22] = t18;
-    M[38] = t18;
-    const double t19 = -leg_shoulder_composite_xy;
+    const double t14 = 1565.0 - leg_shoulder_composite_moment_z;
+    M[4] = t14;
+    M[36] = t14;
+    const double t15 = -leg_shoulder_composite_moment_y;
+    M[5] = t15;
+    M[6] = t15;
+    M[45] = t15;
+    M[54] = t15;
+    const double t16 = -leg_elbow_composite_moment_y;
+    M[7] = t16;
+    M[63] = t16;
+    const double t17 = -leg_shoulder_composite_moment_x;
+    M[22] = t17;
+    M[38] = t17;
+    const double t18 = WG_FMA(leg_elbow_composite_moment_y, leg_elbow_lever_x, t11);
+    const double t19 = WG_FMA(-leg_elbow_lever_y, t9, -t18);
     M[31] = t19;
     M[39] = t19;
     const double t20 = leg_shoulder_composite_moment_x - leg_elbow_composite_xz;
@@ -2530,8 +2667,9 @@ void ambler_rrp_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, c
     const double leg_shoulder_spin_z = v[5] + v[6];
     const double leg_shoulder_rate = a[5] + a[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
-    const double cos_leg_shoulder = WG_COS(q[0]);
-    const double sin_leg_shoulder = WG_SIN(q[0]);
+    double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
+        cos_leg_shoulder_elbow);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double t8 = leg_shoulder_spin_z*leg_shoulder_spin_z;
@@ -2551,8 +2689,6 @@ void ambler_rrp_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, c
     const double leg_elbow_at_z = WG_FMA(-leg_elbow_lever_x, leg_shoulder_field_x_z, t13 - base_field_z_z);
     const double leg_elbow_spin_z = v[7] + leg_shoulder_spin_z;
     const double leg_elbow_rate = a[7] + leg_shoulder_rate;
-    const double cos_leg_shoulder_elbow = WG_COS(angle_leg_shoulder_elbow);
-    const double sin_leg_shoulder_elbow = WG_SIN(angle_leg_shoulder_elbow);
     const double leg_extend_slid_z = q[2] - 0.2;
     const double t14 = leg_elbow_spin_z*leg_elbow_spin_z;
     const double leg_elbow_field_x_x = t7 + t14;
@@ -2679,3 +2815,272 @@ void ambler_rrp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
             foot_forces + row * 3, tau + row * 9);
     }
 }
+
+#if defined(WALKGEN_BLOCKS)
+#define WALKGEN_ROWS 2
+#include "walkgen_lanes.h"
+#include "ambler_rrp.c"
+#undef WALKGEN_ROWS
+#endif
+
+void ambler_rrp_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_position_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_position(q + row * 3, p + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(R, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_rotation_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_rotation(q + row * 3, R + row * 9);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(T, 16)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_pose_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_pose(q + row * 3, T + row * 16);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_jacobian(q + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p,
+    double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_position_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 18)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_spatial_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_spatial_jacobian(q + row * 3, J + row * 18);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(H, 27)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_hessian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_hessian(q + row * 3, H + row * 27);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT v) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(v, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_velocity_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(a, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(a, 6)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_bias_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
+    }
+#endif
+}
+
+void ambler_rrp_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(f, 3), WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_foot_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_within_limits_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        within[row] = ambler_rrp_leg_within_limits(q + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(f, 3),
+        WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_inverse_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(tau, 3), WG_DENSE(f, 3),
+        WG_DENSE(qdd, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_forward_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(M, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_mass_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_mass_matrix(q + row * 3, M + row * 9);
+    }
+#endif
+}
+
+void ambler_rrp_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(h, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_bias_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_bias(q + row * 3, qd + row * 3, h + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(g, 3)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_gravity_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_gravity_torque(q + row * 3, g + row * 3);
+    }
+#endif
+}
+
+void ambler_rrp_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(C, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_coriolis_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
+    }
+#endif
+}
+
+void ambler_rrp_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(T, 1)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_kinetic_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_kinetic_energy(q + row * 3, qd + row * 3, T + row);
+    }
+#endif
+}
+
+void ambler_rrp_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(U, 1)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_potential_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_potential_energy(q + row * 3, U + row);
+    }
+#endif
+}
+
+void ambler_rrp_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(tau_d_q, 9),
+        WG_DENSE(tau_d_qd, 9)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_inverse_dynamics_derivatives_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
+    }
+#endif
+}
+
+void ambler_rrp_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(Y, 15),
+        WG_DENSE(p, 5)};
+    (void)WG_NAME(wg_batch)(&ambler_rrp_leg_base_parameters_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rrp_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 15, p + row * 5);
+    }
+#endif
+}
+
+#endif

@@ -77,7 +77,7 @@ void ambler_rrp_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, do
 
 /* Jacobian of the foot position.
  * q [3] rad or m -> J [3, 3] m/(rad or m)
- * 9 operations (at most 56 bytes of locals).
+ * 9 operations (at most 48 bytes of locals).
  * Source: J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
  */
 void ambler_rrp_leg_foot_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J);
@@ -96,7 +96,7 @@ void ambler_rrp_leg_foot_position_jacobian_batch(size_t rows, const double *WG_R
 /* Rows linear then angular, at the foot point, platform axes (LOCAL_WORLD_ALIGNED; not Murray-Li-Sastry's spatial
  *   Jacobian).
  * q [3] rad or m -> J [6, 3] m/(rad or m) and rad/(rad or m)
- * 9 operations (at most 56 bytes of locals).
+ * 9 operations (at most 48 bytes of locals).
  * Source: J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
  */
 void ambler_rrp_leg_foot_spatial_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J);
@@ -104,7 +104,7 @@ void ambler_rrp_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RE
 
 /* Second derivatives d2p/dq_i dq_j of the foot position.
  * q [3] rad or m -> H [3, 3, 3] m/(rad or m)^2
- * 11 operations (at most 72 bytes of locals).
+ * 11 operations (at most 56 bytes of locals).
  * Source: H_ij = D_min(i,j) D_max(i,j) p
  */
 void ambler_rrp_leg_foot_hessian(const double *WG_RESTRICT q, double *WG_RESTRICT H);
@@ -131,7 +131,7 @@ void ambler_rrp_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRI
 
 /* Jdot qd of the spatial Jacobian, linear then angular.
  * q [3] rad or m, qd [3] rad or m/s -> a [6] m/s^2 and rad/s^2
- * 19 operations (at most 136 bytes of locals).
+ * 19 operations (at most 120 bytes of locals).
  * Source: H_ij = D_min(i,j) D_max(i,j) p
  */
 void ambler_rrp_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -212,7 +212,7 @@ void ambler_rrp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q
 
 /* Joint rates that give the foot velocity v; SINGULAR while damped, |qd| <= |v| / (2 lambda).
  * q [3] rad or m, v [3] m/s -> qd [3] rad or m/s, status
- * Returns the status. 9 operations (support routines not counted; at most 128 bytes of locals).
+ * Returns the status. 9 operations (support routines not counted; at most 120 bytes of locals).
  * Source: qd = J^-1 v; damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and Hanafusa 1986)
  */
 int32_t ambler_rrp_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
@@ -361,7 +361,7 @@ void ambler_rrp_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, d
 
 /* Jacobian of every foot position by all joints of the robot.
  * q [3] rad or m -> J [1, 3, 3] m/(rad or m)
- * 9 operations (at most 56 bytes of locals).
+ * 9 operations (at most 48 bytes of locals).
  * Source: J_i = D_i p along the foot's route
  */
 void ambler_rrp_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J);
@@ -379,7 +379,7 @@ void ambler_rrp_com_batch(size_t rows, const double *WG_RESTRICT base_pose, cons
 /* Velocity of the centre of mass by v; world axes; v is the base's linear and angular velocity in its axes, then the
  *   joint rates.
  * base_pose [4, 4] 1 and m, q [3] rad or m -> J [3, 9] m per unit of v
- * 56 operations (at most 264 bytes of locals).
+ * 56 operations (at most 240 bytes of locals).
  * Source: momentum per mass of what each joint moves
  */
 void ambler_rrp_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -390,7 +390,7 @@ void ambler_rrp_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_p
 /* Momentum by v: linear momentum, then angular about the centre of mass; world axes; v is the base's linear and
  *   angular velocity in its axes, then the joint rates.
  * base_pose [4, 4] 1 and m, q [3] rad or m -> A [6, 9] kg m/s and kg m^2/s per unit of v
- * 274 operations (at most 1312 bytes of locals).
+ * 274 operations (at most 1288 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters; Orin and Goswami 2008
  */
 void ambler_rrp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -400,7 +400,7 @@ void ambler_rrp_centroidal_momentum_matrix_batch(size_t rows, const double *WG_R
 
 /* Rotational inertia of the robot about its centre of mass, world axes, its joints locked; rotors left out.
  * base_pose [4, 4] 1 and m, q [3] rad or m -> I [3, 3] kg m^2
- * 164 operations (at most 840 bytes of locals).
+ * 164 operations (at most 792 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters; Orin, Goswami and Lee 2013
  */
 void ambler_rrp_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -445,7 +445,7 @@ void ambler_rrp_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT bas
 
 /* Mass matrix of v: the base's linear and angular components in its axes, then the joints; rotors included.
  * base_pose [4, 4] 1 and m, q [3] rad or m -> M [9, 9] kg, kg m and kg m^2
- * 90 operations (at most 528 bytes of locals).
+ * 90 operations (at most 520 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
  */
 void ambler_rrp_floating_mass_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,

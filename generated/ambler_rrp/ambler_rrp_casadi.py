@@ -135,10 +135,9 @@ def _leg_inverse_closed():
     turned_x_5 = joint_cos * point_x_2 - t21
     t22 = joint_cos * turned_y_4
     turned_y_5 = joint_sin * point_x_2 + t22
-    turned_x_6 = joint_sin * turned_x_4 + t22
     gap_x_2 = turned_x_5 - 1.0
     gap_z_2 = slide1 - slide
-    column_x_2 = ca.if_else(t10, turned_x_5, -turned_x_6)
+    column_x_2 = ca.if_else(t10, turned_x_5, -joint_sin * turned_x_4 - t22)
     column_y_2 = ca.if_else(t10, -turned_y_5, t21 - joint_cos * turned_x_4)
     minor_z_2 = turned_x_5 * column_x_2 - turned_y_5 * column_y_2
     step_part_5 = gap_z_2 * minor_z_2
@@ -169,134 +168,133 @@ def _leg_inverse_closed():
     t26 = turned_y_8 * turned_y_8
     gap2_3 = gap_z_3 * gap_z_3 + (gap_x_3 * gap_x_3 + t26)
     arm2 = turned_x_8 * turned_x_8 + t26
-    angle = ca.atan2(-joint_sin_3, -joint_cos_3)
-    t27 = arm2 <= tolerance2
-    joint_sin_5 = across_y * joint_cos_4 + across_x * joint_sin_4
-    angle_4 = ca.atan2(-joint_sin_5, across_y * joint_sin_4 - across_x * joint_cos_4)
-    t28 = -1e-05 <= 1.0 - ca.fabs(chord)
-    reaches = ca.if_else(ca.logic_and(gap2_3 <= tolerance2, t28), 1.0, 0.0)
-    singular = ca.if_else(ca.logic_or(t27, t10), 1.0, 0.0)
     start_3 = ca.if_else(t10, across_y, -circle_sin)
     turned_y_10 = foot_x * start_3
-    t29 = second_sin * turned_y_10
-    turned_x_10 = t11 - t29
-    t30 = second_cos * turned_y_10
-    turned_y_11 = t13 + t30
-    turned_x_11 = t15 + t30
+    t27 = second_sin * turned_y_10
+    turned_x_10 = t11 - t27
     gap_x_4 = turned_x_10 - 1.0
+    t28 = second_cos * turned_y_10
+    turned_y_11 = t13 + t28
+    column_y_3 = ca.if_else(t10, -turned_y_11, t27 - t16)
+    turned_x_11 = t15 + t28
     column_x_3 = ca.if_else(t10, turned_x_10, -turned_x_11)
-    column_y_3 = ca.if_else(t10, -turned_y_11, t29 - t16)
-    minor_z_3 = turned_x_10 * column_x_3 - turned_y_11 * column_y_3
-    step_part_9 = gap_z * minor_z_3
     step_part_10 = gap_x_4 * column_y_3 + turned_y_11 * column_x_3
-    t31 = turned_y_11 * turned_y_11
-    step_part_11 = turned_x_10 * gap_x_4 + t31
+    minor_z_3 = turned_x_10 * column_x_3 - turned_y_11 * column_y_3
+    t29 = turned_y_11 * turned_y_11
+    step_part_11 = turned_x_10 * gap_x_4 + t29
     step_part_12 = ca.if_else(t10, 0.0, step_part_11)
-    gap2_4 = gap_x_4 * gap_x_4 + (t18 + t31)
-    t32 = step_part_10 * step_part_10 + step_part_9 * step_part_9
-    length2_3 = step_part_12 * step_part_12 + t32
-    t33 = gap2_4 * (10000.0 * (minor_z_3 * (minor_z_3 * (minor_z_3 * minor_z_3))))
-    t34 = ca.logic_and(1e-300 < ca.fabs(minor_z_3), length2_3 * length2_3 <= t33)
-    gain_3 = ca.if_else(t34, 1.0 / ca.if_else(t34, minor_z_3, 1.0), 0.0)
-    slide_3 = step_part_9 * gain_3 + slide1
+    step_part_9 = gap_z * minor_z_3
+    t30 = step_part_10 * step_part_10 + step_part_9 * step_part_9
+    length2_3 = step_part_12 * step_part_12 + t30
+    gap2_4 = gap_x_4 * gap_x_4 + (t18 + t29)
+    t31 = gap2_4 * (10000.0 * (minor_z_3 * (minor_z_3 * (minor_z_3 * minor_z_3))))
+    t32 = ca.logic_and(1e-300 < ca.fabs(minor_z_3), length2_3 * length2_3 <= t31)
+    gain_3 = ca.if_else(t32, 1.0 / ca.if_else(t32, minor_z_3, 1.0), 0.0)
     step_8 = step_part_10 * gain_3
     joint_scale_5 = 1.0 / ca.sqrt(step_8 * step_8 + 1.0)
     joint_cos_6 = joint_scale_5 * (second_sin * step_8 + second_cos)
-    joint_sin_6 = joint_scale_5 * (second_sin - second_cos * step_8)
     step_9 = step_part_12 * gain_3
     joint_scale_6 = 1.0 / ca.sqrt(step_9 * step_9 + 1.0)
     joint_cos_7 = joint_scale_6 * (start_3 * step_9 + start)
-    joint_sin_7 = joint_scale_6 * (start_3 - start * step_9)
     turned_x_12 = foot_x * joint_cos_7
-    turned_y_13 = foot_x * joint_sin_7
     point_x_4 = 1.5 + turned_x_12
-    t35 = joint_sin_6 * turned_y_13
-    turned_x_13 = joint_cos_6 * point_x_4 - t35
-    t36 = joint_cos_6 * turned_y_13
-    turned_y_14 = joint_sin_6 * point_x_4 + t36
-    turned_x_14 = joint_sin_6 * turned_x_12 + t36
+    joint_sin_6 = joint_scale_5 * (second_sin - second_cos * step_8)
+    joint_sin_7 = joint_scale_6 * (start_3 - start * step_9)
+    turned_y_13 = foot_x * joint_sin_7
+    t33 = joint_sin_6 * turned_y_13
+    turned_x_13 = joint_cos_6 * point_x_4 - t33
     gap_x_5 = turned_x_13 - 1.0
-    gap_z_4 = slide1 - slide_3
-    column_x_4 = ca.if_else(t10, turned_x_13, -turned_x_14)
-    column_y_4 = ca.if_else(t10, -turned_y_14, t35 - joint_cos_6 * turned_x_12)
-    minor_z_4 = turned_x_13 * column_x_4 - turned_y_14 * column_y_4
-    step_part_13 = gap_z_4 * minor_z_4
+    t34 = joint_cos_6 * turned_y_13
+    turned_y_14 = joint_sin_6 * point_x_4 + t34
+    column_y_4 = ca.if_else(t10, -turned_y_14, t33 - joint_cos_6 * turned_x_12)
+    column_x_4 = ca.if_else(t10, turned_x_13, -joint_sin_6 * turned_x_12 - t34)
     step_part_14 = gap_x_5 * column_y_4 + turned_y_14 * column_x_4
-    t37 = turned_y_14 * turned_y_14
-    step_part_15 = turned_x_13 * gap_x_5 + t37
+    minor_z_4 = turned_x_13 * column_x_4 - turned_y_14 * column_y_4
+    t35 = turned_y_14 * turned_y_14
+    step_part_15 = turned_x_13 * gap_x_5 + t35
     step_part_16 = ca.if_else(t10, 0.0, step_part_15)
-    gap2_5 = gap_z_4 * gap_z_4 + (gap_x_5 * gap_x_5 + t37)
-    t38 = step_part_14 * step_part_14 + step_part_13 * step_part_13
-    length2_4 = step_part_16 * step_part_16 + t38
-    t39 = gap2_5 * (10000.0 * (minor_z_4 * (minor_z_4 * (minor_z_4 * minor_z_4))))
-    t40 = ca.logic_and(1e-300 < ca.fabs(minor_z_4), length2_4 * length2_4 <= t39)
-    gain_4 = ca.if_else(t40, 1.0 / ca.if_else(t40, minor_z_4, 1.0), 0.0)
-    slide_4 = step_part_13 * gain_4 + slide_3
+    slide_3 = step_part_9 * gain_3 + slide1
+    gap_z_4 = slide1 - slide_3
+    step_part_13 = gap_z_4 * minor_z_4
+    t36 = step_part_14 * step_part_14 + step_part_13 * step_part_13
+    length2_4 = step_part_16 * step_part_16 + t36
+    gap2_5 = gap_z_4 * gap_z_4 + (gap_x_5 * gap_x_5 + t35)
+    t37 = gap2_5 * (10000.0 * (minor_z_4 * (minor_z_4 * (minor_z_4 * minor_z_4))))
+    t38 = ca.logic_and(1e-300 < ca.fabs(minor_z_4), length2_4 * length2_4 <= t37)
+    gain_4 = ca.if_else(t38, 1.0 / ca.if_else(t38, minor_z_4, 1.0), 0.0)
     step_11 = step_part_14 * gain_4
     joint_scale_7 = 1.0 / ca.sqrt(step_11 * step_11 + 1.0)
-    joint_cos_8 = joint_scale_7 * (joint_sin_6 * step_11 + joint_cos_6)
     joint_sin_8 = joint_scale_7 * (joint_sin_6 - joint_cos_6 * step_11)
+    joint_cos_8 = joint_scale_7 * (joint_sin_6 * step_11 + joint_cos_6)
     step_12 = step_part_16 * gain_4
     joint_scale_8 = 1.0 / ca.sqrt(step_12 * step_12 + 1.0)
     joint_cos_9 = joint_scale_8 * (joint_sin_7 * step_12 + joint_cos_7)
     joint_sin_9 = joint_scale_8 * (joint_sin_7 - joint_cos_7 * step_12)
+    angle = ca.atan2(-joint_sin_3, -joint_cos_3)
+    t39 = -across_y * joint_cos_4 - across_x * joint_sin_4
+    angle_4 = ca.atan2(t39, across_y * joint_sin_4 - across_x * joint_cos_4)
+    angle_7 = ca.atan2(-joint_sin_8, -joint_cos_8)
+    t40 = -across_y * joint_cos_9 - across_x * joint_sin_9
+    angle_10 = ca.atan2(t40, across_y * joint_sin_9 - across_x * joint_cos_9)
+    t41 = arm2 <= tolerance2
+    t42 = -1e-05 <= 1.0 - ca.fabs(chord)
+    reaches = ca.if_else(ca.logic_and(gap2_3 <= tolerance2, t42), 1.0, 0.0)
+    singular = ca.if_else(ca.logic_or(t41, t10), 1.0, 0.0)
+    slide_4 = step_part_13 * gain_4 + slide_3
     turned_y_16 = foot_x * joint_sin_9
     point_x_5 = foot_x * joint_cos_9 + 1.5
     turned_x_16 = joint_cos_8 * point_x_5 - joint_sin_8 * turned_y_16
     turned_y_17 = joint_sin_8 * point_x_5 + joint_cos_8 * turned_y_16
     gap_x_6 = turned_x_16 - 1.0
     gap_z_5 = slide1 - slide_4
-    t41 = turned_y_17 * turned_y_17
-    gap2_6 = gap_z_5 * gap_z_5 + (gap_x_6 * gap_x_6 + t41)
-    arm2_2 = turned_x_16 * turned_x_16 + t41
-    angle_7 = ca.atan2(-joint_sin_8, -joint_cos_8)
-    t42 = arm2_2 <= tolerance2
-    joint_sin_10 = across_y * joint_cos_9 + across_x * joint_sin_9
-    angle_10 = ca.atan2(-joint_sin_10, across_y * joint_sin_9 - across_x * joint_cos_9)
-    reaches_2 = ca.if_else(ca.logic_and(gap2_6 <= tolerance2, t28), 1.0, 0.0)
-    singular_2 = ca.if_else(ca.logic_or(t42, t10), 1.0, 0.0)
-    t43 = ca.logic_not(_finite(taint))
-    t44 = ca.if_else(t43, 2.0, 1.0)
+    t43 = turned_y_17 * turned_y_17
+    gap2_6 = gap_z_5 * gap_z_5 + (gap_x_6 * gap_x_6 + t43)
+    arm2_2 = turned_x_16 * turned_x_16 + t43
+    t44 = arm2_2 <= tolerance2
+    reaches_2 = ca.if_else(ca.logic_and(gap2_6 <= tolerance2, t42), 1.0, 0.0)
+    singular_2 = ca.if_else(ca.logic_or(t44, t10), 1.0, 0.0)
+    t45 = ca.logic_not(_finite(taint))
+    t46 = ca.if_else(t45, 2.0, 1.0)
     angle_2 = ca.if_else(angle <= -3.141592653589793, 3.141592653589793, angle)
-    angle_3 = ca.if_else(t27, 0.0, angle_2)
+    angle_3 = ca.if_else(t41, 0.0, angle_2)
     angle_5 = ca.if_else(angle_4 <= -3.141592653589793, 3.141592653589793, angle_4)
     angle_6 = ca.if_else(t10, 0.0, angle_5)
     angle_8 = ca.if_else(angle_7 <= -3.141592653589793, 3.141592653589793, angle_7)
-    angle_9 = ca.if_else(t42, 0.0, angle_8)
+    angle_9 = ca.if_else(t44, 0.0, angle_8)
     angle_11 = ca.if_else(angle_10 <= -3.141592653589793, 3.141592653589793, angle_10)
     angle_12 = ca.if_else(t10, 0.0, angle_11)
     sum = angle_3 + angle_6 - slide_2
-    t45 = _finite(sum)
-    sane = ca.if_else(t45, angle_6, 0.0)
-    sane_2 = ca.if_else(t45, angle_3, 0.0)
-    sane_3 = ca.if_else(t45, -slide_2, 0.0)
+    t47 = _finite(sum)
+    sane = ca.if_else(t47, angle_6, 0.0)
+    sane_2 = ca.if_else(t47, angle_3, 0.0)
+    sane_3 = ca.if_else(t47, -slide_2, 0.0)
     sum_2 = angle_9 + angle_12 - slide_4
-    t46 = _finite(sum_2)
-    sane_4 = ca.if_else(t46, angle_12, 0.0)
-    sane_5 = ca.if_else(t46, angle_9, 0.0)
-    sane_6 = ca.if_else(t46, -slide_4, 0.0)
+    t48 = _finite(sum_2)
+    sane_4 = ca.if_else(t48, angle_12, 0.0)
+    sane_5 = ca.if_else(t48, angle_9, 0.0)
+    sane_6 = ca.if_else(t48, -slide_4, 0.0)
     later = sane_3 - sane_6
     later_2 = sane_2 - sane_5
     later_3 = sane - sane_4
-    t47 = ca.logic_or(1e-09 < later_2, ca.logic_and(-1e-09 <= later_2, 1e-09 < later))
-    t48 = ca.logic_or(1e-09 < later_3, ca.logic_and(-1e-09 <= later_3, t47))
-    t49 = ca.if_else(ca.logic_and(reaches <= reaches_2, t48), 1.0, 0.0)
-    swap = ca.if_else(reaches < reaches_2, 1.0, t49)
-    t50 = 0.0 < swap
-    sorted = ca.if_else(t50, sane_4, sane)
-    sorted_2 = ca.if_else(t50, sane_5, sane_2)
-    sorted_3 = ca.if_else(t50, sane_6, sane_3)
-    sorted_4 = ca.if_else(t50, reaches_2, reaches)
-    sorted_5 = ca.if_else(t50, singular_2, singular)
-    sorted_6 = ca.if_else(t50, sane, sane_4)
-    sorted_7 = ca.if_else(t50, sane_2, sane_5)
-    sorted_8 = ca.if_else(t50, sane_3, sane_6)
-    sorted_9 = ca.if_else(t50, reaches, reaches_2)
-    sorted_10 = ca.if_else(t50, singular, singular_2)
-    t51 = 0.0 < sorted_9
-    q_2 = ca.if_else(t51, sorted_6, sorted)
-    q_2_2 = ca.if_else(t51, sorted_7, sorted_2)
-    q_3 = ca.if_else(t51, sorted_8, sorted_3)
+    t49 = ca.logic_or(1e-09 < later_2, ca.logic_and(-1e-09 <= later_2, 1e-09 < later))
+    t50 = ca.logic_or(1e-09 < later_3, ca.logic_and(-1e-09 <= later_3, t49))
+    t51 = ca.if_else(ca.logic_and(reaches <= reaches_2, t50), 1.0, 0.0)
+    swap = ca.if_else(reaches < reaches_2, 1.0, t51)
+    t52 = 0.0 < swap
+    sorted = ca.if_else(t52, sane_4, sane)
+    sorted_2 = ca.if_else(t52, sane_5, sane_2)
+    sorted_3 = ca.if_else(t52, sane_6, sane_3)
+    sorted_4 = ca.if_else(t52, reaches_2, reaches)
+    sorted_5 = ca.if_else(t52, singular_2, singular)
+    sorted_6 = ca.if_else(t52, sane, sane_4)
+    sorted_7 = ca.if_else(t52, sane_2, sane_5)
+    sorted_8 = ca.if_else(t52, sane_3, sane_6)
+    sorted_9 = ca.if_else(t52, reaches, reaches_2)
+    sorted_10 = ca.if_else(t52, singular, singular_2)
+    t53 = 0.0 < sorted_9
+    q_2 = ca.if_else(t53, sorted_6, sorted)
+    q_2_2 = ca.if_else(t53, sorted_7, sorted_2)
+    q_3 = ca.if_else(t53, sorted_8, sorted_3)
     apart = ca.fabs(sorted - sorted_6)
     apart_2 = ca.fabs(sorted_2 - sorted_7)
     apart_3 = ca.fabs(sorted_3 - sorted_8)
@@ -306,13 +304,13 @@ def _leg_inverse_closed():
     q_7 = taint + q_2
     q_8 = taint + q_2_2
     q_9 = taint + q_3
-    t52 = ca.if_else(0.0 < sorted_4, ca.if_else(0.0 < sorted_5, 3.0, 0.0), 1.0)
-    t53 = ca.logic_or(apart_2 <= 1e-07, 6.283185207179587 <= apart_2)
-    t54 = ca.logic_and(ca.logic_or(apart <= 1e-07, 6.283185207179587 <= apart), t53)
-    t55 = ca.if_else(0.0 < sorted_10, 3.0, 0.0)
-    t56 = ca.if_else(t51, ca.if_else(ca.logic_and(t54, apart_3 <= 1e-07), 6.0, t55), 1.0)
+    t54 = ca.if_else(0.0 < sorted_4, ca.if_else(0.0 < sorted_5, 3.0, 0.0), 1.0)
+    t55 = ca.logic_or(apart_2 <= 1e-07, 6.283185207179587 <= apart_2)
+    t56 = ca.logic_and(ca.logic_or(apart <= 1e-07, 6.283185207179587 <= apart), t55)
+    t57 = ca.if_else(0.0 < sorted_10, 3.0, 0.0)
+    t58 = ca.if_else(t53, ca.if_else(ca.logic_and(t56, apart_3 <= 1e-07), 6.0, t57), 1.0)
     q = _rows(4, 3, [q_4, q_5, q_6, q_7, q_8, q_9, q_4, q_5, q_6, q_4, q_5, q_6])
-    status = _column([ca.if_else(t43, 2.0, t52), ca.if_else(t43, 2.0, t56), t44, t44])
+    status = _column([ca.if_else(t45, 2.0, t54), ca.if_else(t45, 2.0, t58), t46, t46])
     return ca.Function("ambler_rrp_leg_inverse_closed", [p], [q, status], ["p"], ["q", "status"])
 
 
@@ -327,7 +325,7 @@ def _row_by_index_4_rrp():
     states = ca.SX.sym("states", 4, 1)
     branch = ca.SX.sym("branch", 1, 1)
     t1 = ca.logic_and(0.0 <= branch, branch < 4.0)
-    stray = ca.if_else(t1, 0.0, ca.sqrt(-(branch * branch + 1.0)))
+    stray = ca.if_else(t1, 0.0, ca.sqrt(-branch * branch - 1.0))
     t2 = branch == 1.0
     chosen = ca.if_else(t2, rows[1, 0], rows[0, 0])
     chosen_2 = ca.if_else(t2, rows[1, 1], rows[0, 1])
@@ -363,51 +361,51 @@ def _row_nearest_4_rrp():
     q_seed = ca.SX.sym("q_seed", 3, 1)
     misses = ca.if_else(ca.logic_or(states[0] == 1.0, states[0] == 2.0), 1.0, 0.0)
     t1 = q_seed[0] - rows[0, 0]
-    t2 = ca.sin(t1)
-    t3 = ca.cos(t1)
-    t4 = ca.atan2(-t2, t3)
-    t5 = q_seed[1] - rows[0, 1]
-    t6 = ca.sin(t5)
-    t7 = ca.cos(t5)
-    t8 = ca.atan2(-t6, t7)
-    t9 = rows[0, 2] - q_seed[2]
+    t2 = q_seed[1] - rows[0, 1]
+    t3 = q_seed[0] - rows[1, 0]
+    t4 = q_seed[1] - rows[1, 1]
+    t5 = ca.sin(t1)
+    t6 = ca.cos(t1)
+    t7 = ca.sin(t2)
+    t8 = ca.cos(t2)
+    t9 = ca.sin(t3)
+    t10 = ca.cos(t3)
+    t11 = ca.sin(t4)
+    t12 = ca.cos(t4)
+    t13 = ca.atan2(-t5, t6)
+    t14 = ca.atan2(-t7, t8)
+    t15 = ca.atan2(-t9, t10)
+    t16 = ca.atan2(-t11, t12)
+    t17 = rows[0, 2] - q_seed[2]
     misses_2 = ca.if_else(ca.logic_or(states[1] == 1.0, states[1] == 2.0), 1.0, 0.0)
-    t10 = q_seed[0] - rows[1, 0]
-    t11 = ca.sin(t10)
-    t12 = ca.cos(t10)
-    t13 = ca.atan2(-t11, t12)
-    t14 = q_seed[1] - rows[1, 1]
-    t15 = ca.sin(t14)
-    t16 = ca.cos(t14)
-    t17 = ca.atan2(-t15, t16)
     t18 = rows[1, 2] - q_seed[2]
     misses_3 = ca.if_else(ca.logic_or(states[2] == 1.0, states[2] == 2.0), 1.0, 0.0)
     t19 = q_seed[0] - rows[2, 0]
-    t20 = ca.sin(t19)
-    t21 = ca.cos(t19)
-    t22 = ca.atan2(-t20, t21)
-    t23 = q_seed[1] - rows[2, 1]
-    t24 = ca.sin(t23)
-    t25 = ca.cos(t23)
-    t26 = ca.atan2(-t24, t25)
-    t27 = rows[2, 2] - q_seed[2]
+    t20 = q_seed[1] - rows[2, 1]
+    t21 = q_seed[0] - rows[3, 0]
+    t22 = q_seed[1] - rows[3, 1]
+    t23 = ca.sin(t19)
+    t24 = ca.cos(t19)
+    t25 = ca.sin(t20)
+    t26 = ca.cos(t20)
+    t27 = ca.sin(t21)
+    t28 = ca.cos(t21)
+    t29 = ca.sin(t22)
+    t30 = ca.cos(t22)
+    t31 = ca.atan2(-t23, t24)
+    t32 = ca.atan2(-t25, t26)
+    t33 = ca.atan2(-t27, t28)
+    t34 = ca.atan2(-t29, t30)
+    t35 = rows[2, 2] - q_seed[2]
     misses_4 = ca.if_else(ca.logic_or(states[3] == 1.0, states[3] == 2.0), 1.0, 0.0)
-    t28 = q_seed[0] - rows[3, 0]
-    t29 = ca.sin(t28)
-    t30 = ca.cos(t28)
-    t31 = ca.atan2(-t29, t30)
-    t32 = q_seed[1] - rows[3, 1]
-    t33 = ca.sin(t32)
-    t34 = ca.cos(t32)
-    t35 = ca.atan2(-t33, t34)
     t36 = rows[3, 2] - q_seed[2]
     t37 = ca.if_else(_finite(q_seed[0]), 0.0, float("nan"))
     t38 = t37 + ca.if_else(_finite(q_seed[1]), 0.0, float("nan"))
     taint = ca.if_else(_finite(q_seed[2]), 0.0, float("nan")) + t38
-    apart = t9 * t9 + (t8 * t8 + t4 * t4)
-    apart_2 = t18 * t18 + (t17 * t17 + t13 * t13)
-    apart_3 = t27 * t27 + (t26 * t26 + t22 * t22)
-    apart_4 = t36 * t36 + (t35 * t35 + t31 * t31)
+    apart = t17 * t17 + (t14 * t14 + t13 * t13)
+    apart_2 = t18 * t18 + (t16 * t16 + t15 * t15)
+    apart_3 = t35 * t35 + (t32 * t32 + t31 * t31)
+    apart_4 = t36 * t36 + (t34 * t34 + t33 * t33)
     t39 = ca.logic_or(misses_2 < misses, ca.logic_and(misses_2 == misses, apart_2 < apart))
     wins = ca.if_else(t39, 1.0, 0.0)
     t40 = 0.0 < wins
@@ -451,23 +449,23 @@ def _leg_row_distances():
     rows = ca.SX.sym("rows", 4, 3)
     p = ca.SX.sym("p", 3, 1)
     angle_shoulder_elbow = rows[0, 0] + rows[0, 1]
+    angle_shoulder_elbow_2 = rows[1, 0] + rows[1, 1]
     cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
-    extend_shift_z = rows[0, 2] + 0.5
     cos_shoulder = ca.cos(rows[0, 0])
     sin_shoulder = ca.sin(rows[0, 0])
+    cos_shoulder_elbow_2 = ca.cos(angle_shoulder_elbow_2)
+    sin_shoulder_elbow_2 = ca.sin(angle_shoulder_elbow_2)
+    cos_shoulder_2 = ca.cos(rows[1, 0])
+    sin_shoulder_2 = ca.sin(rows[1, 0])
+    extend_shift_z = rows[0, 2] + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     shoulder_to_tip_z = extend_shift_z - 1.0
     gap_x = p[0] - shoulder_to_tip_x
     gap_y = p[1] - shoulder_to_tip_y
     gap_z = p[2] + shoulder_to_tip_z
-    angle_shoulder_elbow_2 = rows[1, 0] + rows[1, 1]
-    cos_shoulder_elbow_2 = ca.cos(angle_shoulder_elbow_2)
-    sin_shoulder_elbow_2 = ca.sin(angle_shoulder_elbow_2)
     extend_shift_z_2 = rows[1, 2] + 0.5
-    cos_shoulder_2 = ca.cos(rows[1, 0])
-    sin_shoulder_2 = ca.sin(rows[1, 0])
     shoulder_to_tip_x_2 = 1.5 * cos_shoulder_2 + cos_shoulder_elbow_2
     shoulder_to_tip_y_2 = 1.5 * sin_shoulder_2 + sin_shoulder_elbow_2
     shoulder_to_tip_z_2 = extend_shift_z_2 - 1.0
@@ -475,23 +473,23 @@ def _leg_row_distances():
     gap_y_2 = p[1] - shoulder_to_tip_y_2
     gap_z_2 = p[2] + shoulder_to_tip_z_2
     angle_shoulder_elbow_3 = rows[2, 0] + rows[2, 1]
+    angle_shoulder_elbow_4 = rows[3, 0] + rows[3, 1]
     cos_shoulder_elbow_3 = ca.cos(angle_shoulder_elbow_3)
     sin_shoulder_elbow_3 = ca.sin(angle_shoulder_elbow_3)
-    extend_shift_z_3 = rows[2, 2] + 0.5
     cos_shoulder_3 = ca.cos(rows[2, 0])
     sin_shoulder_3 = ca.sin(rows[2, 0])
+    cos_shoulder_elbow_4 = ca.cos(angle_shoulder_elbow_4)
+    sin_shoulder_elbow_4 = ca.sin(angle_shoulder_elbow_4)
+    cos_shoulder_4 = ca.cos(rows[3, 0])
+    sin_shoulder_4 = ca.sin(rows[3, 0])
+    extend_shift_z_3 = rows[2, 2] + 0.5
     shoulder_to_tip_x_3 = 1.5 * cos_shoulder_3 + cos_shoulder_elbow_3
     shoulder_to_tip_y_3 = 1.5 * sin_shoulder_3 + sin_shoulder_elbow_3
     shoulder_to_tip_z_3 = extend_shift_z_3 - 1.0
     gap_x_3 = p[0] - shoulder_to_tip_x_3
     gap_y_3 = p[1] - shoulder_to_tip_y_3
     gap_z_3 = p[2] + shoulder_to_tip_z_3
-    angle_shoulder_elbow_4 = rows[3, 0] + rows[3, 1]
-    cos_shoulder_elbow_4 = ca.cos(angle_shoulder_elbow_4)
-    sin_shoulder_elbow_4 = ca.sin(angle_shoulder_elbow_4)
     extend_shift_z_4 = rows[3, 2] + 0.5
-    cos_shoulder_4 = ca.cos(rows[3, 0])
-    sin_shoulder_4 = ca.sin(rows[3, 0])
     shoulder_to_tip_x_4 = 1.5 * cos_shoulder_4 + cos_shoulder_elbow_4
     shoulder_to_tip_y_4 = 1.5 * sin_shoulder_4 + sin_shoulder_elbow_4
     shoulder_to_tip_z_4 = extend_shift_z_4 - 1.0
@@ -517,9 +515,9 @@ def leg_foot_position():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
-    extend_shift_z = q[2] + 0.5
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    extend_shift_z = q[2] + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     p = _column([shoulder_to_tip_x, shoulder_to_tip_y, 1.0 - extend_shift_z])
@@ -553,9 +551,9 @@ def leg_foot_pose():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
-    extend_shift_z = q[2] + 0.5
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    extend_shift_z = q[2] + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     T = _rows(4, 4, [
@@ -578,10 +576,9 @@ def leg_foot_jacobian():
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     J = _rows(3, 3, [
-        -shoulder_to_tip_y, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x, cos_shoulder_elbow, 0.0, 0.0, 0.0,
-        -1.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x,
+        cos_shoulder_elbow, 0.0, 0.0, 0.0, -1.0,
     ])
     return ca.Function("ambler_rrp_leg_foot_jacobian", [q], [J], ["q"], ["J"])
 
@@ -596,9 +593,9 @@ def leg_foot_position_jacobian():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
-    extend_shift_z = q[2] + 0.5
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    extend_shift_z = q[2] + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     p = _column([shoulder_to_tip_x, shoulder_to_tip_y, 1.0 - extend_shift_z])
@@ -623,10 +620,9 @@ def leg_foot_spatial_jacobian():
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     J = _rows(6, 3, [
-        -shoulder_to_tip_y, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x, cos_shoulder_elbow, 0.0, 0.0, 0.0,
-        -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x,
+        cos_shoulder_elbow, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0,
     ])
     return ca.Function("ambler_rrp_leg_foot_spatial_jacobian", [q], [J], ["q"], ["J"])
 
@@ -643,13 +639,12 @@ def leg_foot_hessian():
     sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
-    shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     t1 = -cos_shoulder_elbow
     t2 = -sin_shoulder_elbow
     H = _rows(3, 9, [
-        -shoulder_to_tip_x, t1, 0.0, t1, t1, 0.0, 0.0, 0.0, 0.0, -shoulder_to_tip_y, t2, 0.0, t2, t2, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -cos_shoulder * 1.5 - cos_shoulder_elbow, t1, 0.0, t1, t1, 0.0, 0.0, 0.0, 0.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, t2, 0.0, t2, t2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return ca.Function("ambler_rrp_leg_foot_hessian", [q], [H], ["q"], ["H"])
 
@@ -670,7 +665,7 @@ def leg_foot_velocity():
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     v = _column([
-        -(qd[1] * sin_shoulder_elbow + qd[0] * shoulder_to_tip_y),
+        -qd[1] * sin_shoulder_elbow - qd[0] * shoulder_to_tip_y,
         qd[1] * cos_shoulder_elbow + qd[0] * shoulder_to_tip_x, -qd[2],
     ])
     return ca.Function("ambler_rrp_leg_foot_velocity", [q, qd], [v], ["q", "qd"], ["v"])
@@ -732,9 +727,10 @@ def leg_foot_bias_acceleration():
     flow_elbow_y = qd[1] * cos_shoulder_elbow
     rate_elbow_z = qd[0] + qd[1]
     rates_elbow_z = qd[0] + rate_elbow_z
-    bias_elbow_x = flow_elbow_y * rates_elbow_z + bias_shoulder_x
-    bias_elbow_y = flow_elbow_x * rates_elbow_z + bias_shoulder_y
-    a = _column([-bias_elbow_x, -bias_elbow_y, 0.0, 0.0, 0.0, 0.0])
+    a = _column([
+        -flow_elbow_y * rates_elbow_z - bias_shoulder_x, -flow_elbow_x * rates_elbow_z - bias_shoulder_y, 0.0,
+        0.0, 0.0, 0.0,
+    ])
     return ca.Function("ambler_rrp_leg_foot_bias_acceleration", [q, qd], [a], ["q", "qd"], ["a"])
 
 
@@ -1046,6 +1042,8 @@ def leg_inverse_dynamics():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd[0] * qd[0]
@@ -1053,8 +1051,6 @@ def leg_inverse_dynamics():
     elbow_at_y = qdd[0] * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd[0] + qd[1]
     elbow_rate = qdd[0] + qdd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow + elbow_at_x
     extend_at_x = cos_shoulder_elbow * elbow_field_x_x + t1
@@ -1098,14 +1094,14 @@ def leg_forward_dynamics():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd[0] * qd[0]
     elbow_at_x = elbow_lever_x * shoulder_field_x_x
     elbow_at_y = elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd[0] + qd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     extend_at_x = cos_shoulder_elbow * elbow_field_x_x + elbow_at_x
     extend_at_y = sin_shoulder_elbow * elbow_field_x_x + elbow_at_y
@@ -1193,14 +1189,14 @@ def leg_bias():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd[0] * qd[0]
     elbow_at_x = elbow_lever_x * shoulder_field_x_x
     elbow_at_y = elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd[0] + qd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     extend_at_x = cos_shoulder_elbow * elbow_field_x_x + elbow_at_x
     extend_at_y = sin_shoulder_elbow * elbow_field_x_x + elbow_at_y
@@ -1242,11 +1238,11 @@ def leg_coriolis_matrix():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     elbow_spin_z = qd[0] + qd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_inertia_moment_x = cos_shoulder_elbow * 12.5
     elbow_inertia_moment_y = sin_shoulder_elbow * 12.5
     shoulder_field_x_x_d_qd_shoulder = qd[0] * 2.0
@@ -1297,13 +1293,13 @@ def leg_kinetic_energy():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     elbow_velocity_before_x = qd[0] * elbow_lever_y
     elbow_velocity_before_y = qd[0] * elbow_lever_x
     elbow_spin_z = qd[0] + qd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     extend_velocity_before_x = elbow_spin_z * sin_shoulder_elbow + elbow_velocity_before_x
     extend_velocity_before_y = elbow_spin_z * cos_shoulder_elbow + elbow_velocity_before_y
     shoulder_momentum_moment_z = qd[0] * 14.5
@@ -1354,6 +1350,8 @@ def leg_inverse_dynamics_derivatives():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd[0] * qd[0]
@@ -1361,8 +1359,6 @@ def leg_inverse_dynamics_derivatives():
     elbow_at_y = qdd[0] * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd[0] + qd[1]
     elbow_rate = qdd[0] + qdd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow
     t2 = cos_shoulder_elbow * elbow_field_x_x
@@ -1445,6 +1441,8 @@ def leg_regressor():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd[0] * qd[0]
@@ -1452,8 +1450,6 @@ def leg_regressor():
     elbow_at_y = qdd[0] * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd[0] + qd[1]
     elbow_rate = qdd[0] + qdd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow
     t2 = cos_shoulder_elbow * elbow_field_x_x
@@ -1526,6 +1522,8 @@ def leg_base_parameters():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd[0] * qd[0]
@@ -1533,8 +1531,6 @@ def leg_base_parameters():
     elbow_at_y = qdd[0] * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd[0] + qd[1]
     elbow_rate = qdd[0] + qdd[1]
-    cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow
     t2 = cos_shoulder_elbow * elbow_field_x_x
@@ -1587,9 +1583,9 @@ def foot_positions():
     angle_shoulder_elbow = q[0] + q[1]
     cos_shoulder_elbow = ca.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = ca.sin(angle_shoulder_elbow)
-    extend_shift_z = q[2] + 0.5
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
+    extend_shift_z = q[2] + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     p = _rows(1, 3, [shoulder_to_tip_x, shoulder_to_tip_y, 1.0 - extend_shift_z])
@@ -1609,10 +1605,9 @@ def foot_jacobians():
     cos_shoulder = ca.cos(q[0])
     sin_shoulder = ca.sin(q[0])
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     J = _rows(1, 9, [
-        -shoulder_to_tip_y, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x, cos_shoulder_elbow, 0.0, 0.0, 0.0,
-        -1.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x,
+        cos_shoulder_elbow, 0.0, 0.0, 0.0, -1.0,
     ])
     return ca.Function("ambler_rrp_foot_jacobians", [q], [J], ["q"], ["J"])
 
@@ -1628,13 +1623,13 @@ def com():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
     sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
+    cos_leg_shoulder = ca.cos(q[0])
+    sin_leg_shoulder = ca.sin(q[0])
     leg_extend_slid_z = q[2] - 0.2
     leg_elbow_moment_own_x = cos_leg_shoulder_elbow * 12.5
     leg_elbow_moment_own_y = sin_leg_shoulder_elbow * 12.5
     leg_elbow_moment_x = cos_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_x
     leg_elbow_moment_y = sin_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_y
-    cos_leg_shoulder = ca.cos(q[0])
-    sin_leg_shoulder = ca.sin(q[0])
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     leg_shoulder_moment_x = cos_leg_shoulder * 67.5 + (20.0 * leg_elbow_lever_x + leg_elbow_moment_x)
@@ -1665,13 +1660,13 @@ def com_jacobian():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
     sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
+    cos_leg_shoulder = ca.cos(q[0])
+    sin_leg_shoulder = ca.sin(q[0])
     leg_extend_slid_z = q[2] - 0.2
     leg_elbow_moment_own_x = cos_leg_shoulder_elbow * 12.5
     leg_elbow_moment_own_y = sin_leg_shoulder_elbow * 12.5
     leg_elbow_moment_x = cos_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_x
     leg_elbow_moment_y = sin_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_y
-    cos_leg_shoulder = ca.cos(q[0])
-    sin_leg_shoulder = ca.sin(q[0])
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     leg_shoulder_moment_x = cos_leg_shoulder * 67.5 + (20.0 * leg_elbow_lever_x + leg_elbow_moment_x)
@@ -1684,9 +1679,6 @@ def com_jacobian():
     turn_x_x = base_pose[0, 2] * centre_y + base_pose[0, 1] * centre_z
     turn_x_y = base_pose[1, 2] * centre_y + base_pose[1, 1] * centre_z
     turn_x_z = base_pose[2, 2] * centre_y + base_pose[2, 1] * centre_z
-    turn_y_x = base_pose[0, 2] * centre_x + base_pose[0, 0] * centre_z
-    turn_y_y = base_pose[1, 2] * centre_x + base_pose[1, 0] * centre_z
-    turn_y_z = base_pose[2, 2] * centre_x + base_pose[2, 0] * centre_z
     leg_elbow_unit_x = leg_elbow_moment_y * 0.0006309148264984228
     leg_elbow_unit_y = leg_elbow_moment_x * 0.0006309148264984228
     leg_extend_column_x = base_pose[0, 2] * 0.012618296529968454
@@ -1696,11 +1688,14 @@ def com_jacobian():
     t2 = base_pose[1, 1] * centre_x - base_pose[1, 0] * centre_y
     t3 = base_pose[2, 1] * centre_x - base_pose[2, 0] * centre_y
     J = _rows(3, 9, [
-        base_pose[0, 0], base_pose[0, 1], base_pose[0, 2], turn_x_x, -turn_y_x, t1, t1,
+        base_pose[0, 0], base_pose[0, 1], base_pose[0, 2], turn_x_x,
+        -base_pose[0, 2] * centre_x - base_pose[0, 0] * centre_z, t1, t1,
         base_pose[0, 1] * leg_elbow_unit_y - base_pose[0, 0] * leg_elbow_unit_x, -leg_extend_column_x,
-        base_pose[1, 0], base_pose[1, 1], base_pose[1, 2], turn_x_y, -turn_y_y, t2, t2,
+        base_pose[1, 0], base_pose[1, 1], base_pose[1, 2], turn_x_y,
+        -base_pose[1, 2] * centre_x - base_pose[1, 0] * centre_z, t2, t2,
         base_pose[1, 1] * leg_elbow_unit_y - base_pose[1, 0] * leg_elbow_unit_x, -leg_extend_column_y,
-        base_pose[2, 0], base_pose[2, 1], base_pose[2, 2], turn_x_z, -turn_y_z, t3, t3,
+        base_pose[2, 0], base_pose[2, 1], base_pose[2, 2], turn_x_z,
+        -base_pose[2, 2] * centre_x - base_pose[2, 0] * centre_z, t3, t3,
         base_pose[2, 1] * leg_elbow_unit_y - base_pose[2, 0] * leg_elbow_unit_x, -leg_extend_column_z,
     ])
     return ca.Function("ambler_rrp_com_jacobian", [base_pose, q], [J], ["base_pose", "q"], ["J"])
@@ -1719,14 +1714,14 @@ def centroidal_momentum_matrix():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
     sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
+    cos_leg_shoulder = ca.cos(q[0])
+    sin_leg_shoulder = ca.sin(q[0])
     leg_extend_slid_z = q[2] - 0.2
     t1 = cos_leg_shoulder_elbow * 20.0
     leg_elbow_moment_x = cos_leg_shoulder_elbow * 12.5 + t1
     t2 = sin_leg_shoulder_elbow * 20.0
     leg_elbow_moment_y = sin_leg_shoulder_elbow * 12.5 + t2
     leg_elbow_moment_z = leg_extend_slid_z * 20.0
-    cos_leg_shoulder = ca.cos(q[0])
-    sin_leg_shoulder = ca.sin(q[0])
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t3 = 20.0 * leg_elbow_lever_x
@@ -1799,9 +1794,6 @@ def centroidal_momentum_matrix():
     turn_x_x = centre_y * push_z_x + centre_z * push_y_x
     turn_x_y = centre_y * push_z_y + centre_z * push_y_y
     turn_x_z = centre_y * push_z_z + centre_z * push_y_z
-    turn_y_x = centre_x * push_z_x + centre_z * push_x_x
-    turn_y_y = centre_x * push_z_y + centre_z * push_x_y
-    turn_y_z = centre_x * push_z_z + centre_z * push_x_z
     t26 = base_pose[0, 0] * leg_shoulder_moment_y
     t27 = base_pose[0, 1] * leg_shoulder_moment_x
     leg_shoulder_force_x = t26 - t27
@@ -1877,16 +1869,18 @@ def centroidal_momentum_matrix():
     t75 = base_pose[2, 1] * centroidal_yz + base_pose[2, 0] * centroidal_xz
     t76 = t46 - base_pose[2, 2] * leg_shoulder_composite_zz
     A = _rows(6, 9, [
-        push_x_x, push_y_x, push_z_x, turn_x_x, -turn_y_x, centre_x * push_y_x - centre_y * push_x_x,
-        t27 - t26, t48 - t47, -leg_extend_force_x, push_x_y, push_y_y, push_z_y, turn_x_y, -turn_y_y,
+        push_x_x, push_y_x, push_z_x, turn_x_x, -centre_x * push_z_x - centre_z * push_x_x,
+        centre_x * push_y_x - centre_y * push_x_x, t27 - t26, t48 - t47, -leg_extend_force_x, push_x_y,
+        push_y_y, push_z_y, turn_x_y, -centre_x * push_z_y - centre_z * push_x_y,
         centre_x * push_y_y - centre_y * push_x_y, t29 - t28, t50 - t49, -leg_extend_force_y, push_x_z,
-        push_y_z, push_z_z, turn_x_z, -turn_y_z, centre_x * push_y_z - centre_y * push_x_z, t31 - t30,
-        t52 - t51, -leg_extend_force_z, 0.0, 0.0, 0.0, base_pose[0, 0] * centroidal_xx - t64,
-        base_pose[0, 1] * centroidal_yy - t65, base_pose[0, 2] * centroidal_zz - t66,
-        leg_shoulder_force_z * centre_world_y - t67, leg_elbow_moment_x_2, leg_extend_moment_x, 0.0, 0.0, 0.0,
-        base_pose[1, 0] * centroidal_xx - t68, base_pose[1, 1] * centroidal_yy - t69,
-        base_pose[1, 2] * centroidal_zz - t70, leg_shoulder_force_x * centre_world_z - t71,
-        leg_elbow_moment_y_2, t72 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0,
+        push_y_z, push_z_z, turn_x_z, -centre_x * push_z_z - centre_z * push_x_z,
+        centre_x * push_y_z - centre_y * push_x_z, t31 - t30, t52 - t51, -leg_extend_force_z, 0.0, 0.0, 0.0,
+        base_pose[0, 0] * centroidal_xx - t64, base_pose[0, 1] * centroidal_yy - t65,
+        base_pose[0, 2] * centroidal_zz - t66, leg_shoulder_force_z * centre_world_y - t67,
+        leg_elbow_moment_x_2, leg_extend_moment_x, 0.0, 0.0, 0.0, base_pose[1, 0] * centroidal_xx - t68,
+        base_pose[1, 1] * centroidal_yy - t69, base_pose[1, 2] * centroidal_zz - t70,
+        leg_shoulder_force_x * centre_world_z - t71, leg_elbow_moment_y_2,
+        t72 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0,
         base_pose[2, 0] * centroidal_xx - t73, base_pose[2, 1] * centroidal_yy - t74,
         base_pose[2, 2] * centroidal_zz - t75, leg_shoulder_force_y * centre_world_x - t76,
         leg_elbow_moment_z_2, leg_extend_moment_z,
@@ -1908,11 +1902,11 @@ def centroidal_inertia():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder = ca.cos(q[0])
     sin_leg_shoulder = ca.sin(q[0])
+    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_shoulder_inertia_spun_y = sin_leg_shoulder * 86.25
     leg_shoulder_inertia_xx = sin_leg_shoulder * leg_shoulder_inertia_spun_y
     leg_shoulder_inertia_rest = leg_shoulder_inertia_xx - 86.25
-    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_elbow_inertia_spun_y = sin_leg_shoulder_elbow * 8.45
     leg_elbow_inertia_xx = sin_leg_shoulder_elbow * leg_elbow_inertia_spun_y
     leg_elbow_inertia_rest = leg_elbow_inertia_xx - 8.45
@@ -1994,21 +1988,18 @@ def centroidal_inertia():
     t35 = base_pose[2, 1] * centroidal_yz + base_pose[2, 0] * centroidal_xz
     spin_z_z = t35 - base_pose[2, 2] * centroidal_zz
     t36 = base_pose[0, 1] * spin_y_x + base_pose[0, 0] * spin_x_x
-    inertia_00 = base_pose[0, 2] * spin_z_x + t36
     t37 = base_pose[0, 1] * spin_y_y + base_pose[0, 0] * spin_x_y
-    inertia_10 = base_pose[0, 2] * spin_z_y + t37
-    t38 = base_pose[1, 1] * spin_y_y + base_pose[1, 0] * spin_x_y
-    inertia_11 = base_pose[1, 2] * spin_z_y + t38
+    t38 = -base_pose[0, 2] * spin_z_y - t37
     t39 = base_pose[0, 1] * spin_y_z + base_pose[0, 0] * spin_x_z
-    inertia_20 = base_pose[0, 2] * spin_z_z + t39
-    t40 = base_pose[1, 1] * spin_y_z + base_pose[1, 0] * spin_x_z
-    inertia_21 = base_pose[1, 2] * spin_z_z + t40
-    t41 = base_pose[2, 1] * spin_y_z + base_pose[2, 0] * spin_x_z
-    inertia_22 = base_pose[2, 2] * spin_z_z + t41
-    t42 = -inertia_10
-    t43 = -inertia_20
-    t44 = -inertia_21
-    I = _rows(3, 3, [-inertia_00, t42, t43, t42, -inertia_11, t44, t43, t44, -inertia_22])
+    t40 = -base_pose[0, 2] * spin_z_z - t39
+    t41 = base_pose[1, 1] * spin_y_y + base_pose[1, 0] * spin_x_y
+    t42 = base_pose[1, 1] * spin_y_z + base_pose[1, 0] * spin_x_z
+    t43 = -base_pose[1, 2] * spin_z_z - t42
+    t44 = base_pose[2, 1] * spin_y_z + base_pose[2, 0] * spin_x_z
+    I = _rows(3, 3, [
+        -base_pose[0, 2] * spin_z_x - t36, t38, t40, t38, -base_pose[1, 2] * spin_z_y - t41, t43, t40, t43,
+        -base_pose[2, 2] * spin_z_z - t44,
+    ])
     return ca.Function("ambler_rrp_centroidal_inertia", [base_pose, q], [I], ["base_pose", "q"], ["I"])
 
 
@@ -2026,14 +2017,14 @@ def momentum():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder = ca.cos(q[0])
     sin_leg_shoulder = ca.sin(q[0])
+    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     leg_elbow_velocity_before_x = v[0] + v[4] - leg_shoulder_spin_z * leg_elbow_lever_y
     leg_elbow_velocity_before_y = leg_shoulder_spin_z * leg_elbow_lever_x + v[1] - v[3]
     leg_elbow_velocity_before_z = v[3] * leg_elbow_lever_y + v[2] - v[4] * leg_elbow_lever_x
     leg_elbow_spin_z = v[7] + leg_shoulder_spin_z
-    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q[2] - 0.2
     t1 = leg_elbow_spin_z * sin_leg_shoulder_elbow + v[4] * leg_extend_slid_z
     leg_extend_velocity_before_x = t1 - leg_elbow_velocity_before_x
@@ -2168,6 +2159,8 @@ def momentum_rate():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder = ca.cos(q[0])
     sin_leg_shoulder = ca.sin(q[0])
+    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t5 = leg_shoulder_spin_z * leg_shoulder_spin_z
@@ -2186,8 +2179,6 @@ def momentum_rate():
     leg_elbow_at_z = t9 - leg_elbow_lever_x * leg_shoulder_field_x_z
     leg_elbow_spin_z = v[7] + leg_shoulder_spin_z
     leg_elbow_rate = a[7] + leg_shoulder_rate
-    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q[2] - 0.2
     t10 = leg_elbow_spin_z * leg_elbow_spin_z
     leg_elbow_field_x_x = t4 + t10
@@ -2355,6 +2346,8 @@ def demanded_wrench():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder = ca.cos(q[0])
     sin_leg_shoulder = ca.sin(q[0])
+    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t5 = leg_shoulder_spin_z * leg_shoulder_spin_z
@@ -2373,8 +2366,6 @@ def demanded_wrench():
     leg_elbow_at_z = t9 - leg_elbow_lever_x * leg_shoulder_field_x_z
     leg_elbow_spin_z = v[7] + leg_shoulder_spin_z
     leg_elbow_rate = a[7] + leg_shoulder_rate
-    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q[2] - 0.2
     t10 = leg_elbow_spin_z * leg_elbow_spin_z
     leg_elbow_field_x_x = t4 + t10
@@ -2513,11 +2504,11 @@ def floating_mass_matrix():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder = ca.cos(q[0])
     sin_leg_shoulder = ca.sin(q[0])
+    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_shoulder_inertia_spun_y = sin_leg_shoulder * 86.25
     leg_shoulder_inertia_xx = sin_leg_shoulder * leg_shoulder_inertia_spun_y
     leg_shoulder_inertia_rest = leg_shoulder_inertia_xx - 86.25
-    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_elbow_inertia_spun_y = sin_leg_shoulder_elbow * 8.45
     leg_elbow_inertia_xx = sin_leg_shoulder_elbow * leg_elbow_inertia_spun_y
     leg_elbow_inertia_rest = leg_elbow_inertia_xx - 8.45
@@ -2550,7 +2541,6 @@ def floating_mass_matrix():
     t9 = 20.0 * leg_elbow_lever_x
     t10 = cos_leg_shoulder * leg_shoulder_inertia_spun_y + leg_elbow_composite_xy
     t11 = leg_elbow_composite_moment_x * leg_elbow_lever_y + t10
-    leg_shoulder_composite_xy = leg_elbow_lever_y * t9 + (leg_elbow_composite_moment_y * leg_elbow_lever_x + t11)
     leg_shoulder_composite_moment_x = t9 + (cos_leg_shoulder * 67.5 + leg_elbow_composite_moment_x)
     t12 = 20.0 * leg_elbow_lever_y
     leg_shoulder_composite_moment_y = t12 + (sin_leg_shoulder * 67.5 + leg_elbow_composite_moment_y)
@@ -2567,7 +2557,7 @@ def floating_mass_matrix():
     t15 = -leg_shoulder_composite_moment_y
     t16 = -leg_elbow_composite_moment_y
     t17 = -leg_shoulder_composite_moment_x
-    t18 = -leg_shoulder_composite_xy
+    t18 = -leg_elbow_lever_y * t9 - (leg_elbow_composite_moment_y * leg_elbow_lever_x + t11)
     t19 = leg_shoulder_composite_moment_x - leg_elbow_composite_xz
     t20 = leg_elbow_composite_moment_z * leg_elbow_lever_x - t19
     t21 = leg_elbow_composite_xz - leg_elbow_composite_moment_x
@@ -2626,6 +2616,8 @@ def floating_inverse_dynamics():
     angle_leg_shoulder_elbow = q[0] + q[1]
     cos_leg_shoulder = ca.cos(q[0])
     sin_leg_shoulder = ca.sin(q[0])
+    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t8 = leg_shoulder_spin_z * leg_shoulder_spin_z
@@ -2644,8 +2636,6 @@ def floating_inverse_dynamics():
     leg_elbow_at_z = t12 - leg_elbow_lever_x * leg_shoulder_field_x_z
     leg_elbow_spin_z = v[7] + leg_shoulder_spin_z
     leg_elbow_rate = a[7] + leg_shoulder_rate
-    cos_leg_shoulder_elbow = ca.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = ca.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q[2] - 0.2
     t13 = leg_elbow_spin_z * leg_elbow_spin_z
     leg_elbow_field_x_x = t7 + t13

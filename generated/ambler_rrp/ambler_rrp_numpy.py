@@ -167,23 +167,23 @@ def _leg_row_distances(rows, p):
         _real("rows", rows, (4, 3)), _real("p", p, (3,)),
     )
     angle_shoulder_elbow = rows_0_0 + rows_0_1
+    angle_shoulder_elbow_2 = rows_1_0 + rows_1_1
     cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
-    extend_shift_z = rows_0_2 + 0.5
     cos_shoulder = np.cos(rows_0_0)
     sin_shoulder = np.sin(rows_0_0)
+    cos_shoulder_elbow_2 = np.cos(angle_shoulder_elbow_2)
+    sin_shoulder_elbow_2 = np.sin(angle_shoulder_elbow_2)
+    cos_shoulder_2 = np.cos(rows_1_0)
+    sin_shoulder_2 = np.sin(rows_1_0)
+    extend_shift_z = rows_0_2 + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     shoulder_to_tip_z = extend_shift_z - 1.0
     gap_x = p_0 - shoulder_to_tip_x
     gap_y = p_1 - shoulder_to_tip_y
     gap_z = p_2 + shoulder_to_tip_z
-    angle_shoulder_elbow_2 = rows_1_0 + rows_1_1
-    cos_shoulder_elbow_2 = np.cos(angle_shoulder_elbow_2)
-    sin_shoulder_elbow_2 = np.sin(angle_shoulder_elbow_2)
     extend_shift_z_2 = rows_1_2 + 0.5
-    cos_shoulder_2 = np.cos(rows_1_0)
-    sin_shoulder_2 = np.sin(rows_1_0)
     shoulder_to_tip_x_2 = 1.5 * cos_shoulder_2 + cos_shoulder_elbow_2
     shoulder_to_tip_y_2 = 1.5 * sin_shoulder_2 + sin_shoulder_elbow_2
     shoulder_to_tip_z_2 = extend_shift_z_2 - 1.0
@@ -191,23 +191,23 @@ def _leg_row_distances(rows, p):
     gap_y_2 = p_1 - shoulder_to_tip_y_2
     gap_z_2 = p_2 + shoulder_to_tip_z_2
     angle_shoulder_elbow_3 = rows_2_0 + rows_2_1
+    angle_shoulder_elbow_4 = rows_3_0 + rows_3_1
     cos_shoulder_elbow_3 = np.cos(angle_shoulder_elbow_3)
     sin_shoulder_elbow_3 = np.sin(angle_shoulder_elbow_3)
-    extend_shift_z_3 = rows_2_2 + 0.5
     cos_shoulder_3 = np.cos(rows_2_0)
     sin_shoulder_3 = np.sin(rows_2_0)
+    cos_shoulder_elbow_4 = np.cos(angle_shoulder_elbow_4)
+    sin_shoulder_elbow_4 = np.sin(angle_shoulder_elbow_4)
+    cos_shoulder_4 = np.cos(rows_3_0)
+    sin_shoulder_4 = np.sin(rows_3_0)
+    extend_shift_z_3 = rows_2_2 + 0.5
     shoulder_to_tip_x_3 = 1.5 * cos_shoulder_3 + cos_shoulder_elbow_3
     shoulder_to_tip_y_3 = 1.5 * sin_shoulder_3 + sin_shoulder_elbow_3
     shoulder_to_tip_z_3 = extend_shift_z_3 - 1.0
     gap_x_3 = p_0 - shoulder_to_tip_x_3
     gap_y_3 = p_1 - shoulder_to_tip_y_3
     gap_z_3 = p_2 + shoulder_to_tip_z_3
-    angle_shoulder_elbow_4 = rows_3_0 + rows_3_1
-    cos_shoulder_elbow_4 = np.cos(angle_shoulder_elbow_4)
-    sin_shoulder_elbow_4 = np.sin(angle_shoulder_elbow_4)
     extend_shift_z_4 = rows_3_2 + 0.5
-    cos_shoulder_4 = np.cos(rows_3_0)
-    sin_shoulder_4 = np.sin(rows_3_0)
     shoulder_to_tip_x_4 = 1.5 * cos_shoulder_4 + cos_shoulder_elbow_4
     shoulder_to_tip_y_4 = 1.5 * sin_shoulder_4 + sin_shoulder_elbow_4
     shoulder_to_tip_z_4 = extend_shift_z_4 - 1.0
@@ -271,9 +271,9 @@ def leg_foot_position(q):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
-    extend_shift_z = q_2 + 0.5
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    extend_shift_z = q_2 + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     p = _array(lead, (3,), np.float64, [shoulder_to_tip_x, shoulder_to_tip_y, 1.0 - extend_shift_z])
@@ -309,9 +309,9 @@ def leg_foot_pose(q):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
-    extend_shift_z = q_2 + 0.5
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    extend_shift_z = q_2 + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     T = _array(lead, (4, 4), np.float64, [
@@ -335,10 +335,9 @@ def leg_foot_jacobian(q):
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     J = _array(lead, (3, 3), np.float64, [
-        -shoulder_to_tip_y, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x, cos_shoulder_elbow, 0.0, 0.0, 0.0,
-        -1.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x,
+        cos_shoulder_elbow, 0.0, 0.0, 0.0, -1.0,
     ])
     return J
 
@@ -354,9 +353,9 @@ def leg_foot_position_jacobian(q):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
-    extend_shift_z = q_2 + 0.5
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    extend_shift_z = q_2 + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     p = _array(lead, (3,), np.float64, [shoulder_to_tip_x, shoulder_to_tip_y, 1.0 - extend_shift_z])
@@ -382,10 +381,9 @@ def leg_foot_spatial_jacobian(q):
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     J = _array(lead, (6, 3), np.float64, [
-        -shoulder_to_tip_y, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x, cos_shoulder_elbow, 0.0, 0.0, 0.0,
-        -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x,
+        cos_shoulder_elbow, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0,
     ])
     return J
 
@@ -403,13 +401,12 @@ def leg_foot_hessian(q):
     sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
-    shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     t1 = -cos_shoulder_elbow
     t2 = -sin_shoulder_elbow
     H = _array(lead, (3, 3, 3), np.float64, [
-        -shoulder_to_tip_x, t1, 0.0, t1, t1, 0.0, 0.0, 0.0, 0.0, -shoulder_to_tip_y, t2, 0.0, t2, t2, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -cos_shoulder * 1.5 - cos_shoulder_elbow, t1, 0.0, t1, t1, 0.0, 0.0, 0.0, 0.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, t2, 0.0, t2, t2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return H
 
@@ -430,7 +427,7 @@ def leg_foot_velocity(q, qd):
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     v = _array(lead, (3,), np.float64, [
-        -(qd_1 * sin_shoulder_elbow + qd_0 * shoulder_to_tip_y),
+        -qd_1 * sin_shoulder_elbow - qd_0 * shoulder_to_tip_y,
         qd_1 * cos_shoulder_elbow + qd_0 * shoulder_to_tip_x, -qd_2,
     ])
     return v
@@ -493,9 +490,10 @@ def leg_foot_bias_acceleration(q, qd):
     flow_elbow_y = qd_1 * cos_shoulder_elbow
     rate_elbow_z = qd_0 + qd_1
     rates_elbow_z = qd_0 + rate_elbow_z
-    bias_elbow_x = flow_elbow_y * rates_elbow_z + bias_shoulder_x
-    bias_elbow_y = flow_elbow_x * rates_elbow_z + bias_shoulder_y
-    a = _array(lead, (6,), np.float64, [-bias_elbow_x, -bias_elbow_y, 0.0, 0.0, 0.0, 0.0])
+    a = _array(lead, (6,), np.float64, [
+        -flow_elbow_y * rates_elbow_z - bias_shoulder_x, -flow_elbow_x * rates_elbow_z - bias_shoulder_y, 0.0,
+        0.0, 0.0, 0.0,
+    ])
     return a
 
 
@@ -683,6 +681,8 @@ def leg_inverse_dynamics(q, qd, qdd, f):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd_0 * qd_0
@@ -690,8 +690,6 @@ def leg_inverse_dynamics(q, qd, qdd, f):
     elbow_at_y = qdd_0 * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd_0 + qd_1
     elbow_rate = qdd_0 + qdd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow + elbow_at_x
     extend_at_x = cos_shoulder_elbow * elbow_field_x_x + t1
@@ -733,14 +731,14 @@ def leg_forward_dynamics(q, qd, tau, f):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd_0 * qd_0
     elbow_at_x = elbow_lever_x * shoulder_field_x_x
     elbow_at_y = elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd_0 + qd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     extend_at_x = cos_shoulder_elbow * elbow_field_x_x + elbow_at_x
     extend_at_y = sin_shoulder_elbow * elbow_field_x_x + elbow_at_y
@@ -827,14 +825,14 @@ def leg_bias(q, qd):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd_0 * qd_0
     elbow_at_x = elbow_lever_x * shoulder_field_x_x
     elbow_at_y = elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd_0 + qd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     extend_at_x = cos_shoulder_elbow * elbow_field_x_x + elbow_at_x
     extend_at_y = sin_shoulder_elbow * elbow_field_x_x + elbow_at_y
@@ -877,11 +875,11 @@ def leg_coriolis_matrix(q, qd):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     elbow_spin_z = qd_0 + qd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_inertia_moment_x = cos_shoulder_elbow * 12.5
     elbow_inertia_moment_y = sin_shoulder_elbow * 12.5
     shoulder_field_x_x_d_qd_shoulder = qd_0 * 2.0
@@ -932,13 +930,13 @@ def leg_kinetic_energy(q, qd):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     elbow_velocity_before_x = qd_0 * elbow_lever_y
     elbow_velocity_before_y = qd_0 * elbow_lever_x
     elbow_spin_z = qd_0 + qd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     extend_velocity_before_x = elbow_spin_z * sin_shoulder_elbow + elbow_velocity_before_x
     extend_velocity_before_y = elbow_spin_z * cos_shoulder_elbow + elbow_velocity_before_y
     shoulder_momentum_moment_z = qd_0 * 14.5
@@ -991,6 +989,8 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd_0 * qd_0
@@ -998,8 +998,6 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     elbow_at_y = qdd_0 * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd_0 + qd_1
     elbow_rate = qdd_0 + qdd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow
     t2 = cos_shoulder_elbow * elbow_field_x_x
@@ -1080,6 +1078,8 @@ def leg_regressor(q, qd, qdd):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd_0 * qd_0
@@ -1087,8 +1087,6 @@ def leg_regressor(q, qd, qdd):
     elbow_at_y = qdd_0 * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd_0 + qd_1
     elbow_rate = qdd_0 + qdd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow
     t2 = cos_shoulder_elbow * elbow_field_x_x
@@ -1162,6 +1160,8 @@ def leg_base_parameters(q, qd, qdd):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
+    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_lever_x = cos_shoulder * 1.5
     elbow_lever_y = sin_shoulder * 1.5
     shoulder_field_x_x = qd_0 * qd_0
@@ -1169,8 +1169,6 @@ def leg_base_parameters(q, qd, qdd):
     elbow_at_y = qdd_0 * elbow_lever_x - elbow_lever_y * shoulder_field_x_x
     elbow_spin_z = qd_0 + qd_1
     elbow_rate = qdd_0 + qdd_1
-    cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
-    sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
     elbow_field_x_x = elbow_spin_z * elbow_spin_z
     t1 = elbow_rate * sin_shoulder_elbow
     t2 = cos_shoulder_elbow * elbow_field_x_x
@@ -1227,9 +1225,9 @@ def foot_positions(q):
     angle_shoulder_elbow = q_0 + q_1
     cos_shoulder_elbow = np.cos(angle_shoulder_elbow)
     sin_shoulder_elbow = np.sin(angle_shoulder_elbow)
-    extend_shift_z = q_2 + 0.5
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
+    extend_shift_z = q_2 + 0.5
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
     shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     p = _array(lead, (1, 3), np.float64, [shoulder_to_tip_x, shoulder_to_tip_y, 1.0 - extend_shift_z])
@@ -1250,10 +1248,9 @@ def foot_jacobians(q):
     cos_shoulder = np.cos(q_0)
     sin_shoulder = np.sin(q_0)
     shoulder_to_tip_x = cos_shoulder * 1.5 + cos_shoulder_elbow
-    shoulder_to_tip_y = sin_shoulder * 1.5 + sin_shoulder_elbow
     J = _array(lead, (1, 3, 3), np.float64, [
-        -shoulder_to_tip_y, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x, cos_shoulder_elbow, 0.0, 0.0, 0.0,
-        -1.0,
+        -sin_shoulder * 1.5 - sin_shoulder_elbow, -sin_shoulder_elbow, 0.0, shoulder_to_tip_x,
+        cos_shoulder_elbow, 0.0, 0.0, 0.0, -1.0,
     ])
     return J
 
@@ -1271,13 +1268,13 @@ def com(base_pose, q):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
     sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
+    cos_leg_shoulder = np.cos(q_0)
+    sin_leg_shoulder = np.sin(q_0)
     leg_extend_slid_z = q_2 - 0.2
     leg_elbow_moment_own_x = cos_leg_shoulder_elbow * 12.5
     leg_elbow_moment_own_y = sin_leg_shoulder_elbow * 12.5
     leg_elbow_moment_x = cos_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_x
     leg_elbow_moment_y = sin_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_y
-    cos_leg_shoulder = np.cos(q_0)
-    sin_leg_shoulder = np.sin(q_0)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     leg_shoulder_moment_x = cos_leg_shoulder * 67.5 + (20.0 * leg_elbow_lever_x + leg_elbow_moment_x)
@@ -1310,13 +1307,13 @@ def com_jacobian(base_pose, q):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
     sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
+    cos_leg_shoulder = np.cos(q_0)
+    sin_leg_shoulder = np.sin(q_0)
     leg_extend_slid_z = q_2 - 0.2
     leg_elbow_moment_own_x = cos_leg_shoulder_elbow * 12.5
     leg_elbow_moment_own_y = sin_leg_shoulder_elbow * 12.5
     leg_elbow_moment_x = cos_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_x
     leg_elbow_moment_y = sin_leg_shoulder_elbow * 20.0 + leg_elbow_moment_own_y
-    cos_leg_shoulder = np.cos(q_0)
-    sin_leg_shoulder = np.sin(q_0)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     leg_shoulder_moment_x = cos_leg_shoulder * 67.5 + (20.0 * leg_elbow_lever_x + leg_elbow_moment_x)
@@ -1329,9 +1326,6 @@ def com_jacobian(base_pose, q):
     turn_x_x = base_pose_0_2 * centre_y + base_pose_0_1 * centre_z
     turn_x_y = base_pose_1_2 * centre_y + base_pose_1_1 * centre_z
     turn_x_z = base_pose_2_2 * centre_y + base_pose_2_1 * centre_z
-    turn_y_x = base_pose_0_2 * centre_x + base_pose_0_0 * centre_z
-    turn_y_y = base_pose_1_2 * centre_x + base_pose_1_0 * centre_z
-    turn_y_z = base_pose_2_2 * centre_x + base_pose_2_0 * centre_z
     leg_elbow_unit_x = leg_elbow_moment_y * 0.0006309148264984228
     leg_elbow_unit_y = leg_elbow_moment_x * 0.0006309148264984228
     leg_extend_column_x = base_pose_0_2 * 0.012618296529968454
@@ -1341,11 +1335,14 @@ def com_jacobian(base_pose, q):
     t2 = base_pose_1_1 * centre_x - base_pose_1_0 * centre_y
     t3 = base_pose_2_1 * centre_x - base_pose_2_0 * centre_y
     J = _array(lead, (3, 9), np.float64, [
-        base_pose_0_0, base_pose_0_1, base_pose_0_2, turn_x_x, -turn_y_x, t1, t1,
+        base_pose_0_0, base_pose_0_1, base_pose_0_2, turn_x_x,
+        -base_pose_0_2 * centre_x - base_pose_0_0 * centre_z, t1, t1,
         base_pose_0_1 * leg_elbow_unit_y - base_pose_0_0 * leg_elbow_unit_x, -leg_extend_column_x,
-        base_pose_1_0, base_pose_1_1, base_pose_1_2, turn_x_y, -turn_y_y, t2, t2,
+        base_pose_1_0, base_pose_1_1, base_pose_1_2, turn_x_y,
+        -base_pose_1_2 * centre_x - base_pose_1_0 * centre_z, t2, t2,
         base_pose_1_1 * leg_elbow_unit_y - base_pose_1_0 * leg_elbow_unit_x, -leg_extend_column_y,
-        base_pose_2_0, base_pose_2_1, base_pose_2_2, turn_x_z, -turn_y_z, t3, t3,
+        base_pose_2_0, base_pose_2_1, base_pose_2_2, turn_x_z,
+        -base_pose_2_2 * centre_x - base_pose_2_0 * centre_z, t3, t3,
         base_pose_2_1 * leg_elbow_unit_y - base_pose_2_0 * leg_elbow_unit_x, -leg_extend_column_z,
     ])
     return J
@@ -1366,14 +1363,14 @@ def centroidal_momentum_matrix(base_pose, q):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
     sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
+    cos_leg_shoulder = np.cos(q_0)
+    sin_leg_shoulder = np.sin(q_0)
     leg_extend_slid_z = q_2 - 0.2
     t1 = cos_leg_shoulder_elbow * 20.0
     leg_elbow_moment_x = cos_leg_shoulder_elbow * 12.5 + t1
     t2 = sin_leg_shoulder_elbow * 20.0
     leg_elbow_moment_y = sin_leg_shoulder_elbow * 12.5 + t2
     leg_elbow_moment_z = leg_extend_slid_z * 20.0
-    cos_leg_shoulder = np.cos(q_0)
-    sin_leg_shoulder = np.sin(q_0)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t3 = 20.0 * leg_elbow_lever_x
@@ -1446,9 +1443,6 @@ def centroidal_momentum_matrix(base_pose, q):
     turn_x_x = centre_y * push_z_x + centre_z * push_y_x
     turn_x_y = centre_y * push_z_y + centre_z * push_y_y
     turn_x_z = centre_y * push_z_z + centre_z * push_y_z
-    turn_y_x = centre_x * push_z_x + centre_z * push_x_x
-    turn_y_y = centre_x * push_z_y + centre_z * push_x_y
-    turn_y_z = centre_x * push_z_z + centre_z * push_x_z
     t26 = base_pose_0_0 * leg_shoulder_moment_y
     t27 = base_pose_0_1 * leg_shoulder_moment_x
     leg_shoulder_force_x = t26 - t27
@@ -1524,16 +1518,18 @@ def centroidal_momentum_matrix(base_pose, q):
     t75 = base_pose_2_1 * centroidal_yz + base_pose_2_0 * centroidal_xz
     t76 = t46 - base_pose_2_2 * leg_shoulder_composite_zz
     A = _array(lead, (6, 9), np.float64, [
-        push_x_x, push_y_x, push_z_x, turn_x_x, -turn_y_x, centre_x * push_y_x - centre_y * push_x_x,
-        t27 - t26, t48 - t47, -leg_extend_force_x, push_x_y, push_y_y, push_z_y, turn_x_y, -turn_y_y,
+        push_x_x, push_y_x, push_z_x, turn_x_x, -centre_x * push_z_x - centre_z * push_x_x,
+        centre_x * push_y_x - centre_y * push_x_x, t27 - t26, t48 - t47, -leg_extend_force_x, push_x_y,
+        push_y_y, push_z_y, turn_x_y, -centre_x * push_z_y - centre_z * push_x_y,
         centre_x * push_y_y - centre_y * push_x_y, t29 - t28, t50 - t49, -leg_extend_force_y, push_x_z,
-        push_y_z, push_z_z, turn_x_z, -turn_y_z, centre_x * push_y_z - centre_y * push_x_z, t31 - t30,
-        t52 - t51, -leg_extend_force_z, 0.0, 0.0, 0.0, base_pose_0_0 * centroidal_xx - t64,
-        base_pose_0_1 * centroidal_yy - t65, base_pose_0_2 * centroidal_zz - t66,
-        leg_shoulder_force_z * centre_world_y - t67, leg_elbow_moment_x_2, leg_extend_moment_x, 0.0, 0.0, 0.0,
-        base_pose_1_0 * centroidal_xx - t68, base_pose_1_1 * centroidal_yy - t69,
-        base_pose_1_2 * centroidal_zz - t70, leg_shoulder_force_x * centre_world_z - t71,
-        leg_elbow_moment_y_2, t72 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0,
+        push_y_z, push_z_z, turn_x_z, -centre_x * push_z_z - centre_z * push_x_z,
+        centre_x * push_y_z - centre_y * push_x_z, t31 - t30, t52 - t51, -leg_extend_force_z, 0.0, 0.0, 0.0,
+        base_pose_0_0 * centroidal_xx - t64, base_pose_0_1 * centroidal_yy - t65,
+        base_pose_0_2 * centroidal_zz - t66, leg_shoulder_force_z * centre_world_y - t67,
+        leg_elbow_moment_x_2, leg_extend_moment_x, 0.0, 0.0, 0.0, base_pose_1_0 * centroidal_xx - t68,
+        base_pose_1_1 * centroidal_yy - t69, base_pose_1_2 * centroidal_zz - t70,
+        leg_shoulder_force_x * centre_world_z - t71, leg_elbow_moment_y_2,
+        t72 - leg_extend_from_centre_z * leg_extend_force_x, 0.0, 0.0, 0.0,
         base_pose_2_0 * centroidal_xx - t73, base_pose_2_1 * centroidal_yy - t74,
         base_pose_2_2 * centroidal_zz - t75, leg_shoulder_force_y * centre_world_x - t76,
         leg_elbow_moment_z_2, leg_extend_moment_z,
@@ -1555,11 +1551,11 @@ def centroidal_inertia(base_pose, q):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder = np.cos(q_0)
     sin_leg_shoulder = np.sin(q_0)
+    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_shoulder_inertia_spun_y = sin_leg_shoulder * 86.25
     leg_shoulder_inertia_xx = sin_leg_shoulder * leg_shoulder_inertia_spun_y
     leg_shoulder_inertia_rest = leg_shoulder_inertia_xx - 86.25
-    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_elbow_inertia_spun_y = sin_leg_shoulder_elbow * 8.45
     leg_elbow_inertia_xx = sin_leg_shoulder_elbow * leg_elbow_inertia_spun_y
     leg_elbow_inertia_rest = leg_elbow_inertia_xx - 8.45
@@ -1640,17 +1636,13 @@ def centroidal_inertia(base_pose, q):
     spin_z_y = t34 - base_pose_1_2 * centroidal_zz
     t35 = base_pose_2_1 * centroidal_yz + base_pose_2_0 * centroidal_xz
     spin_z_z = t35 - base_pose_2_2 * centroidal_zz
-    inertia_00 = base_pose_0_2 * spin_z_x + (base_pose_0_1 * spin_y_x + base_pose_0_0 * spin_x_x)
-    inertia_10 = base_pose_0_2 * spin_z_y + (base_pose_0_1 * spin_y_y + base_pose_0_0 * spin_x_y)
-    inertia_11 = base_pose_1_2 * spin_z_y + (base_pose_1_1 * spin_y_y + base_pose_1_0 * spin_x_y)
-    inertia_20 = base_pose_0_2 * spin_z_z + (base_pose_0_1 * spin_y_z + base_pose_0_0 * spin_x_z)
-    inertia_21 = base_pose_1_2 * spin_z_z + (base_pose_1_1 * spin_y_z + base_pose_1_0 * spin_x_z)
-    inertia_22 = base_pose_2_2 * spin_z_z + (base_pose_2_1 * spin_y_z + base_pose_2_0 * spin_x_z)
-    t36 = -inertia_10
-    t37 = -inertia_20
-    t38 = -inertia_21
+    t36 = -base_pose_0_2 * spin_z_y - (base_pose_0_1 * spin_y_y + base_pose_0_0 * spin_x_y)
+    t37 = -base_pose_0_2 * spin_z_z - (base_pose_0_1 * spin_y_z + base_pose_0_0 * spin_x_z)
+    t38 = -base_pose_1_2 * spin_z_z - (base_pose_1_1 * spin_y_z + base_pose_1_0 * spin_x_z)
     I = _array(lead, (3, 3), np.float64, [
-        -inertia_00, t36, t37, t36, -inertia_11, t38, t37, t38, -inertia_22,
+        -base_pose_0_2 * spin_z_x - (base_pose_0_1 * spin_y_x + base_pose_0_0 * spin_x_x), t36, t37, t36,
+        -base_pose_1_2 * spin_z_y - (base_pose_1_1 * spin_y_y + base_pose_1_0 * spin_x_y), t38, t37, t38,
+        -base_pose_2_2 * spin_z_z - (base_pose_2_1 * spin_y_z + base_pose_2_0 * spin_x_z),
     ])
     return I
 
@@ -1670,14 +1662,14 @@ def momentum(base_pose, q, v):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder = np.cos(q_0)
     sin_leg_shoulder = np.sin(q_0)
+    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     leg_elbow_velocity_before_x = v_0 + v_4 - leg_shoulder_spin_z * leg_elbow_lever_y
     leg_elbow_velocity_before_y = leg_shoulder_spin_z * leg_elbow_lever_x + v_1 - v_3
     leg_elbow_velocity_before_z = v_3 * leg_elbow_lever_y + v_2 - v_4 * leg_elbow_lever_x
     leg_elbow_spin_z = v_7 + leg_shoulder_spin_z
-    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q_2 - 0.2
     t1 = leg_elbow_spin_z * sin_leg_shoulder_elbow + v_4 * leg_extend_slid_z
     leg_extend_velocity_before_x = t1 - leg_elbow_velocity_before_x
@@ -1809,6 +1801,8 @@ def momentum_rate(base_pose, q, v, a):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder = np.cos(q_0)
     sin_leg_shoulder = np.sin(q_0)
+    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t5 = leg_shoulder_spin_z * leg_shoulder_spin_z
@@ -1827,8 +1821,6 @@ def momentum_rate(base_pose, q, v, a):
     leg_elbow_at_z = t9 - leg_elbow_lever_x * leg_shoulder_field_x_z
     leg_elbow_spin_z = v_7 + leg_shoulder_spin_z
     leg_elbow_rate = a_7 + leg_shoulder_rate
-    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q_2 - 0.2
     t10 = leg_elbow_spin_z * leg_elbow_spin_z
     leg_elbow_field_x_x = t4 + t10
@@ -1994,6 +1986,8 @@ def demanded_wrench(base_pose, q, v, a):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder = np.cos(q_0)
     sin_leg_shoulder = np.sin(q_0)
+    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t5 = leg_shoulder_spin_z * leg_shoulder_spin_z
@@ -2012,8 +2006,6 @@ def demanded_wrench(base_pose, q, v, a):
     leg_elbow_at_z = t9 - leg_elbow_lever_x * leg_shoulder_field_x_z
     leg_elbow_spin_z = v_7 + leg_shoulder_spin_z
     leg_elbow_rate = a_7 + leg_shoulder_rate
-    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q_2 - 0.2
     t10 = leg_elbow_spin_z * leg_elbow_spin_z
     leg_elbow_field_x_x = t4 + t10
@@ -2152,11 +2144,11 @@ def floating_mass_matrix(base_pose, q):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder = np.cos(q_0)
     sin_leg_shoulder = np.sin(q_0)
+    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_shoulder_inertia_spun_y = sin_leg_shoulder * 86.25
     leg_shoulder_inertia_xx = sin_leg_shoulder * leg_shoulder_inertia_spun_y
     leg_shoulder_inertia_rest = leg_shoulder_inertia_xx - 86.25
-    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_elbow_inertia_spun_y = sin_leg_shoulder_elbow * 8.45
     leg_elbow_inertia_xx = sin_leg_shoulder_elbow * leg_elbow_inertia_spun_y
     leg_elbow_inertia_rest = leg_elbow_inertia_xx - 8.45
@@ -2189,7 +2181,6 @@ def floating_mass_matrix(base_pose, q):
     t9 = 20.0 * leg_elbow_lever_x
     t10 = cos_leg_shoulder * leg_shoulder_inertia_spun_y + leg_elbow_composite_xy
     t11 = leg_elbow_composite_moment_x * leg_elbow_lever_y + t10
-    leg_shoulder_composite_xy = leg_elbow_lever_y * t9 + (leg_elbow_composite_moment_y * leg_elbow_lever_x + t11)
     leg_shoulder_composite_moment_x = t9 + (cos_leg_shoulder * 67.5 + leg_elbow_composite_moment_x)
     t12 = 20.0 * leg_elbow_lever_y
     leg_shoulder_composite_moment_y = t12 + (sin_leg_shoulder * 67.5 + leg_elbow_composite_moment_y)
@@ -2206,7 +2197,7 @@ def floating_mass_matrix(base_pose, q):
     t15 = -leg_shoulder_composite_moment_y
     t16 = -leg_elbow_composite_moment_y
     t17 = -leg_shoulder_composite_moment_x
-    t18 = -leg_shoulder_composite_xy
+    t18 = -leg_elbow_lever_y * t9 - (leg_elbow_composite_moment_y * leg_elbow_lever_x + t11)
     t19 = leg_shoulder_composite_moment_x - leg_elbow_composite_xz
     t20 = leg_elbow_composite_moment_z * leg_elbow_lever_x - t19
     t21 = leg_elbow_composite_xz - leg_elbow_composite_moment_x
@@ -2265,6 +2256,8 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     angle_leg_shoulder_elbow = q_0 + q_1
     cos_leg_shoulder = np.cos(q_0)
     sin_leg_shoulder = np.sin(q_0)
+    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
+    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_elbow_lever_x = cos_leg_shoulder * 1.5
     leg_elbow_lever_y = sin_leg_shoulder * 1.5
     t8 = leg_shoulder_spin_z * leg_shoulder_spin_z
@@ -2283,8 +2276,6 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     leg_elbow_at_z = t12 - leg_elbow_lever_x * leg_shoulder_field_x_z
     leg_elbow_spin_z = v_7 + leg_shoulder_spin_z
     leg_elbow_rate = a_7 + leg_shoulder_rate
-    cos_leg_shoulder_elbow = np.cos(angle_leg_shoulder_elbow)
-    sin_leg_shoulder_elbow = np.sin(angle_leg_shoulder_elbow)
     leg_extend_slid_z = q_2 - 0.2
     t13 = leg_elbow_spin_z * leg_elbow_spin_z
     leg_elbow_field_x_x = t7 + t13

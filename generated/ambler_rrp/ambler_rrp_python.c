@@ -6,10 +6,16 @@
  */
 #include "ambler_rrp.h"
 #include "walkgen_loops.h"
+#include "walkgen_real_f64.h"
+#include "walkgen_wide.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+extern const struct walkgen_wide ambler_rrp_avx2, ambler_rrp_avx512;
+static const struct walkgen_wide *const ambler_rrp_wide[] = {&ambler_rrp_avx2, &ambler_rrp_avx512};
+WALKGEN_LEVEL(ambler_rrp)
 
 static const walkgen_port ambler_rrp_leg_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -17,13 +23,12 @@ static const walkgen_port ambler_rrp_leg_foot_position_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_position) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_position((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_position, double, 6, , ambler_rrp_leg_foot_position_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_position, ambler_rrp, 0, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_position, wide_rows, double, 6, 2)
 
 static const walkgen_port ambler_rrp_leg_foot_rotation_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -31,13 +36,12 @@ static const walkgen_port ambler_rrp_leg_foot_rotation_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_rotation) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_rotation((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_rotation, double, 12, , ambler_rrp_leg_foot_rotation_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_rotation, ambler_rrp, 1, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_rotation, wide_rows, double, 12, 2)
 
 static const walkgen_port ambler_rrp_leg_foot_pose_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -45,13 +49,12 @@ static const walkgen_port ambler_rrp_leg_foot_pose_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_pose) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_pose((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_pose, double, 19, , ambler_rrp_leg_foot_pose_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_pose, ambler_rrp, 2, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_pose, wide_rows, double, 19, 2)
 
 static const walkgen_port ambler_rrp_leg_foot_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -59,13 +62,12 @@ static const walkgen_port ambler_rrp_leg_foot_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_jacobian, double, 12, , ambler_rrp_leg_foot_jacobian_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_jacobian, ambler_rrp, 3, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_jacobian, wide_rows, double, 12, 2)
 
 static const walkgen_port ambler_rrp_leg_foot_position_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -74,16 +76,15 @@ static const walkgen_port ambler_rrp_leg_foot_position_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_position_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_foot_position_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_position_jacobian, double, 15, , ambler_rrp_leg_foot_position_jacobian_ports, 3)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_position_jacobian, ambler_rrp, 4, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_position_jacobian, wide_rows, double, 15, 3)
 
 static const walkgen_port ambler_rrp_leg_foot_spatial_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -91,13 +92,12 @@ static const walkgen_port ambler_rrp_leg_foot_spatial_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_spatial_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_spatial_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_spatial_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_spatial_jacobian, double, 21, , ambler_rrp_leg_foot_spatial_jacobian_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_spatial_jacobian, ambler_rrp, 5, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_spatial_jacobian, wide_rows, double, 21, 2)
 
 static const walkgen_port ambler_rrp_leg_foot_hessian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -105,13 +105,12 @@ static const walkgen_port ambler_rrp_leg_foot_hessian_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_hessian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_hessian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_hessian, double, 30, , ambler_rrp_leg_foot_hessian_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_hessian, ambler_rrp, 6, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_hessian, wide_rows, double, 30, 2)
 
 static const walkgen_port ambler_rrp_leg_foot_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -120,16 +119,12 @@ static const walkgen_port ambler_rrp_leg_foot_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_velocity(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_velocity, double, 9, , ambler_rrp_leg_foot_velocity_ports, 3)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_velocity, ambler_rrp, 7, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_velocity, wide_rows, double, 9, 3)
 
 static const walkgen_port ambler_rrp_leg_foot_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -139,17 +134,16 @@ static const walkgen_port ambler_rrp_leg_foot_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_foot_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_acceleration, double, 12, , ambler_rrp_leg_foot_acceleration_ports, 4)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_acceleration, ambler_rrp, 8, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_acceleration, wide_rows, double, 12, 4)
 
 static const walkgen_port ambler_rrp_leg_foot_bias_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -158,16 +152,15 @@ static const walkgen_port ambler_rrp_leg_foot_bias_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_bias_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_foot_bias_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_bias_acceleration, double, 12, , ambler_rrp_leg_foot_bias_acceleration_ports, 3)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_bias_acceleration, ambler_rrp, 9, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_bias_acceleration, wide_rows, double, 12, 3)
 
 static const walkgen_port ambler_rrp_leg_foot_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -176,16 +169,12 @@ static const walkgen_port ambler_rrp_leg_foot_torque_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_foot_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_foot_torque(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_foot_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_foot_torque, double, 9, , ambler_rrp_leg_foot_torque_ports, 3)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_foot_torque, ambler_rrp, 10, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_foot_torque, wide_rows, double, 9, 3)
 
 static const walkgen_port ambler_rrp_leg_joint_frames_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -193,13 +182,11 @@ static const walkgen_port ambler_rrp_leg_joint_frames_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_joint_frames) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_joint_frames((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_joint_frames(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_joint_frames, double, 67, , ambler_rrp_leg_joint_frames_ports, 2)
+WALKGEN_LOOP(ambler_rrp_leg_joint_frames, rows, double, 67, 2)
 
 static const walkgen_port ambler_rrp_leg_inverse_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -208,16 +195,11 @@ static const walkgen_port ambler_rrp_leg_inverse_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        (void)ambler_rrp_leg_inverse(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]),
-            (int32_t *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        (void)ambler_rrp_leg_inverse(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse, double, 19, , ambler_rrp_leg_inverse_ports, 3)
+WALKGEN_LOOP(ambler_rrp_leg_inverse, rows, double, 19, 3)
 
 static const walkgen_port ambler_rrp_leg_inverse_branch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -227,16 +209,14 @@ static const walkgen_port ambler_rrp_leg_inverse_branch_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_branch) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = ambler_rrp_leg_inverse_branch(
-            (const double *)(a[0] + at * step[0]),
-            walkgen_integer(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = ambler_rrp_leg_inverse_branch(
+            WALKGEN_PORT(double, 0),
+            walkgen_integer(WALKGEN_PLACE(1)),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_branch, double, 8, , ambler_rrp_leg_inverse_branch_ports, 4)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_branch, rows, double, 8, 4)
 
 static const walkgen_port ambler_rrp_leg_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -246,16 +226,14 @@ static const walkgen_port ambler_rrp_leg_inverse_near_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_near) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = ambler_rrp_leg_inverse_near(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = ambler_rrp_leg_inverse_near(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_near, double, 10, , ambler_rrp_leg_inverse_near_ports, 4)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_near, rows, double, 10, 4)
 
 static const walkgen_port ambler_rrp_leg_inverse_admissible_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -264,15 +242,13 @@ static const walkgen_port ambler_rrp_leg_inverse_admissible_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_admissible) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[2] + at * step[2]) = ambler_rrp_leg_inverse_admissible(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 2) = ambler_rrp_leg_inverse_admissible(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_admissible, double, 7, , ambler_rrp_leg_inverse_admissible_ports, 3)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_admissible, rows, double, 7, 3)
 
 static const walkgen_port ambler_rrp_leg_inverse_distance_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -280,13 +256,11 @@ static const walkgen_port ambler_rrp_leg_inverse_distance_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_distance) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_inverse_distance(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_distance, double, 7, , ambler_rrp_leg_inverse_distance_ports, 2)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_distance, rows, double, 7, 2)
 
 static const walkgen_port ambler_rrp_leg_within_limits_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -294,13 +268,12 @@ static const walkgen_port ambler_rrp_leg_within_limits_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_within_limits) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[1] + at * step[1]) = ambler_rrp_leg_within_limits((const double *)(a[0] + at * step[0]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 1) = ambler_rrp_leg_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_within_limits, double, 4, , ambler_rrp_leg_within_limits_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_within_limits, ambler_rrp, 11, 1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port ambler_rrp_leg_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -310,16 +283,14 @@ static const walkgen_port ambler_rrp_leg_inverse_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = ambler_rrp_leg_inverse_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = ambler_rrp_leg_inverse_velocity(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_velocity, double, 10, , ambler_rrp_leg_inverse_velocity_ports, 4)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_velocity, rows, double, 10, 4)
 
 static const walkgen_port ambler_rrp_leg_inverse_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -330,17 +301,15 @@ static const walkgen_port ambler_rrp_leg_inverse_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[4] + at * step[4]) = ambler_rrp_leg_inverse_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 4) = ambler_rrp_leg_inverse_acceleration(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_acceleration, double, 13, , ambler_rrp_leg_inverse_acceleration_ports, 5)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_acceleration, rows, double, 13, 5)
 
 static const walkgen_port ambler_rrp_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -351,18 +320,17 @@ static const walkgen_port ambler_rrp_leg_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_dynamics, double, 15, , ambler_rrp_leg_inverse_dynamics_ports, 5)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_inverse_dynamics, ambler_rrp, 12, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port ambler_rrp_leg_forward_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -373,18 +341,17 @@ static const walkgen_port ambler_rrp_leg_forward_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_forward_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_forward_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_forward_dynamics, double, 15, , ambler_rrp_leg_forward_dynamics_ports, 5)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_forward_dynamics, ambler_rrp, 13, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port ambler_rrp_leg_mass_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -392,13 +359,12 @@ static const walkgen_port ambler_rrp_leg_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_mass_matrix, double, 12, , ambler_rrp_leg_mass_matrix_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_mass_matrix, ambler_rrp, 14, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port ambler_rrp_leg_bias_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -407,16 +373,12 @@ static const walkgen_port ambler_rrp_leg_bias_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_bias) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_bias(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_bias, double, 9, , ambler_rrp_leg_bias_ports, 3)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_bias, ambler_rrp, 15, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port ambler_rrp_leg_gravity_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -424,13 +386,12 @@ static const walkgen_port ambler_rrp_leg_gravity_torque_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_gravity_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_gravity_torque, double, 6, , ambler_rrp_leg_gravity_torque_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_gravity_torque, ambler_rrp, 16, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port ambler_rrp_leg_coriolis_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -439,16 +400,12 @@ static const walkgen_port ambler_rrp_leg_coriolis_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_coriolis_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_coriolis_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_coriolis_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_coriolis_matrix, double, 15, , ambler_rrp_leg_coriolis_matrix_ports, 3)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_coriolis_matrix, ambler_rrp, 17, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port ambler_rrp_leg_kinetic_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -457,16 +414,12 @@ static const walkgen_port ambler_rrp_leg_kinetic_energy_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_kinetic_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_kinetic_energy(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_kinetic_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_kinetic_energy, double, 7, , ambler_rrp_leg_kinetic_energy_ports, 3)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_kinetic_energy, ambler_rrp, 18, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port ambler_rrp_leg_potential_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -474,13 +427,12 @@ static const walkgen_port ambler_rrp_leg_potential_energy_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_potential_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_leg_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_leg_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_potential_energy, double, 4, , ambler_rrp_leg_potential_energy_ports, 2)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_potential_energy, ambler_rrp, 19, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port ambler_rrp_leg_inverse_dynamics_derivatives_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -491,18 +443,17 @@ static const walkgen_port ambler_rrp_leg_inverse_dynamics_derivatives_ports[] = 
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_inverse_dynamics_derivatives) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_inverse_dynamics_derivatives(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_dynamics_derivatives, double, 27, , ambler_rrp_leg_inverse_dynamics_derivatives_ports, 5)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_inverse_dynamics_derivatives, ambler_rrp, 20, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_dynamics_derivatives, wide_rows, double, 27, 5)
 
 static const walkgen_port ambler_rrp_leg_regressor_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -512,17 +463,15 @@ static const walkgen_port ambler_rrp_leg_regressor_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_regressor) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_regressor(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_regressor, double, 99, , ambler_rrp_leg_regressor_ports, 4)
+WALKGEN_LOOP(ambler_rrp_leg_regressor, rows, double, 99, 4)
 
 static const walkgen_port ambler_rrp_leg_base_parameters_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -533,18 +482,17 @@ static const walkgen_port ambler_rrp_leg_base_parameters_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_leg_base_parameters) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_leg_base_parameters(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_base_parameters, double, 29, , ambler_rrp_leg_base_parameters_ports, 5)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_base_parameters, ambler_rrp, 21, -1, NULL)
+WALKGEN_LOOP(ambler_rrp_leg_base_parameters, wide_rows, double, 29, 5)
 
 static const walkgen_port ambler_rrp_platform_poses_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -552,13 +500,11 @@ static const walkgen_port ambler_rrp_platform_poses_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_platform_poses) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_platform_poses((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_platform_poses(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_platform_poses, double, 19, , ambler_rrp_platform_poses_ports, 2)
+WALKGEN_LOOP(ambler_rrp_platform_poses, rows, double, 19, 2)
 
 static const walkgen_port ambler_rrp_foot_positions_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -566,13 +512,11 @@ static const walkgen_port ambler_rrp_foot_positions_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_foot_positions) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_foot_positions((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_foot_positions(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_foot_positions, double, 6, , ambler_rrp_foot_positions_ports, 2)
+WALKGEN_LOOP(ambler_rrp_foot_positions, rows, double, 6, 2)
 
 static const walkgen_port ambler_rrp_foot_jacobians_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -580,13 +524,11 @@ static const walkgen_port ambler_rrp_foot_jacobians_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_foot_jacobians) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_foot_jacobians((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_foot_jacobians(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(ambler_rrp_foot_jacobians, double, 12, , ambler_rrp_foot_jacobians_ports, 2)
+WALKGEN_LOOP(ambler_rrp_foot_jacobians, rows, double, 12, 2)
 
 static const walkgen_port ambler_rrp_com_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -595,16 +537,11 @@ static const walkgen_port ambler_rrp_com_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_com) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_com(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_com(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_com, double, 22, , ambler_rrp_com_ports, 3)
+WALKGEN_LOOP(ambler_rrp_com, rows, double, 22, 3)
 
 static const walkgen_port ambler_rrp_com_jacobian_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -613,16 +550,11 @@ static const walkgen_port ambler_rrp_com_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_com_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_com_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_com_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_com_jacobian, double, 46, , ambler_rrp_com_jacobian_ports, 3)
+WALKGEN_LOOP(ambler_rrp_com_jacobian, rows, double, 46, 3)
 
 static const walkgen_port ambler_rrp_centroidal_momentum_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -631,16 +563,14 @@ static const walkgen_port ambler_rrp_centroidal_momentum_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_centroidal_momentum_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_centroidal_momentum_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_centroidal_momentum_matrix, double, 73, , ambler_rrp_centroidal_momentum_matrix_ports, 3)
+WALKGEN_LOOP(ambler_rrp_centroidal_momentum_matrix, rows, double, 73, 3)
 
 static const walkgen_port ambler_rrp_centroidal_inertia_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -649,16 +579,11 @@ static const walkgen_port ambler_rrp_centroidal_inertia_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_centroidal_inertia) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_centroidal_inertia(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_centroidal_inertia(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_centroidal_inertia, double, 28, , ambler_rrp_centroidal_inertia_ports, 3)
+WALKGEN_LOOP(ambler_rrp_centroidal_inertia, rows, double, 28, 3)
 
 static const walkgen_port ambler_rrp_momentum_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -668,17 +593,15 @@ static const walkgen_port ambler_rrp_momentum_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_momentum) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_momentum(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(ambler_rrp_momentum, double, 34, , ambler_rrp_momentum_ports, 4)
+WALKGEN_LOOP(ambler_rrp_momentum, rows, double, 34, 4)
 
 static const walkgen_port ambler_rrp_momentum_rate_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -689,18 +612,16 @@ static const walkgen_port ambler_rrp_momentum_rate_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_momentum_rate) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_momentum_rate(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(ambler_rrp_momentum_rate, double, 43, , ambler_rrp_momentum_rate_ports, 5)
+WALKGEN_LOOP(ambler_rrp_momentum_rate, rows, double, 43, 5)
 
 static const walkgen_port ambler_rrp_demanded_wrench_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -711,18 +632,16 @@ static const walkgen_port ambler_rrp_demanded_wrench_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_demanded_wrench) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_demanded_wrench(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(ambler_rrp_demanded_wrench, double, 43, , ambler_rrp_demanded_wrench_ports, 5)
+WALKGEN_LOOP(ambler_rrp_demanded_wrench, rows, double, 43, 5)
 
 static const walkgen_port ambler_rrp_floating_mass_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -731,16 +650,11 @@ static const walkgen_port ambler_rrp_floating_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_floating_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        ambler_rrp_floating_mass_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        ambler_rrp_floating_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(ambler_rrp_floating_mass_matrix, double, 100, , ambler_rrp_floating_mass_matrix_ports, 3)
+WALKGEN_LOOP(ambler_rrp_floating_mass_matrix, rows, double, 100, 3)
 
 static const walkgen_port ambler_rrp_floating_inverse_dynamics_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -752,19 +666,17 @@ static const walkgen_port ambler_rrp_floating_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(ambler_rrp_floating_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         ambler_rrp_floating_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(ambler_rrp_floating_inverse_dynamics, double, 49, , ambler_rrp_floating_inverse_dynamics_ports, 6)
+WALKGEN_LOOP(ambler_rrp_floating_inverse_dynamics, rows, double, 49, 6)
 
 #ifdef __cplusplus
 }

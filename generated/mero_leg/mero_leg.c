@@ -4,14 +4,706 @@
  * Spec digest 57f94a9409e27a85bd0ea9fa93ac1f74693d945bca72b2ae3bf3b8b9f2e4880e; 43 functions, 3073 operations. This
  *   code is yours to use under any terms.
  */
+#if !defined(WALKGEN_ROWS) /* else only what is read twice: see walkgen_lanes.h */
 #include "mero_leg.h"
 #include "walkgen_real_f64.h"
+#include "walkgen_batch.h"
 #include "walkgen_inverse.h"
 #include "walkgen_rows.h"
 #include "walkgen_within.h"
 #include "walkgen_damped.h"
+#endif
 
-static void mero_leg_leg_inverse_branches_kernel(const double *WG_RESTRICT p, double *WG_RESTRICT q,
+WG_ROW(void mero_leg_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
+    p[2] = yaw_to_tip_inner_z;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    p[0] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    p[1] = yaw_to_tip_y;
+}
+
+WG_ROW(void mero_leg_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+    R[8] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    R[2] = sin_yaw;
+    R[5] = -cos_yaw;
+    R[6] = sin_thigh_shank;
+    R[7] = cos_thigh_shank;
+    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
+    R[0] = frame_thigh_shank_x_x;
+    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
+    R[3] = frame_thigh_shank_x_y;
+    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
+    R[1] = -frame_thigh_shank_y_x;
+    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
+    R[4] = -frame_thigh_shank_y_y;
+}
+
+WG_ROW(void mero_leg_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    T[10] = 0.0;
+    T[12] = 0.0;
+    T[13] = 0.0;
+    T[14] = 0.0;
+    T[15] = 1.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    T[2] = sin_yaw;
+    T[6] = -cos_yaw;
+    T[8] = sin_thigh_shank;
+    T[9] = cos_thigh_shank;
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
+    T[11] = yaw_to_tip_inner_z;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    T[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    T[7] = yaw_to_tip_y;
+    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
+    T[0] = frame_thigh_shank_x_x;
+    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
+    T[4] = frame_thigh_shank_x_y;
+    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
+    T[1] = -frame_thigh_shank_y_x;
+    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
+    T[5] = -frame_thigh_shank_y_y;
+}
+
+WG_ROW(void mero_leg_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    J[8] = shank_to_tip_x;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    J[7] = thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    J[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    J[0] = -yaw_to_tip_y;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    J[1] = -J_thigh_x;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    J[4] = -J_thigh_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    J[2] = -J_shank_x;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    J[5] = -J_shank_y;
+}
+
+WG_ROW(void mero_leg_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p, double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    J[8] = shank_to_tip_x;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    J[7] = thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
+    p[2] = yaw_to_tip_inner_z;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    p[0] = yaw_to_tip_x;
+    J[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    p[1] = yaw_to_tip_y;
+    J[0] = -yaw_to_tip_y;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    J[1] = -J_thigh_x;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    J[4] = -J_thigh_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    J[2] = -J_shank_x;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    J[5] = -J_shank_y;
+}
+
+WG_ROW(void mero_leg_leg_foot_spatial_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    J[9] = 0.0;
+    J[12] = 0.0;
+    J[15] = 1.0;
+    J[16] = 0.0;
+    J[17] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    J[10] = sin_yaw;
+    J[11] = sin_yaw;
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    J[8] = shank_to_tip_x;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    J[7] = thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    J[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    J[0] = -yaw_to_tip_y;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    J[1] = -J_thigh_x;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    J[4] = -J_thigh_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    J[2] = -J_shank_x;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    J[5] = -J_shank_y;
+    const double t1 = -cos_yaw;
+    J[13] = t1;
+    J[14] = t1;
+}
+
+WG_ROW(void mero_leg_leg_foot_hessian)(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+    H[18] = 0.0;
+    H[19] = 0.0;
+    H[20] = 0.0;
+    H[21] = 0.0;
+    H[24] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    H[22] = -thigh_to_tip_y;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    H[1] = J_thigh_y;
+    H[3] = J_thigh_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    H[2] = J_shank_y;
+    H[6] = J_shank_y;
+    const double H_thigh_shank_x = cos_yaw*shank_to_tip_x;
+    const double H_thigh_shank_y = sin_yaw*shank_to_tip_x;
+    const double t1 = -yaw_to_tip_x;
+    H[0] = t1;
+    H[4] = t1;
+    const double t2 = -H_thigh_shank_x;
+    H[5] = t2;
+    H[7] = t2;
+    H[8] = t2;
+    const double t3 = -yaw_to_tip_y;
+    H[9] = t3;
+    H[13] = t3;
+    const double t4 = -J_thigh_x;
+    H[10] = t4;
+    H[12] = t4;
+    const double t5 = -J_shank_x;
+    H[11] = t5;
+    H[15] = t5;
+    const double t6 = -H_thigh_shank_y;
+    H[14] = t6;
+    H[16] = t6;
+    H[17] = t6;
+    const double t7 = -shank_to_tip_y;
+    H[23] = t7;
+    H[25] = t7;
+    H[26] = t7;
+}
+
+WG_ROW(void mero_leg_leg_foot_velocity)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    v[2] = WG_FMA(qd[2], shank_to_tip_x, qd[1]*thigh_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    v[0] = WG_FMA(-qd[2], J_shank_x, -WG_FMA(qd[1], J_thigh_x, qd[0]*yaw_to_tip_y));
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    v[1] = WG_FMA(-qd[2], J_shank_y, WG_FMA(-qd[1], J_thigh_y, qd[0]*yaw_to_tip_x));
+}
+
+WG_ROW(void mero_leg_leg_foot_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
+    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
+    const double bias_yaw_x = qd[0]*flow_yaw_y;
+    const double bias_yaw_y = qd[0]*flow_yaw_x;
+    const double spin_thigh_x = qd[1]*sin_yaw;
+    const double spin_thigh_y = qd[1]*cos_yaw;
+    const double flow_thigh_x = qd[1]*J_thigh_x;
+    const double flow_thigh_y = qd[1]*J_thigh_y;
+    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double bias_thigh_x = WG_FMA(-flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
+    const double bias_thigh_y = WG_FMA(flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
+    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
+    const double flow_shank_x = qd[2]*J_shank_x;
+    const double flow_shank_y = qd[2]*J_shank_y;
+    const double flow_shank_z = qd[2]*shank_to_tip_x;
+    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
+    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
+    const double rates_shank_x = spin_thigh_x + rate_shank_x;
+    const double rates_shank_y = spin_thigh_y + rate_shank_y;
+    const double t1 = WG_FMA(flow_shank_z, rates_shank_y, bias_thigh_x);
+    const double bias_shank_x = WG_FMA(-rates_thigh_z, flow_shank_y, t1);
+    const double t2 = WG_FMA(rates_thigh_z, flow_shank_x, bias_thigh_y);
+    const double bias_shank_y = WG_FMA(flow_shank_z, rates_shank_x, t2);
+    const double t3 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
+    const double bias_shank_z = WG_FMA(flow_shank_y, rates_shank_x, t3);
+    a[2] = WG_FMA(qdd[2], shank_to_tip_x, qdd[1]*thigh_to_tip_x) - bias_shank_z;
+    const double t4 = WG_FMA(qdd[2], J_shank_x, WG_FMA(qdd[1], J_thigh_x, qdd[0]*yaw_to_tip_y));
+    a[0] = -(bias_shank_x + t4);
+    const double t5 = WG_FMA(-qdd[2], J_shank_y, WG_FMA(-qdd[1], J_thigh_y, qdd[0]*yaw_to_tip_x));
+    a[1] = t5 - bias_shank_y;
+}
+
+WG_ROW(void mero_leg_leg_foot_bias_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT a) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
+    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
+    const double bias_yaw_x = qd[0]*flow_yaw_y;
+    const double bias_yaw_y = qd[0]*flow_yaw_x;
+    const double spin_thigh_x = qd[1]*sin_yaw;
+    const double spin_thigh_y = qd[1]*cos_yaw;
+    const double flow_thigh_x = qd[1]*J_thigh_x;
+    const double flow_thigh_y = qd[1]*J_thigh_y;
+    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double bias_thigh_x = WG_FMA(-flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
+    const double bias_thigh_y = WG_FMA(flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
+    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
+    const double turn_thigh_x = qd[0]*spin_thigh_y;
+    const double turn_thigh_y = qd[0]*spin_thigh_x;
+    const double spin_shank_x = qd[2]*sin_yaw;
+    const double spin_shank_y = qd[2]*cos_yaw;
+    const double flow_shank_x = qd[2]*J_shank_x;
+    const double flow_shank_y = qd[2]*J_shank_y;
+    const double flow_shank_z = qd[2]*shank_to_tip_x;
+    const double rate_shank_x = spin_thigh_x + spin_shank_x;
+    const double rate_shank_y = spin_thigh_y + spin_shank_y;
+    const double rates_shank_x = spin_thigh_x + rate_shank_x;
+    const double rates_shank_y = spin_thigh_y + rate_shank_y;
+    const double turn_shank_x = WG_FMA(qd[0], spin_shank_y, turn_thigh_x);
+    a[3] = turn_shank_x;
+    const double turn_shank_y = WG_FMA(qd[0], spin_shank_x, turn_thigh_y);
+    a[4] = turn_shank_y;
+    const double turn_shank_z = WG_FMA(-spin_thigh_x, spin_shank_y, spin_thigh_y*spin_shank_x);
+    a[5] = turn_shank_z;
+    const double t1 = WG_FMA(flow_shank_z, rates_shank_y, bias_thigh_x);
+    a[0] = WG_FMA(rates_thigh_z, flow_shank_y, -t1);
+    const double t2 = WG_FMA(rates_thigh_z, flow_shank_x, bias_thigh_y);
+    a[1] = WG_FMA(-flow_shank_z, rates_shank_x, -t2);
+    const double t3 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
+    a[2] = WG_FMA(-flow_shank_y, rates_shank_x, -t3);
+}
+
+WG_ROW(void mero_leg_leg_foot_torque)(const double *WG_RESTRICT q, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    tau[0] = WG_FMA(-f[0], yaw_to_tip_y, f[1]*yaw_to_tip_x);
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    tau[1] = WG_FMA(-f[1], J_thigh_y, WG_FMA(-f[0], J_thigh_x, f[2]*thigh_to_tip_x));
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    tau[2] = WG_FMA(-f[1], J_shank_y, WG_FMA(-f[0], J_shank_x, f[2]*shank_to_tip_x));
+}
+
+WG_ROW(int32_t mero_leg_leg_within_limits)(const double *WG_RESTRICT q) {
+    const int t1 = -1.0471975511965979 <= q[0] && q[0] <= 1.0471975511965979;
+    const int t2 = t1 && (-1.5707963267948966 <= q[1] && q[1] <= 1.5707963267948966);
+    return (int32_t)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
+}
+
+WG_ROW(void mero_leg_leg_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank,
+        cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t1 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t1 + thigh_field_y_y;
+    const double t2 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t2;
+    const double shank_at_x = WG_FMA(shank_lever_x, thigh_field_x_x, qdd[1]*shank_lever_y);
+    const double shank_at_y = WG_FMA(-shank_lever_y, thigh_field_y_y, WG_FMA(qdd[1], shank_lever_x, 9.80665));
+    const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
+    const double shank_spin_z = qd[1] + qd[2];
+    const double shank_rate = qdd[1] + qdd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double thigh_inertial_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, qdd[0]*thigh_inertia_yy);
+    const double thigh_inertial_moment_z = WG_FMA(qdd[1], 0.020625, t1*thigh_inertia_xy);
+    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
+    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
+    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
+    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t1 + shank_field_y_y;
+    const double shank_field_y_z = t2*shank_spin_z;
+    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
+    const double shank_heave_z = WG_FMA(shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
+    const double t3 = WG_FMA(shank_rate, shank_inertia_moment_y, shank_at_x*1.1);
+    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, t3);
+    const double t4 = WG_FMA(shank_rate, shank_inertia_moment_x, shank_at_y*1.1);
+    const double shank_inertial_force_y = WG_FMA(-shank_inertia_moment_y, shank_field_y_y, t4);
+    const double t5 = WG_FMA(shank_at_z, 1.1, qdd[0]*shank_inertia_moment_x);
+    const double shank_inertial_force_z = WG_FMA(-shank_inertia_moment_y, shank_field_y_z, t5);
+    const double t6 = WG_FMA(qdd[0], shank_inertia_yy, shank_heave_y);
+    const double shank_inertial_moment_y = WG_FMA(-shank_inertia_xy, shank_field_y_z, t6);
+    const double shank_inertial_moment_z = shank_heave_z + WG_FMA(shank_rate, 0.032, t1*shank_inertia_xy);
+    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
+    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
+    const double foot_lever_x = cos_thigh_shank*0.4;
+    const double foot_lever_y = sin_thigh_shank*0.4;
+    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
+    const double shank_own_force_y = f[2] - shank_inertial_force_y;
+    const double shank_own_force_z = foot_force_yaw_y - shank_inertial_force_z;
+    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, -shank_inertial_moment_y);
+    const double t7 = WG_FMA(foot_force_yaw_x, foot_lever_y, shank_inertial_moment_z);
+    const double shank_own_moment_z = WG_FMA(-f[2], foot_lever_x, t7);
+    tau[2] = shank_own_moment_z;
+    const double t8 = WG_FMA(shank_lever_x, shank_own_force_z, thigh_inertial_moment_y);
+    const double thigh_moment_y = shank_own_moment_y + t8;
+    tau[0] = WG_FMA(qdd[0], 0.0035, -thigh_moment_y);
+    const double t9 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
+    tau[1] = shank_own_moment_z - WG_FMA(-shank_lever_y, shank_own_force_x, t9);
+}
+
+WG_ROW(void mero_leg_leg_forward_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank,
+        cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t1 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t1 + thigh_field_y_y;
+    const double t2 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t2;
+    const double shank_at_x = shank_lever_x*thigh_field_x_x;
+    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
+    const double shank_at_z = shank_lever_y*thigh_field_y_z;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double thigh_inertial_moment_z = t1*thigh_inertia_xy;
+    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
+    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
+    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t1 + shank_field_y_y;
+    const double shank_field_y_z = t2*shank_spin_z;
+    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
+    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
+    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
+    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
+    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
+    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
+    const double shank_inertial_moment_z = WG_FMA(t1, shank_inertia_xy, shank_heave_z);
+    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
+    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
+    const double foot_lever_x = cos_thigh_shank*0.4;
+    const double foot_lever_y = sin_thigh_shank*0.4;
+    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
+    const double shank_own_force_y = f[2] + shank_inertial_force_y;
+    const double shank_own_force_z = shank_inertial_force_z + foot_force_yaw_y;
+    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, shank_inertial_moment_y);
+    const double t3 = WG_FMA(foot_force_yaw_x, foot_lever_y, shank_inertial_moment_z);
+    const double shank_own_moment_z = WG_FMA(-f[2], foot_lever_x, t3);
+    const double t4 = WG_FMA(shank_lever_x, shank_own_force_z, shank_own_moment_y);
+    const double thigh_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, t4);
+    const double t5 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
+    const double thigh_moment_z = WG_FMA(-shank_lever_y, shank_own_force_x, t5) - shank_own_moment_z;
+    const double thigh_inertia_spun_y_2 = sin_thigh*0.021625;
+    const double thigh_inertia_rest_2 = WG_FMA(sin_thigh, thigh_inertia_spun_y_2, -0.021625);
+    const double shank_inertia_spun_y_2 = sin_thigh_shank*0.0315;
+    const double shank_inertia_rest_2 = WG_FMA(sin_thigh_shank, shank_inertia_spun_y_2, -0.0315);
+    const double t6 = 1.1*(shank_lever_x*shank_lever_x);
+    const double t7 = shank_inertia_moment_x*(shank_lever_x*2.0);
+    const double thigh_composite_yy = thigh_inertia_rest_2 + (t6 + t7) - shank_inertia_rest_2;
+    const double t8 = WG_FMA(1.1, shank_lever_y*shank_lever_y, t7 + (t6 + 0.011375));
+    const double thigh_composite_zz = WG_FMA(shank_inertia_moment_y, shank_lever_y*2.0, t8);
+    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
+    const double t9 = WG_FMA(shank_lever_x, shank_inertia_moment_x, 0.032);
+    const double M_shank_on_shank_moment_z = WG_FMA(shank_lever_y, shank_inertia_moment_y, t9);
+    const double L_2_1 = M_shank_on_shank_moment_z*31.25;
+    const double D_1_1 = WG_FMA(M_shank_on_shank_moment_z, L_2_1, -thigh_composite_zz);
+    const double reciprocal_1 = 1.0/D_1_1;
+    const double reciprocal_0 = 1.0/yaw_borne_zz;
+    const double halfway_2 = shank_own_moment_z - tau[2];
+    const double halfway_1 = WG_FMA(L_2_1, halfway_2, tau[1] + thigh_moment_z);
+    const double halfway_0 = tau[0] + thigh_moment_y;
+    const double solution_0 = reciprocal_0*halfway_0;
+    qdd[0] = solution_0;
+    const double solution_1 = reciprocal_1*halfway_1;
+    qdd[1] = -solution_1;
+    const double solution_2 = WG_FMA(-31.25, halfway_2, L_2_1*solution_1);
+    qdd[2] = solution_2;
+}
+
+WG_ROW(void mero_leg_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+    M[1] = 0.0;
+    M[2] = 0.0;
+    M[3] = 0.0;
+    M[6] = 0.0;
+    M[8] = 0.032;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double thigh_inertia_spun_y = sin_thigh*0.021625;
+    const double thigh_inertia_rest = WG_FMA(sin_thigh, thigh_inertia_spun_y, -0.021625);
+    const double shank_inertia_spun_y = sin_thigh_shank*0.0315;
+    const double shank_inertia_rest = WG_FMA(sin_thigh_shank, shank_inertia_spun_y, -0.0315);
+    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
+    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t1 = shank_lever_x*(shank_inertia_moment_x*2.0);
+    const double t2 = 1.1*(shank_lever_x*shank_lever_x);
+    const double thigh_composite_yy = t2 + (thigh_inertia_rest + t1) - shank_inertia_rest;
+    const double t3 = t2 + WG_FMA(shank_lever_y, shank_inertia_moment_y*2.0, t1 + 0.011375);
+    const double thigh_composite_zz = WG_FMA(1.1, shank_lever_y*shank_lever_y, t3);
+    M[4] = thigh_composite_zz;
+    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
+    M[0] = yaw_borne_zz;
+    const double t4 = WG_FMA(shank_inertia_moment_x, shank_lever_x, 0.032);
+    const double M_shank_on_shank_moment_z = WG_FMA(shank_inertia_moment_y, shank_lever_y, t4);
+    M[5] = M_shank_on_shank_moment_z;
+    M[7] = M_shank_on_shank_moment_z;
+}
+
+WG_ROW(void mero_leg_leg_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t1 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t1 + thigh_field_y_y;
+    const double t2 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t2;
+    const double shank_at_x = shank_lever_x*thigh_field_x_x;
+    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
+    const double shank_at_z = shank_lever_y*thigh_field_y_z;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
+    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
+    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t1 + shank_field_y_y;
+    const double shank_field_y_z = t2*shank_spin_z;
+    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
+    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
+    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
+    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
+    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
+    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
+    const double shank_inertial_moment_z = WG_FMA(t1, shank_inertia_xy, shank_heave_z);
+    h[2] = shank_inertial_moment_z;
+    const double t3 = WG_FMA(shank_lever_y, shank_inertial_force_x, shank_inertial_moment_z);
+    const double thigh_moment_z = WG_FMA(-t1, thigh_inertia_xy, WG_FMA(-shank_lever_x, shank_inertial_force_y, t3));
+    h[1] = thigh_moment_z;
+    const double t4 = WG_FMA(shank_lever_x, shank_inertial_force_z, shank_inertial_moment_y);
+    h[0] = WG_FMA(thigh_field_y_z, thigh_inertia_xy, -t4);
+}
+
+WG_ROW(void mero_leg_leg_gravity_torque)(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+    g[0] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_q1, cos_thigh, t1, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_q1, cos_thigh, angle_thigh_shank, t1, cos_thigh_shank);
+    (void)sin_q1;
+    (void)t1;
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_inertia_moment_x = cos_thigh_shank*1.176798;
+    g[2] = shank_inertia_moment_x;
+    const double thigh_moment_z = WG_FMA(shank_lever_x, 10.787315, shank_inertia_moment_x);
+    g[1] = thigh_moment_z;
+}
+
+WG_ROW(void mero_leg_leg_coriolis_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT C) {
+    C[8] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
+    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
+    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double thigh_field_x_x_d_qd_yaw = qd[0]*2.0;
+    const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
+    const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
+    const double shank_at_z_d_qd_yaw = shank_lever_y*thigh_field_y_z_d_qd_yaw;
+    const double thigh_inertial_moment_z_d_qd_yaw = thigh_inertia_xy*thigh_field_x_x_d_qd_yaw;
+    const double shank_field_y_z_d_qd_yaw = shank_spin_z*2.0;
+    const double shank_heave_y_d_qd_yaw = shank_inertia_moment_x*shank_at_z_d_qd_yaw;
+    const double shank_inertial_force_x_d_qd_yaw = WG_FMA(shank_at_x_d_qd_yaw, 1.1, shank_inertia_moment_x*thigh_field_x_x_d_qd_yaw);
+    const double shank_inertial_force_y_d_qd_shank = shank_inertia_moment_y*shank_field_y_z_d_qd_yaw;
+    const double shank_inertial_force_z_d_qd_yaw = WG_FMA(shank_at_z_d_qd_yaw, 1.1, shank_inertial_force_y_d_qd_shank);
+    const double shank_inertial_moment_y_d_qd_yaw = WG_FMA(shank_inertia_xy, shank_field_y_z_d_qd_yaw, shank_heave_y_d_qd_yaw);
+    const double shank_inertial_moment_y_d_qd_shank = shank_inertia_xy*thigh_field_x_x_d_qd_yaw;
+    const double shank_inertial_moment_z_d_qd_yaw = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_yaw, shank_inertial_moment_y_d_qd_shank);
+    C[6] = shank_inertial_moment_z_d_qd_yaw*0.5;
+    const double t1 = shank_lever_x*shank_inertial_force_z_d_qd_yaw;
+    const double t2 = shank_inertial_moment_y_d_qd_yaw + t1;
+    const double thigh_moment_y_d_qd_yaw = WG_FMA(-thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, t2);
+    C[0] = -(thigh_moment_y_d_qd_yaw*0.5);
+    const double t3 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_yaw, shank_inertial_moment_z_d_qd_yaw);
+    const double thigh_moment_z_d_qd_yaw = t3 - thigh_inertial_moment_z_d_qd_yaw;
+    C[3] = thigh_moment_z_d_qd_yaw*0.5;
+    const double shank_at_x_d_qd_thigh = shank_lever_x*thigh_field_y_z_d_qd_yaw;
+    const double shank_at_z_d_qd_thigh = shank_lever_y*thigh_field_x_x_d_qd_yaw;
+    const double shank_heave_z_d_qd_thigh = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_thigh, -shank_heave_y_d_qd_yaw);
+    C[7] = shank_heave_z_d_qd_thigh*0.5;
+    const double shank_inertial_force_x_d_qd_shank = shank_inertia_moment_x*shank_field_y_z_d_qd_yaw;
+    const double shank_inertial_force_x_d_qd_thigh = WG_FMA(1.1, shank_at_x_d_qd_thigh, shank_inertial_force_x_d_qd_shank);
+    const double shank_inertial_force_z_d_qd_shank = shank_inertia_moment_y*thigh_field_x_x_d_qd_yaw;
+    const double shank_inertial_force_z_d_qd_thigh = WG_FMA(1.1, shank_at_z_d_qd_thigh, shank_inertial_force_z_d_qd_shank);
+    const double shank_inertial_moment_y_d_qd_thigh = WG_FMA(shank_inertia_moment_x, shank_at_z_d_qd_thigh, shank_inertial_moment_y_d_qd_shank);
+    const double t4 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
+    const double thigh_moment_y_d_qd_thigh = t4 - thigh_inertial_moment_z_d_qd_yaw;
+    C[1] = -(thigh_moment_y_d_qd_thigh*0.5);
+    const double t5 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_thigh, shank_heave_z_d_qd_thigh);
+    const double thigh_moment_z_d_qd_thigh = t5 - t1;
+    C[4] = thigh_moment_z_d_qd_thigh*0.5;
+    const double thigh_moment_y_d_qd_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_shank, shank_inertial_moment_y_d_qd_shank);
+    C[2] = -(thigh_moment_y_d_qd_shank*0.5);
+    const double t6 = shank_lever_y*shank_inertial_force_x_d_qd_shank;
+    const double thigh_moment_z_d_qd_shank = WG_FMA(-shank_lever_x, shank_inertial_force_y_d_qd_shank, t6);
+    C[5] = thigh_moment_z_d_qd_shank*0.5;
+}
+
+WG_ROW(void mero_leg_leg_kinetic_energy)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double shank_velocity_before_x = qd[1]*shank_lever_y;
+    const double shank_velocity_before_y = qd[1]*shank_lever_x;
+    const double shank_velocity_before_z = qd[0]*shank_lever_x;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double yaw_momentum_moment_z = qd[0]*0.0035;
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
+    const double thigh_momentum_moment_y = qd[0]*thigh_inertia_yy;
+    const double thigh_momentum_moment_z = qd[1]*0.020625;
+    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
+    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
+    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
+    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
+    const double shank_momentum_force_x = WG_FMA(shank_spin_z, shank_inertia_moment_y, shank_velocity_before_x*1.1);
+    const double shank_momentum_force_y = WG_FMA(shank_spin_z, shank_inertia_moment_x, shank_velocity_before_y*1.1);
+    const double shank_momentum_force_z = WG_FMA(shank_velocity_before_z, 1.1, qd[0]*shank_inertia_moment_x);
+    const double shank_momentum_moment_y = WG_FMA(shank_velocity_before_z, shank_inertia_moment_x, qd[0]*shank_inertia_yy);
+    const double t1 = shank_velocity_before_x*shank_inertia_moment_y;
+    const double t2 = WG_FMA(shank_velocity_before_y, shank_inertia_moment_x, t1);
+    const double shank_momentum_moment_z = WG_FMA(shank_spin_z, 0.032, t2);
+    const double yaw_energy = qd[0]*yaw_momentum_moment_z;
+    const double thigh_energy = WG_FMA(qd[1], thigh_momentum_moment_z, qd[0]*thigh_momentum_moment_y);
+    const double t3 = qd[0]*shank_momentum_moment_y;
+    const double t4 = WG_FMA(shank_velocity_before_x, shank_momentum_force_x, t3);
+    const double t5 = WG_FMA(shank_velocity_before_y, shank_momentum_force_y, t4);
+    const double t6 = WG_FMA(shank_velocity_before_z, shank_momentum_force_z, t5);
+    const double shank_energy = WG_FMA(shank_spin_z, shank_momentum_moment_z, t6);
+    *T = WG_FMA(-thigh_energy, 0.5, WG_FMA(shank_energy, 0.5, yaw_energy*0.5));
+}
+
+WG_ROW(void mero_leg_leg_potential_energy)(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh_shank, t1, sin_thigh, cos_q1;
+    WG_SINCOS_2(angle_thigh_shank, sin_thigh_shank, t1, q[1], sin_thigh, cos_q1);
+    (void)t1;
+    (void)cos_q1;
+    const double shank_moment_own_y = sin_thigh_shank*0.12;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double thigh_moment_y = WG_FMA(shank_lever_y, 1.1, shank_moment_own_y);
+    const double moment_z = thigh_moment_y + 0.336;
+    *U = moment_z*9.80665;
+}
+
+WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRICT p, double *WG_RESTRICT q,
     int32_t *WG_RESTRICT status, double *WG_RESTRICT target) {
     target[0] = p[0];
     target[1] = p[1];
@@ -25,18 +717,17 @@ static void mero_leg_leg_inverse_branches_kernel(const double *WG_RESTRICT p, do
     const double radius = sqrt(radius2);
     const int t2 = radius2 <= touching2;
     const double rho = t2 ? 0.0 : radius;
-    const double yaw_plus_angle = WG_ATAN2(p[1], p[0]);
-    const double taint = p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]));
     const double distance2_plus = WG_FMA(offset_z, offset_z, radius2);
-    const double slack = tolerance*1.5;
-    const double outer2 = WG_FMA(slack, 0.75, 0.5625);
     const double knee_plus = WG_FMA(distance2_plus, 3.5714285714285716, -0.008928571428571428);
     const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : (knee_plus < 0.0 ? 0.0 : knee_plus);
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
-    const double lift_plus = WG_ATAN2(offset_z, rho);
-    const double thigh_offset_plus = WG_ATAN2(knee_sin_plus*0.4, WG_FMA(knee_cos_plus, 0.4, 0.35));
-    const double gamma_plus = WG_ATAN2(knee_sin_plus, knee_cos_plus);
+    double yaw_plus_angle, lift_plus, thigh_offset_plus, gamma_plus;
+    WG_ATAN2_4(p[1], p[0], yaw_plus_angle, offset_z, rho, lift_plus, knee_sin_plus*0.4,
+        WG_FMA(knee_cos_plus, 0.4, 0.35), thigh_offset_plus, knee_sin_plus, knee_cos_plus, gamma_plus);
+    const double taint = p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]));
+    const double slack = tolerance*1.5;
+    const double outer2 = WG_FMA(slack, 0.75, 0.5625);
     const int t3 = !isfinite(taint);
     const int t4 = outer2 < distance2_plus || distance2_plus < WG_FMA(-slack, 0.05, 0.0025);
     const double t5 = t2 ? 3.0 : 0.0;
@@ -79,14 +770,357 @@ static void mero_leg_leg_inverse_branches_kernel(const double *WG_RESTRICT p, do
     const double q2_minus_plus_sum = q2_plus_minus_sum - 3.141592653589793;
     const double t12 = 3.141592653589793 - q2_plus_minus_sum;
     const double q2_minus_plus_turns = WG_INDICATOR(3.141592653589793 < t12) - WG_INDICATOR(t12 <= -3.141592653589793);
-    const double q2_minus_plus_wrapped = WG_FMA(6.283185307179586, q2_minus_plus_turns, q2_minus_plus_sum);
-    q[7] = -q2_minus_plus_wrapped;
+    q[7] = WG_FMA(-6.283185307179586, q2_minus_plus_turns, -q2_minus_plus_sum);
     const double q2_minus_minus_sum = 3.141592653589793 + thigh_offset_plus - lift_plus_checked;
     const double t13 = WG_INDICATOR(q2_minus_minus_sum <= -3.141592653589793);
     const double q2_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_minus_minus_sum) - t13;
     const double q2_minus_minus_wrapped = WG_FMA(-6.283185307179586, q2_minus_minus_turns, q2_minus_minus_sum);
     q[10] = q2_minus_minus_wrapped;
 }
+
+#if defined(WALKGEN_ROWS)
+#if WALKGEN_ROWS == 2
+
+WG_BLOCK(mero_leg_leg_foot_position) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_foot_position_lane(q, p);
+        WG_KEEP_3(p, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_position) {
+    mero_leg_leg_foot_position(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_position, 1, 1);
+
+WG_BLOCK(mero_leg_leg_foot_rotation) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], R[9];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_foot_rotation_lane(q, R);
+        WG_KEEP_9(R, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_rotation) {
+    mero_leg_leg_foot_rotation(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_rotation, 1, 1);
+
+WG_BLOCK(mero_leg_leg_foot_pose) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], T[16];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_foot_pose_lane(q, T);
+        WG_KEEP_16(T, 0)
+        WG_DONE(16)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_pose) {
+    mero_leg_leg_foot_pose(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_pose, 1, 1);
+
+WG_BLOCK(mero_leg_leg_foot_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[9];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_foot_jacobian_lane(q, J);
+        WG_KEEP_9(J, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_jacobian) {
+    mero_leg_leg_foot_jacobian(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_jacobian, 1, 1);
+
+WG_BLOCK(mero_leg_leg_foot_position_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3], J[9];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_foot_position_jacobian_lane(q, p, J);
+        WG_KEEP_3(p, 0)
+        WG_KEEP_9(J, 3)
+        WG_DONE(12)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_position_jacobian) {
+    mero_leg_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
+}
+WG_LANED(mero_leg_leg_foot_position_jacobian, 1, 2);
+
+WG_BLOCK(mero_leg_leg_foot_spatial_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[18];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_foot_spatial_jacobian_lane(q, J);
+        WG_KEEP_18(J, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_spatial_jacobian) {
+    mero_leg_leg_foot_spatial_jacobian(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_spatial_jacobian, 1, 1);
+
+WG_BLOCK(mero_leg_leg_foot_hessian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], H[27];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_foot_hessian_lane(q, H);
+        WG_KEEP_27(H, 0)
+        WG_DONE(27)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_hessian) {
+    mero_leg_leg_foot_hessian(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_hessian, 1, 1);
+
+WG_BLOCK(mero_leg_leg_foot_velocity) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], v[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        mero_leg_leg_foot_velocity_lane(q, qd, v);
+        WG_KEEP_3(v, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_velocity) {
+    mero_leg_leg_foot_velocity(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_velocity, 2, 1);
+
+WG_BLOCK(mero_leg_leg_foot_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], a[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        mero_leg_leg_foot_acceleration_lane(q, qd, qdd, a);
+        WG_KEEP_3(a, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_acceleration) {
+    mero_leg_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_acceleration, 3, 1);
+
+WG_BLOCK(mero_leg_leg_foot_bias_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], a[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        mero_leg_leg_foot_bias_acceleration_lane(q, qd, a);
+        WG_KEEP_6(a, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_bias_acceleration) {
+    mero_leg_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_bias_acceleration, 2, 1);
+
+WG_BLOCK(mero_leg_leg_foot_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(f, 3)
+        mero_leg_leg_foot_torque_lane(q, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_foot_torque) {
+    mero_leg_leg_foot_torque(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_leg_foot_torque, 2, 1);
+
+WG_BLOCK(mero_leg_leg_inverse) {
+    WG_EACH_LANE {
+        double WG_LOST, p[3], q[12], target[3];
+        int32_t status[4];
+        WG_TAKE_3(p, 0)
+        mero_leg_leg_inverse_branches_kernel_lane(p, q, status, target);
+        WG_KEEP_12(q, 0)
+        WG_KEEP_STATUS_4(status, 12)
+        WG_DONE(16)
+    }
+}
+
+WG_ALONE(mero_leg_leg_inverse) {
+    double target[3];
+    int32_t status[4];
+    mero_leg_leg_inverse_branches_kernel(&given[0], &found[0], status, target);
+    for (int at = 0; at < 4; ++at) { found[12 + at] = (double)status[at]; }
+}
+WG_LANED(mero_leg_leg_inverse, 1, 2);
+
+WG_BLOCK(mero_leg_leg_within_limits) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3];
+        int32_t within[1];
+        WG_TAKE_3(q, 0)
+        within[0] = mero_leg_leg_within_limits_lane(q);
+        WG_KEEP_STATUS_1(within, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(mero_leg_leg_within_limits) {
+    int32_t within[1];
+    within[0] = mero_leg_leg_within_limits(&given[0]);
+    for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
+}
+WG_LANED(mero_leg_leg_within_limits, 1, 1);
+
+WG_BLOCK(mero_leg_leg_inverse_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_3(f, 9)
+        mero_leg_leg_inverse_dynamics_lane(q, qd, qdd, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_inverse_dynamics) {
+    mero_leg_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(mero_leg_leg_inverse_dynamics, 4, 1);
+
+WG_BLOCK(mero_leg_leg_forward_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(tau, 6)
+        WG_TAKE_3(f, 9)
+        mero_leg_leg_forward_dynamics_lane(q, qd, tau, f, qdd);
+        WG_KEEP_3(qdd, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_forward_dynamics) {
+    mero_leg_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(mero_leg_leg_forward_dynamics, 4, 1);
+
+WG_BLOCK(mero_leg_leg_mass_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], M[9];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_mass_matrix_lane(q, M);
+        WG_KEEP_9(M, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_leg_mass_matrix) {
+    mero_leg_leg_mass_matrix(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_mass_matrix, 1, 1);
+
+WG_BLOCK(mero_leg_leg_bias) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], h[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        mero_leg_leg_bias_lane(q, qd, h);
+        WG_KEEP_3(h, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_bias) {
+    mero_leg_leg_bias(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_leg_bias, 2, 1);
+
+WG_BLOCK(mero_leg_leg_gravity_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], g[3];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_gravity_torque_lane(q, g);
+        WG_KEEP_3(g, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_leg_gravity_torque) {
+    mero_leg_leg_gravity_torque(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_gravity_torque, 1, 1);
+
+WG_BLOCK(mero_leg_leg_coriolis_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], C[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        mero_leg_leg_coriolis_matrix_lane(q, qd, C);
+        WG_KEEP_9(C, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_leg_coriolis_matrix) {
+    mero_leg_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_leg_coriolis_matrix, 2, 1);
+
+WG_BLOCK(mero_leg_leg_kinetic_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], T[1];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        mero_leg_leg_kinetic_energy_lane(q, qd, T);
+        WG_KEEP_1(T, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(mero_leg_leg_kinetic_energy) {
+    mero_leg_leg_kinetic_energy(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_leg_kinetic_energy, 2, 1);
+
+WG_BLOCK(mero_leg_leg_potential_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], U[1];
+        WG_TAKE_3(q, 0)
+        mero_leg_leg_potential_energy_lane(q, U);
+        WG_KEEP_1(U, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(mero_leg_leg_potential_energy) {
+    mero_leg_leg_potential_energy(&given[0], &found[0]);
+}
+WG_LANED(mero_leg_leg_potential_energy, 1, 1);
+
+#endif
+#else
 
 static void mero_leg_leg_inverse_geometry_kernel(double *WG_RESTRICT geometry) {
     geometry[0] = 0.0;
@@ -130,17 +1164,16 @@ static void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int32_t
     const double knee_sin = knee_sign*knee_sin_plus;
     const double along = WG_FMA(knee_cos_plus, 0.4, 0.35);
     const double across = knee_sin*0.4;
-    const double thigh_cos = WG_FMA(rho_signed, along, offset_z*across);
-    const double t5 = sqrt(-WG_FMA((double)branch, (double)branch, 1.0));
+    const double t5 = sqrt(WG_FMA(-((double)branch), (double)branch, -1.0));
     const double t6 = (0.0 <= (double)branch && (double)branch <= 3.0) ? 0.0 : t5;
     const double taint = t6 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
     const int t7 = (knee_sin_plus == 0.0 && 1.0 - t2 < 0.0) || (rho == 0.0 && 1.0 - t1 < 0.0);
     const int t8 = outer2 < distance2_plus || distance2_plus < WG_FMA(-slack, 0.05, 0.0025);
     const double state = !isfinite(taint) ? 2.0 : (t8 ? 1.0 : (t7 ? 6.0 : (t4 ? 3.0 : 0.0)));
     *status = (int32_t)(state);
-    const double yaw_one_angle = WG_ATAN2(-(p[1]*rho_sign), -(p[0]*rho_sign));
-    const double gamma_2 = WG_ATAN2(-knee_sin, knee_cos_plus);
-    const double thigh = WG_ATAN2(WG_FMA(-rho_signed, across, offset_z*along), -thigh_cos);
+    double yaw_one_angle, gamma_2, thigh;
+    WG_ATAN2_3(-(p[1]*rho_sign), -(p[0]*rho_sign), yaw_one_angle, -knee_sin, knee_cos_plus, gamma_2,
+        WG_FMA(-rho_signed, across, offset_z*along), WG_FMA(-rho_signed, along, -(offset_z*across)), thigh);
     const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
     const double yaw_one = t4 ? 0.0 : yaw_one_half_open;
     const double yaw_one_checked = taint + yaw_one;
@@ -188,15 +1221,12 @@ static void mero_leg_leg_screws_kernel(double *WG_RESTRICT geometry) {
 
 static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, const double *WG_RESTRICT p,
     double *WG_RESTRICT distance) {
-    const double cos_yaw = WG_COS(rows[0]);
-    const double sin_yaw = WG_SIN(rows[0]);
     const double angle_thigh_shank = rows[1] + rows[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw_2, cos_yaw_2;
+    WG_SINCOS_4(rows[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, rows[1], sin_thigh,
+        cos_thigh, rows[3], sin_yaw_2, cos_yaw_2);
     const double shank_to_tip_x = cos_thigh_shank*0.4;
     const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(rows[1]);
-    const double sin_thigh = WG_SIN(rows[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
     const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
@@ -204,15 +1234,14 @@ static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, co
     const double gap_y = WG_FMA(-sin_yaw, thigh_to_tip_x, p[1]);
     const double gap_z = p[2] - yaw_to_tip_inner_z;
     distance[0] = sqrt(WG_FMA(gap_z, gap_z, WG_FMA(gap_y, gap_y, gap_x*gap_x)));
-    const double cos_yaw_2 = WG_COS(rows[3]);
-    const double sin_yaw_2 = WG_SIN(rows[3]);
     const double angle_thigh_shank_2 = rows[4] + rows[5];
-    const double cos_thigh_shank_2 = WG_COS(angle_thigh_shank_2);
-    const double sin_thigh_shank_2 = WG_SIN(angle_thigh_shank_2);
+    const double angle_thigh_shank_3 = rows[7] + rows[8];
+    double sin_thigh_shank_2, cos_thigh_shank_2, sin_thigh_2, cos_thigh_2, sin_yaw_3, cos_yaw_3, sin_thigh_shank_3,
+        cos_thigh_shank_3;
+    WG_SINCOS_4(angle_thigh_shank_2, sin_thigh_shank_2, cos_thigh_shank_2, rows[4], sin_thigh_2, cos_thigh_2,
+        rows[6], sin_yaw_3, cos_yaw_3, angle_thigh_shank_3, sin_thigh_shank_3, cos_thigh_shank_3);
     const double shank_to_tip_x_2 = 0.4*cos_thigh_shank_2;
     const double shank_to_tip_y_2 = 0.4*sin_thigh_shank_2;
-    const double cos_thigh_2 = WG_COS(rows[4]);
-    const double sin_thigh_2 = WG_SIN(rows[4]);
     const double thigh_to_tip_x_2 = WG_FMA(0.35, cos_thigh_2, shank_to_tip_x_2);
     const double thigh_to_tip_y_2 = WG_FMA(0.35, sin_thigh_2, shank_to_tip_y_2);
     const double yaw_to_tip_inner_z_2 = 0.12 + thigh_to_tip_y_2;
@@ -220,15 +1249,13 @@ static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, co
     const double gap_y_2 = WG_FMA(-sin_yaw_2, thigh_to_tip_x_2, p[1]);
     const double gap_z_2 = p[2] - yaw_to_tip_inner_z_2;
     distance[1] = sqrt(WG_FMA(gap_z_2, gap_z_2, WG_FMA(gap_y_2, gap_y_2, gap_x_2*gap_x_2)));
-    const double cos_yaw_3 = WG_COS(rows[6]);
-    const double sin_yaw_3 = WG_SIN(rows[6]);
-    const double angle_thigh_shank_3 = rows[7] + rows[8];
-    const double cos_thigh_shank_3 = WG_COS(angle_thigh_shank_3);
-    const double sin_thigh_shank_3 = WG_SIN(angle_thigh_shank_3);
     const double shank_to_tip_x_3 = 0.4*cos_thigh_shank_3;
     const double shank_to_tip_y_3 = 0.4*sin_thigh_shank_3;
-    const double cos_thigh_3 = WG_COS(rows[7]);
-    const double sin_thigh_3 = WG_SIN(rows[7]);
+    const double angle_thigh_shank_4 = rows[10] + rows[11];
+    double sin_thigh_3, cos_thigh_3, sin_yaw_4, cos_yaw_4, sin_thigh_shank_4, cos_thigh_shank_4, sin_thigh_4,
+        cos_thigh_4;
+    WG_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, rows[9], sin_yaw_4, cos_yaw_4, angle_thigh_shank_4,
+        sin_thigh_shank_4, cos_thigh_shank_4, rows[10], sin_thigh_4, cos_thigh_4);
     const double thigh_to_tip_x_3 = WG_FMA(0.35, cos_thigh_3, shank_to_tip_x_3);
     const double thigh_to_tip_y_3 = WG_FMA(0.35, sin_thigh_3, shank_to_tip_y_3);
     const double yaw_to_tip_inner_z_3 = 0.12 + thigh_to_tip_y_3;
@@ -236,15 +1263,8 @@ static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, co
     const double gap_y_3 = WG_FMA(-sin_yaw_3, thigh_to_tip_x_3, p[1]);
     const double gap_z_3 = p[2] - yaw_to_tip_inner_z_3;
     distance[2] = sqrt(WG_FMA(gap_z_3, gap_z_3, WG_FMA(gap_y_3, gap_y_3, gap_x_3*gap_x_3)));
-    const double cos_yaw_4 = WG_COS(rows[9]);
-    const double sin_yaw_4 = WG_SIN(rows[9]);
-    const double angle_thigh_shank_4 = rows[10] + rows[11];
-    const double cos_thigh_shank_4 = WG_COS(angle_thigh_shank_4);
-    const double sin_thigh_shank_4 = WG_SIN(angle_thigh_shank_4);
     const double shank_to_tip_x_4 = 0.4*cos_thigh_shank_4;
     const double shank_to_tip_y_4 = 0.4*sin_thigh_shank_4;
-    const double cos_thigh_4 = WG_COS(rows[10]);
-    const double sin_thigh_4 = WG_SIN(rows[10]);
     const double thigh_to_tip_x_4 = WG_FMA(0.35, cos_thigh_4, shank_to_tip_x_4);
     const double thigh_to_tip_y_4 = WG_FMA(0.35, sin_thigh_4, shank_to_tip_y_4);
     const double yaw_to_tip_inner_z_4 = 0.12 + thigh_to_tip_y_4;
@@ -257,16 +1277,13 @@ static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, co
 static void mero_leg_leg_acceleration_jacobian_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT a, double *WG_RESTRICT J, double *WG_RESTRICT rest) {
     J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     const double shank_to_tip_x = cos_thigh_shank*0.4;
     J[8] = shank_to_tip_x;
     const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     J[7] = thigh_to_tip_x;
     const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
@@ -316,469 +1333,6 @@ static void mero_leg_leg_acceleration_jacobian_kernel(const double *WG_RESTRICT 
     rest[2] = wanted_z;
 }
 
-void mero_leg_leg_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
-    p[2] = yaw_to_tip_inner_z;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    p[0] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    p[1] = yaw_to_tip_y;
-}
-
-void mero_leg_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_position(q + row * 3, p + row * 3);
-    }
-}
-
-void mero_leg_leg_foot_rotation(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    R[8] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    R[5] = -cos_yaw;
-    const double sin_yaw = WG_SIN(q[0]);
-    R[2] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    R[7] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    R[6] = sin_thigh_shank;
-    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
-    R[0] = frame_thigh_shank_x_x;
-    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
-    R[3] = frame_thigh_shank_x_y;
-    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
-    R[1] = -frame_thigh_shank_y_x;
-    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
-    R[4] = -frame_thigh_shank_y_y;
-}
-
-void mero_leg_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_rotation(q + row * 3, R + row * 9);
-    }
-}
-
-void mero_leg_leg_foot_pose(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    T[10] = 0.0;
-    T[12] = 0.0;
-    T[13] = 0.0;
-    T[14] = 0.0;
-    T[15] = 1.0;
-    const double cos_yaw = WG_COS(q[0]);
-    T[6] = -cos_yaw;
-    const double sin_yaw = WG_SIN(q[0]);
-    T[2] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    T[9] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    T[8] = sin_thigh_shank;
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
-    T[11] = yaw_to_tip_inner_z;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    T[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    T[7] = yaw_to_tip_y;
-    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
-    T[0] = frame_thigh_shank_x_x;
-    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
-    T[4] = frame_thigh_shank_x_y;
-    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
-    T[1] = -frame_thigh_shank_y_x;
-    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
-    T[5] = -frame_thigh_shank_y_y;
-}
-
-void mero_leg_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_pose(q + row * 3, T + row * 16);
-    }
-}
-
-void mero_leg_leg_foot_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    J[8] = shank_to_tip_x;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    J[7] = thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    J[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    J[0] = -yaw_to_tip_y;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    J[1] = -J_thigh_x;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    J[4] = -J_thigh_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    J[2] = -J_shank_x;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    J[5] = -J_shank_y;
-}
-
-void mero_leg_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_jacobian(q + row * 3, J + row * 9);
-    }
-}
-
-void mero_leg_leg_foot_position_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT p, double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    J[8] = shank_to_tip_x;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    J[7] = thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
-    p[2] = yaw_to_tip_inner_z;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    p[0] = yaw_to_tip_x;
-    J[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    p[1] = yaw_to_tip_y;
-    J[0] = -yaw_to_tip_y;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    J[1] = -J_thigh_x;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    J[4] = -J_thigh_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    J[2] = -J_shank_x;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    J[5] = -J_shank_y;
-}
-
-void mero_leg_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
-    }
-}
-
-void mero_leg_leg_foot_spatial_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    J[9] = 0.0;
-    J[12] = 0.0;
-    J[15] = 1.0;
-    J[16] = 0.0;
-    J[17] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    J[10] = sin_yaw;
-    J[11] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    J[8] = shank_to_tip_x;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    J[7] = thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    J[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    J[0] = -yaw_to_tip_y;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    J[1] = -J_thigh_x;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    J[4] = -J_thigh_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    J[2] = -J_shank_x;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    J[5] = -J_shank_y;
-    const double t1 = -cos_yaw;
-    J[13] = t1;
-    J[14] = t1;
-}
-
-void mero_leg_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_spatial_jacobian(q + row * 3, J + row * 18);
-    }
-}
-
-void mero_leg_leg_foot_hessian(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    H[18] = 0.0;
-    H[19] = 0.0;
-    H[20] = 0.0;
-    H[21] = 0.0;
-    H[24] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    H[22] = -thigh_to_tip_y;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    H[1] = J_thigh_y;
-    H[3] = J_thigh_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    H[2] = J_shank_y;
-    H[6] = J_shank_y;
-    const double H_thigh_shank_x = cos_yaw*shank_to_tip_x;
-    const double H_thigh_shank_y = sin_yaw*shank_to_tip_x;
-    const double t1 = -yaw_to_tip_x;
-    H[0] = t1;
-    H[4] = t1;
-    const double t2 = -H_thigh_shank_x;
-    H[5] = t2;
-    H[7] = t2;
-    H[8] = t2;
-    const double t3 = -yaw_to_tip_y;
-    H[9] = t3;
-    H[13] = t3;
-    const double t4 = -J_thigh_x;
-    H[10] = t4;
-    H[12] = t4;
-    const double t5 = -J_shank_x;
-    H[11] = t5;
-    H[15] = t5;
-    const double t6 = -H_thigh_shank_y;
-    H[14] = t6;
-    H[16] = t6;
-    H[17] = t6;
-    const double t7 = -shank_to_tip_y;
-    H[23] = t7;
-    H[25] = t7;
-    H[26] = t7;
-}
-
-void mero_leg_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_hessian(q + row * 3, H + row * 27);
-    }
-}
-
-void mero_leg_leg_foot_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    v[2] = WG_FMA(qd[2], shank_to_tip_x, qd[1]*thigh_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    v[0] = -WG_FMA(qd[2], J_shank_x, WG_FMA(qd[1], J_thigh_x, qd[0]*yaw_to_tip_y));
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    v[1] = WG_FMA(-qd[2], J_shank_y, WG_FMA(-qd[1], J_thigh_y, qd[0]*yaw_to_tip_x));
-}
-
-void mero_leg_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT v) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
-    }
-}
-
-void mero_leg_leg_foot_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
-    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
-    const double bias_yaw_x = qd[0]*flow_yaw_y;
-    const double bias_yaw_y = qd[0]*flow_yaw_x;
-    const double spin_thigh_x = qd[1]*sin_yaw;
-    const double spin_thigh_y = qd[1]*cos_yaw;
-    const double flow_thigh_x = qd[1]*J_thigh_x;
-    const double flow_thigh_y = qd[1]*J_thigh_y;
-    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double bias_thigh_x = WG_FMA(-flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
-    const double bias_thigh_y = WG_FMA(flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
-    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
-    const double flow_shank_x = qd[2]*J_shank_x;
-    const double flow_shank_y = qd[2]*J_shank_y;
-    const double flow_shank_z = qd[2]*shank_to_tip_x;
-    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
-    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
-    const double rates_shank_x = spin_thigh_x + rate_shank_x;
-    const double rates_shank_y = spin_thigh_y + rate_shank_y;
-    const double t1 = WG_FMA(flow_shank_z, rates_shank_y, bias_thigh_x);
-    const double bias_shank_x = WG_FMA(-rates_thigh_z, flow_shank_y, t1);
-    const double t2 = WG_FMA(rates_thigh_z, flow_shank_x, bias_thigh_y);
-    const double bias_shank_y = WG_FMA(flow_shank_z, rates_shank_x, t2);
-    const double t3 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
-    const double bias_shank_z = WG_FMA(flow_shank_y, rates_shank_x, t3);
-    a[2] = WG_FMA(qdd[2], shank_to_tip_x, qdd[1]*thigh_to_tip_x) - bias_shank_z;
-    const double t4 = WG_FMA(qdd[2], J_shank_x, WG_FMA(qdd[1], J_thigh_x, qdd[0]*yaw_to_tip_y));
-    a[0] = -(bias_shank_x + t4);
-    const double t5 = WG_FMA(-qdd[2], J_shank_y, WG_FMA(-qdd[1], J_thigh_y, qdd[0]*yaw_to_tip_x));
-    a[1] = t5 - bias_shank_y;
-}
-
-void mero_leg_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
-    }
-}
-
-void mero_leg_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT a) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
-    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
-    const double bias_yaw_x = qd[0]*flow_yaw_y;
-    const double bias_yaw_y = qd[0]*flow_yaw_x;
-    const double spin_thigh_x = qd[1]*sin_yaw;
-    const double spin_thigh_y = qd[1]*cos_yaw;
-    const double flow_thigh_x = qd[1]*J_thigh_x;
-    const double flow_thigh_y = qd[1]*J_thigh_y;
-    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double bias_thigh_x = WG_FMA(-flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
-    const double bias_thigh_y = WG_FMA(flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
-    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
-    const double turn_thigh_x = qd[0]*spin_thigh_y;
-    const double turn_thigh_y = qd[0]*spin_thigh_x;
-    const double spin_shank_x = qd[2]*sin_yaw;
-    const double spin_shank_y = qd[2]*cos_yaw;
-    const double flow_shank_x = qd[2]*J_shank_x;
-    const double flow_shank_y = qd[2]*J_shank_y;
-    const double flow_shank_z = qd[2]*shank_to_tip_x;
-    const double rate_shank_x = spin_thigh_x + spin_shank_x;
-    const double rate_shank_y = spin_thigh_y + spin_shank_y;
-    const double rates_shank_x = spin_thigh_x + rate_shank_x;
-    const double rates_shank_y = spin_thigh_y + rate_shank_y;
-    const double t1 = WG_FMA(rates_thigh_z, flow_shank_x, bias_thigh_y);
-    const double bias_shank_y = WG_FMA(flow_shank_z, rates_shank_x, t1);
-    a[1] = -bias_shank_y;
-    const double t2 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
-    const double bias_shank_z = WG_FMA(flow_shank_y, rates_shank_x, t2);
-    a[2] = -bias_shank_z;
-    const double turn_shank_x = WG_FMA(qd[0], spin_shank_y, turn_thigh_x);
-    a[3] = turn_shank_x;
-    const double turn_shank_y = WG_FMA(qd[0], spin_shank_x, turn_thigh_y);
-    a[4] = turn_shank_y;
-    const double turn_shank_z = WG_FMA(-spin_thigh_x, spin_shank_y, spin_thigh_y*spin_shank_x);
-    a[5] = turn_shank_z;
-    const double t3 = WG_FMA(flow_shank_z, rates_shank_y, bias_thigh_x);
-    a[0] = WG_FMA(rates_thigh_z, flow_shank_y, -t3);
-}
-
-void mero_leg_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
-    }
-}
-
-void mero_leg_leg_foot_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    tau[0] = WG_FMA(-f[0], yaw_to_tip_y, f[1]*yaw_to_tip_x);
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    tau[1] = WG_FMA(-f[1], J_thigh_y, WG_FMA(-f[0], J_thigh_x, f[2]*thigh_to_tip_x));
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    tau[2] = WG_FMA(-f[1], J_shank_y, WG_FMA(-f[0], J_shank_x, f[2]*shank_to_tip_x));
-}
-
-void mero_leg_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
-    double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
-    }
-}
-
 void mero_leg_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
     T[0] = 1.0;
     T[1] = 0.0;
@@ -818,22 +1372,19 @@ void mero_leg_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT 
     T[61] = 0.0;
     T[62] = 0.0;
     T[63] = 1.0;
-    const double cos_yaw = WG_COS(q[0]);
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     T[16] = cos_yaw;
-    const double sin_yaw = WG_SIN(q[0]);
     T[18] = sin_yaw;
     T[20] = sin_yaw;
     T[34] = sin_yaw;
-    T[50] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    T[57] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    T[56] = sin_thigh_shank;
-    const double cos_thigh = WG_COS(q[1]);
-    T[41] = cos_thigh;
-    const double sin_thigh = WG_SIN(q[1]);
     T[40] = sin_thigh;
+    T[41] = cos_thigh;
+    T[50] = sin_yaw;
+    T[56] = sin_thigh_shank;
+    T[57] = cos_thigh_shank;
     const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
     T[48] = frame_thigh_shank_x_x;
     const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
@@ -889,15 +1440,6 @@ int32_t mero_leg_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q,
         ok += status[index] == WALKGEN_OK;
     }
     return ok;
-}
-
-size_t mero_leg_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        bad += mero_leg_leg_inverse(p + row * 3, q + row * 12, status + row * 4) == 0;
-    }
-    return bad;
 }
 
 int32_t mero_leg_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q) {
@@ -1009,18 +1551,6 @@ void mero_leg_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT 
     }
 }
 
-int32_t mero_leg_leg_within_limits(const double *WG_RESTRICT q) {
-    const int t1 = -1.0471975511965979 <= q[0] && q[0] <= 1.0471975511965979;
-    const int t2 = t1 && (-1.5707963267948966 <= q[1] && q[1] <= 1.5707963267948966);
-    return (int32_t)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
-}
-
-void mero_leg_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
-    for (size_t row = 0; row < rows; ++row) {
-        within[row] = mero_leg_leg_within_limits(q + row * 3);
-    }
-}
-
 int32_t mero_leg_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     double *WG_RESTRICT qd) {
     double J[9];
@@ -1060,394 +1590,6 @@ size_t mero_leg_leg_inverse_acceleration_batch(size_t rows, const double *WG_RES
     return bad;
 }
 
-void mero_leg_leg_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t1 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t1 + thigh_field_y_y;
-    const double t2 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t2;
-    const double shank_at_x = WG_FMA(shank_lever_x, thigh_field_x_x, qdd[1]*shank_lever_y);
-    const double shank_at_y = WG_FMA(-shank_lever_y, thigh_field_y_y, WG_FMA(qdd[1], shank_lever_x, 9.80665));
-    const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
-    const double shank_spin_z = qd[1] + qd[2];
-    const double shank_rate = qdd[1] + qdd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double thigh_inertial_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, qdd[0]*thigh_inertia_yy);
-    const double thigh_inertial_moment_z = WG_FMA(qdd[1], 0.020625, t1*thigh_inertia_xy);
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
-    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
-    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
-    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t1 + shank_field_y_y;
-    const double shank_field_y_z = t2*shank_spin_z;
-    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
-    const double shank_heave_z = WG_FMA(shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
-    const double t3 = WG_FMA(shank_rate, shank_inertia_moment_y, shank_at_x*1.1);
-    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, t3);
-    const double t4 = WG_FMA(shank_rate, shank_inertia_moment_x, shank_at_y*1.1);
-    const double shank_inertial_force_y = WG_FMA(-shank_inertia_moment_y, shank_field_y_y, t4);
-    const double t5 = WG_FMA(shank_at_z, 1.1, qdd[0]*shank_inertia_moment_x);
-    const double shank_inertial_force_z = WG_FMA(-shank_inertia_moment_y, shank_field_y_z, t5);
-    const double t6 = WG_FMA(qdd[0], shank_inertia_yy, shank_heave_y);
-    const double shank_inertial_moment_y = WG_FMA(-shank_inertia_xy, shank_field_y_z, t6);
-    const double shank_inertial_moment_z = shank_heave_z + WG_FMA(shank_rate, 0.032, t1*shank_inertia_xy);
-    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
-    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
-    const double foot_lever_x = cos_thigh_shank*0.4;
-    const double foot_lever_y = sin_thigh_shank*0.4;
-    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
-    const double shank_own_force_y = f[2] - shank_inertial_force_y;
-    const double shank_own_force_z = foot_force_yaw_y - shank_inertial_force_z;
-    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, -shank_inertial_moment_y);
-    const double t7 = WG_FMA(foot_force_yaw_x, foot_lever_y, shank_inertial_moment_z);
-    const double shank_own_moment_z = WG_FMA(-f[2], foot_lever_x, t7);
-    tau[2] = shank_own_moment_z;
-    const double t8 = WG_FMA(shank_lever_x, shank_own_force_z, thigh_inertial_moment_y);
-    const double thigh_moment_y = shank_own_moment_y + t8;
-    tau[0] = WG_FMA(qdd[0], 0.0035, -thigh_moment_y);
-    const double t9 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
-    tau[1] = shank_own_moment_z - WG_FMA(-shank_lever_y, shank_own_force_x, t9);
-}
-
-void mero_leg_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
-    }
-}
-
-void mero_leg_leg_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t1 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t1 + thigh_field_y_y;
-    const double t2 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t2;
-    const double shank_at_x = shank_lever_x*thigh_field_x_x;
-    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
-    const double shank_at_z = shank_lever_y*thigh_field_y_z;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double thigh_inertial_moment_z = t1*thigh_inertia_xy;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
-    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
-    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t1 + shank_field_y_y;
-    const double shank_field_y_z = t2*shank_spin_z;
-    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
-    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
-    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
-    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
-    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
-    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
-    const double shank_inertial_moment_z = WG_FMA(t1, shank_inertia_xy, shank_heave_z);
-    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
-    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
-    const double foot_lever_x = cos_thigh_shank*0.4;
-    const double foot_lever_y = sin_thigh_shank*0.4;
-    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
-    const double shank_own_force_y = f[2] + shank_inertial_force_y;
-    const double shank_own_force_z = shank_inertial_force_z + foot_force_yaw_y;
-    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, shank_inertial_moment_y);
-    const double t3 = WG_FMA(foot_force_yaw_x, foot_lever_y, shank_inertial_moment_z);
-    const double shank_own_moment_z = WG_FMA(-f[2], foot_lever_x, t3);
-    const double t4 = WG_FMA(shank_lever_x, shank_own_force_z, shank_own_moment_y);
-    const double thigh_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, t4);
-    const double t5 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
-    const double thigh_moment_z = WG_FMA(-shank_lever_y, shank_own_force_x, t5) - shank_own_moment_z;
-    const double thigh_inertia_spun_y_2 = sin_thigh*0.021625;
-    const double thigh_inertia_rest_2 = WG_FMA(sin_thigh, thigh_inertia_spun_y_2, -0.021625);
-    const double shank_inertia_spun_y_2 = sin_thigh_shank*0.0315;
-    const double shank_inertia_rest_2 = WG_FMA(sin_thigh_shank, shank_inertia_spun_y_2, -0.0315);
-    const double t6 = 1.1*(shank_lever_x*shank_lever_x);
-    const double t7 = shank_inertia_moment_x*(shank_lever_x*2.0);
-    const double thigh_composite_yy = thigh_inertia_rest_2 + (t6 + t7) - shank_inertia_rest_2;
-    const double t8 = WG_FMA(1.1, shank_lever_y*shank_lever_y, t7 + (t6 + 0.011375));
-    const double thigh_composite_zz = WG_FMA(shank_inertia_moment_y, shank_lever_y*2.0, t8);
-    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
-    const double t9 = WG_FMA(shank_lever_x, shank_inertia_moment_x, 0.032);
-    const double M_shank_on_shank_moment_z = WG_FMA(shank_lever_y, shank_inertia_moment_y, t9);
-    const double L_2_1 = M_shank_on_shank_moment_z*31.25;
-    const double D_1_1 = WG_FMA(M_shank_on_shank_moment_z, L_2_1, -thigh_composite_zz);
-    const double reciprocal_1 = 1.0/D_1_1;
-    const double reciprocal_0 = 1.0/yaw_borne_zz;
-    const double halfway_2 = shank_own_moment_z - tau[2];
-    const double halfway_1 = WG_FMA(L_2_1, halfway_2, tau[1] + thigh_moment_z);
-    const double halfway_0 = tau[0] + thigh_moment_y;
-    const double solution_0 = reciprocal_0*halfway_0;
-    qdd[0] = solution_0;
-    const double solution_1 = reciprocal_1*halfway_1;
-    qdd[1] = -solution_1;
-    const double solution_2 = WG_FMA(-31.25, halfway_2, L_2_1*solution_1);
-    qdd[2] = solution_2;
-}
-
-void mero_leg_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
-    }
-}
-
-void mero_leg_leg_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    M[1] = 0.0;
-    M[2] = 0.0;
-    M[3] = 0.0;
-    M[6] = 0.0;
-    M[8] = 0.032;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_inertia_spun_y = sin_thigh*0.021625;
-    const double thigh_inertia_rest = WG_FMA(sin_thigh, thigh_inertia_spun_y, -0.021625);
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = sin_thigh_shank*0.0315;
-    const double shank_inertia_rest = WG_FMA(sin_thigh_shank, shank_inertia_spun_y, -0.0315);
-    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
-    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t1 = shank_lever_x*(shank_inertia_moment_x*2.0);
-    const double t2 = 1.1*(shank_lever_x*shank_lever_x);
-    const double thigh_composite_yy = t2 + (thigh_inertia_rest + t1) - shank_inertia_rest;
-    const double t3 = t2 + WG_FMA(shank_lever_y, shank_inertia_moment_y*2.0, t1 + 0.011375);
-    const double thigh_composite_zz = WG_FMA(1.1, shank_lever_y*shank_lever_y, t3);
-    M[4] = thigh_composite_zz;
-    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
-    M[0] = yaw_borne_zz;
-    const double t4 = WG_FMA(shank_inertia_moment_x, shank_lever_x, 0.032);
-    const double M_shank_on_shank_moment_z = WG_FMA(shank_inertia_moment_y, shank_lever_y, t4);
-    M[5] = M_shank_on_shank_moment_z;
-    M[7] = M_shank_on_shank_moment_z;
-}
-
-void mero_leg_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_mass_matrix(q + row * 3, M + row * 9);
-    }
-}
-
-void mero_leg_leg_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t1 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t1 + thigh_field_y_y;
-    const double t2 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t2;
-    const double shank_at_x = shank_lever_x*thigh_field_x_x;
-    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
-    const double shank_at_z = shank_lever_y*thigh_field_y_z;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
-    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
-    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t1 + shank_field_y_y;
-    const double shank_field_y_z = t2*shank_spin_z;
-    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
-    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
-    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
-    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
-    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
-    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
-    const double shank_inertial_moment_z = WG_FMA(t1, shank_inertia_xy, shank_heave_z);
-    h[2] = shank_inertial_moment_z;
-    const double t3 = WG_FMA(shank_lever_y, shank_inertial_force_x, shank_inertial_moment_z);
-    const double thigh_moment_z = WG_FMA(-t1, thigh_inertia_xy, WG_FMA(-shank_lever_x, shank_inertial_force_y, t3));
-    h[1] = thigh_moment_z;
-    const double t4 = WG_FMA(shank_lever_x, shank_inertial_force_z, shank_inertial_moment_y);
-    h[0] = WG_FMA(thigh_field_y_z, thigh_inertia_xy, -t4);
-}
-
-void mero_leg_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_bias(q + row * 3, qd + row * 3, h + row * 3);
-    }
-}
-
-void mero_leg_leg_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    g[0] = 0.0;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double shank_inertia_moment_x = cos_thigh_shank*1.176798;
-    g[2] = shank_inertia_moment_x;
-    const double thigh_moment_z = WG_FMA(shank_lever_x, 10.787315, shank_inertia_moment_x);
-    g[1] = thigh_moment_z;
-}
-
-void mero_leg_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_gravity_torque(q + row * 3, g + row * 3);
-    }
-}
-
-void mero_leg_leg_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT C) {
-    C[8] = 0.0;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
-    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
-    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double thigh_field_x_x_d_qd_yaw = qd[0]*2.0;
-    const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
-    const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
-    const double shank_at_z_d_qd_yaw = shank_lever_y*thigh_field_y_z_d_qd_yaw;
-    const double thigh_inertial_moment_z_d_qd_yaw = thigh_inertia_xy*thigh_field_x_x_d_qd_yaw;
-    const double shank_field_y_z_d_qd_yaw = shank_spin_z*2.0;
-    const double shank_heave_y_d_qd_yaw = shank_inertia_moment_x*shank_at_z_d_qd_yaw;
-    const double shank_inertial_force_x_d_qd_yaw = WG_FMA(shank_at_x_d_qd_yaw, 1.1, shank_inertia_moment_x*thigh_field_x_x_d_qd_yaw);
-    const double shank_inertial_force_y_d_qd_shank = shank_inertia_moment_y*shank_field_y_z_d_qd_yaw;
-    const double shank_inertial_force_z_d_qd_yaw = WG_FMA(shank_at_z_d_qd_yaw, 1.1, shank_inertial_force_y_d_qd_shank);
-    const double shank_inertial_moment_y_d_qd_yaw = WG_FMA(shank_inertia_xy, shank_field_y_z_d_qd_yaw, shank_heave_y_d_qd_yaw);
-    const double shank_inertial_moment_y_d_qd_shank = shank_inertia_xy*thigh_field_x_x_d_qd_yaw;
-    const double shank_inertial_moment_z_d_qd_yaw = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_yaw, shank_inertial_moment_y_d_qd_shank);
-    C[6] = shank_inertial_moment_z_d_qd_yaw*0.5;
-    const double t1 = shank_lever_x*shank_inertial_force_z_d_qd_yaw;
-    const double t2 = shank_inertial_moment_y_d_qd_yaw + t1;
-    const double thigh_moment_y_d_qd_yaw = WG_FMA(-thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, t2);
-    C[0] = -(thigh_moment_y_d_qd_yaw*0.5);
-    const double t3 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_yaw, shank_inertial_moment_z_d_qd_yaw);
-    const double thigh_moment_z_d_qd_yaw = t3 - thigh_inertial_moment_z_d_qd_yaw;
-    C[3] = thigh_moment_z_d_qd_yaw*0.5;
-    const double shank_at_x_d_qd_thigh = shank_lever_x*thigh_field_y_z_d_qd_yaw;
-    const double shank_at_z_d_qd_thigh = shank_lever_y*thigh_field_x_x_d_qd_yaw;
-    const double shank_heave_z_d_qd_thigh = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_thigh, -shank_heave_y_d_qd_yaw);
-    C[7] = shank_heave_z_d_qd_thigh*0.5;
-    const double shank_inertial_force_x_d_qd_shank = shank_inertia_moment_x*shank_field_y_z_d_qd_yaw;
-    const double shank_inertial_force_x_d_qd_thigh = WG_FMA(1.1, shank_at_x_d_qd_thigh, shank_inertial_force_x_d_qd_shank);
-    const double shank_inertial_force_z_d_qd_shank = shank_inertia_moment_y*thigh_field_x_x_d_qd_yaw;
-    const double shank_inertial_force_z_d_qd_thigh = WG_FMA(1.1, shank_at_z_d_qd_thigh, shank_inertial_force_z_d_qd_shank);
-    const double shank_inertial_moment_y_d_qd_thigh = WG_FMA(shank_inertia_moment_x, shank_at_z_d_qd_thigh, shank_inertial_moment_y_d_qd_shank);
-    const double t4 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
-    const double thigh_moment_y_d_qd_thigh = t4 - thigh_inertial_moment_z_d_qd_yaw;
-    C[1] = -(thigh_moment_y_d_qd_thigh*0.5);
-    const double t5 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_thigh, shank_heave_z_d_qd_thigh);
-    const double thigh_moment_z_d_qd_thigh = t5 - t1;
-    C[4] = thigh_moment_z_d_qd_thigh*0.5;
-    const double thigh_moment_y_d_qd_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_shank, shank_inertial_moment_y_d_qd_shank);
-    C[2] = -(thigh_moment_y_d_qd_shank*0.5);
-    const double t6 = shank_lever_y*shank_inertial_force_x_d_qd_shank;
-    const double thigh_moment_z_d_qd_shank = WG_FMA(-shank_lever_x, shank_inertial_force_y_d_qd_shank, t6);
-    C[5] = thigh_moment_z_d_qd_shank*0.5;
-}
-
-void mero_leg_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT C) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
-    }
-}
-
-void mero_leg_leg_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double shank_velocity_before_x = qd[1]*shank_lever_y;
-    const double shank_velocity_before_y = qd[1]*shank_lever_x;
-    const double shank_velocity_before_z = qd[0]*shank_lever_x;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double yaw_momentum_moment_z = qd[0]*0.0035;
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
-    const double thigh_momentum_moment_y = qd[0]*thigh_inertia_yy;
-    const double thigh_momentum_moment_z = qd[1]*0.020625;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
-    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
-    const double shank_inertia_moment_x = cos_thigh_shank*0.12;
-    const double shank_inertia_moment_y = sin_thigh_shank*0.12;
-    const double shank_momentum_force_x = WG_FMA(shank_spin_z, shank_inertia_moment_y, shank_velocity_before_x*1.1);
-    const double shank_momentum_force_y = WG_FMA(shank_spin_z, shank_inertia_moment_x, shank_velocity_before_y*1.1);
-    const double shank_momentum_force_z = WG_FMA(shank_velocity_before_z, 1.1, qd[0]*shank_inertia_moment_x);
-    const double shank_momentum_moment_y = WG_FMA(shank_velocity_before_z, shank_inertia_moment_x, qd[0]*shank_inertia_yy);
-    const double t1 = shank_velocity_before_x*shank_inertia_moment_y;
-    const double t2 = WG_FMA(shank_velocity_before_y, shank_inertia_moment_x, t1);
-    const double shank_momentum_moment_z = WG_FMA(shank_spin_z, 0.032, t2);
-    const double yaw_energy = qd[0]*yaw_momentum_moment_z;
-    const double thigh_energy = WG_FMA(qd[1], thigh_momentum_moment_z, qd[0]*thigh_momentum_moment_y);
-    const double t3 = qd[0]*shank_momentum_moment_y;
-    const double t4 = WG_FMA(shank_velocity_before_x, shank_momentum_force_x, t3);
-    const double t5 = WG_FMA(shank_velocity_before_y, shank_momentum_force_y, t4);
-    const double t6 = WG_FMA(shank_velocity_before_z, shank_momentum_force_z, t5);
-    const double shank_energy = WG_FMA(shank_spin_z, shank_momentum_moment_z, t6);
-    *T = WG_FMA(-thigh_energy, 0.5, WG_FMA(shank_energy, 0.5, yaw_energy*0.5));
-}
-
-void mero_leg_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_kinetic_energy(q + row * 3, qd + row * 3, T + row);
-    }
-}
-
-void mero_leg_leg_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
-    const double angle_thigh_shank = q[1] + q[2];
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_moment_own_y = sin_thigh_shank*0.12;
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_y = sin_thigh*0.35;
-    const double thigh_moment_y = WG_FMA(shank_lever_y, 1.1, shank_moment_own_y);
-    const double moment_z = thigh_moment_y + 0.336;
-    *U = moment_z*9.80665;
-}
-
-void mero_leg_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_potential_energy(q + row * 3, U + row);
-    }
-}
-
 void mero_leg_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
     tau_d_q[0] = 0.0;
@@ -1455,8 +1597,8 @@ void mero_leg_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, cons
     tau_d_q[6] = 0.0;
     tau_d_qd[8] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double t1 = qd[0]*qd[0];
@@ -1473,8 +1615,6 @@ void mero_leg_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, cons
     const double shank_rate = qdd[1] + qdd[2];
     const double thigh_inertia_spun_y = cos_thigh*0.021625;
     const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_inertia_spun_y = cos_thigh_shank*0.0315;
     const double shank_inertia_moment_x = cos_thigh_shank*0.12;
     const double shank_inertia_moment_y = sin_thigh_shank*0.12;
@@ -1533,8 +1673,6 @@ void mero_leg_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, cons
     const double shank_inertial_moment_y_d_q_shank = shank_heave_x + t14;
     const double shank_inertial_moment_z_d_q_shank = t15 + shank_heave_z_d_q_shank;
     tau_d_q[8] = shank_inertial_moment_z_d_q_shank;
-    const double thigh_moment_y_d_q_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_q_shank, shank_inertial_moment_y_d_q_shank);
-    tau_d_q[2] = -thigh_moment_y_d_q_shank;
     const double t23 = shank_lever_x*shank_inertial_force_y_d_q_shank;
     const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
     const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
@@ -1565,17 +1703,19 @@ void mero_leg_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, cons
     const double t26 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_thigh, shank_heave_z_d_qd_thigh);
     const double thigh_moment_z_d_qd_thigh = t26 - t24;
     tau_d_qd[4] = thigh_moment_z_d_qd_thigh;
-    const double thigh_moment_y_d_qd_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_shank, shank_inertial_moment_y_d_qd_shank);
-    tau_d_qd[2] = -thigh_moment_y_d_qd_shank;
     const double t27 = shank_lever_y*shank_inertial_force_x_d_qd_shank;
     const double thigh_moment_z_d_qd_shank = WG_FMA(-shank_lever_x, shank_inertial_force_y_d_qd_shank, t27);
     tau_d_qd[5] = thigh_moment_z_d_qd_shank;
-    const double t28 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_q_shank, t23);
-    tau_d_q[5] = shank_inertial_moment_z_d_q_shank - t28;
-    const double t29 = shank_inertial_moment_y_d_qd_yaw + t24;
-    tau_d_qd[0] = WG_FMA(thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, -t29);
-    const double t30 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
-    tau_d_qd[1] = thigh_inertial_moment_z_d_qd_yaw - t30;
+    const double t28 = -shank_lever_x;
+    tau_d_q[2] = WG_FMA(t28, shank_inertial_force_z_d_q_shank, -shank_inertial_moment_y_d_q_shank);
+    const double t29 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_q_shank, t23);
+    tau_d_q[5] = shank_inertial_moment_z_d_q_shank - t29;
+    const double t30 = shank_inertial_moment_y_d_qd_yaw + t24;
+    tau_d_qd[0] = WG_FMA(thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, -t30);
+    const double t31 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
+    tau_d_qd[1] = thigh_inertial_moment_z_d_qd_yaw - t31;
+    const double t32 = -shank_lever_x;
+    tau_d_qd[2] = WG_FMA(t32, shank_inertial_force_z_d_qd_shank, -shank_inertial_moment_y_d_qd_shank);
 }
 
 void mero_leg_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
@@ -1631,8 +1771,8 @@ void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRI
     Y[78] = 0.0;
     Y[79] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -1666,6 +1806,7 @@ void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRI
     const double thigh_own_field_y_z = WG_FMA(thigh_spin_y, t2, thigh_pole_y);
     const double thigh_own_field_z_z = t1 + t3;
     const double thigh_frame_at_x = WG_FMA(-0.35, thigh_own_field_x_x, thigh_at_own_x);
+    Y[42] = WG_FMA(-0.35, thigh_own_field_y_y, -thigh_frame_at_x);
     const double t4 = 0.35*thigh_own_field_x_y;
     const double thigh_frame_at_y = WG_FMA(cos_thigh, 9.80665, t4);
     const double thigh_frame_at_z = 0.35*thigh_own_field_x_z;
@@ -1681,8 +1822,6 @@ void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRI
     Y[11] = -thigh_mx_moment_y;
     const double thigh_my_own_moment_y = 0.35*thigh_own_field_y_z;
     Y[12] = WG_FMA(-cos_thigh, thigh_my_own_moment_y, sin_thigh*thigh_frame_at_z);
-    const double thigh_my_own_moment_z = WG_FMA(0.35, thigh_own_field_y_y, thigh_frame_at_x);
-    Y[42] = -thigh_my_own_moment_z;
     const double thigh_mz_own_moment_y = WG_FMA(0.35, thigh_own_field_z_z, thigh_frame_at_x);
     const double thigh_mz_own_moment_z = 0.35*thigh_pole_y;
     Y[43] = -thigh_mz_own_moment_z;
@@ -1709,8 +1848,6 @@ void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRI
     const double thigh_yz_inertial_moment_x = thigh_field_y_y - t1;
     const double thigh_yz_moment_y = WG_FMA(-sin_thigh, thigh_yz_inertial_moment_x, cos_thigh*thigh_own_field_y_x);
     Y[19] = thigh_yz_moment_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_spin_x = qd[0]*sin_thigh_shank;
     const double shank_spin_y = qd[0]*cos_thigh_shank;
     const double shank_pole_x = qdd[0]*cos_thigh_shank;
@@ -1771,8 +1908,7 @@ void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRI
     const double shank_my_force_x = WG_FMA(-sin_thigh_shank, shank_own_field_y_y, t17);
     const double shank_my_force_y = WG_FMA(sin_thigh_shank, shank_own_field_y_x, cos_thigh_shank*shank_own_field_y_y);
     const double shank_my_moment_y = WG_FMA(sin_thigh_shank, shank_frame_at_z, cos_thigh_shank*shank_my_own_moment_y);
-    const double Y_shank_my_on_shank_moment_y = WG_FMA(shank_lever_x, shank_own_field_y_z, shank_my_moment_y);
-    Y[22] = -Y_shank_my_on_shank_moment_y;
+    Y[22] = WG_FMA(-shank_lever_x, shank_own_field_y_z, -shank_my_moment_y);
     const double t18 = WG_FMA(shank_lever_y, shank_my_force_x, shank_my_own_moment_z);
     const double Y_shank_my_on_shank_moment_z = WG_FMA(-shank_lever_x, shank_my_force_y, t18);
     Y[52] = Y_shank_my_on_shank_moment_z;
@@ -1851,8 +1987,8 @@ void mero_leg_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_
     p[13] = 0.0;
     p[14] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -1901,8 +2037,6 @@ void mero_leg_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_
     const double thigh_yz_inertial_moment_x = thigh_field_y_y - t4;
     const double thigh_yz_moment_y = WG_FMA(-sin_thigh, thigh_yz_inertial_moment_x, cos_thigh*thigh_own_field_y_x);
     Y[7] = thigh_yz_moment_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_spin_x = qd[0]*sin_thigh_shank;
     const double shank_spin_y = qd[0]*cos_thigh_shank;
     const double shank_pole_x = qdd[0]*cos_thigh_shank;
@@ -1932,6 +2066,7 @@ void mero_leg_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_
     const double shank_mx_force_x = WG_FMA(cos_thigh_shank, shank_own_field_x_x, t9);
     const double shank_mx_force_y = WG_FMA(-sin_thigh_shank, shank_own_field_x_x, cos_thigh_shank*shank_own_field_x_y);
     const double shank_mx_moment_x = shank_at_z*sin_thigh_shank;
+    Y[9] = WG_FMA(-shank_lever_x, shank_own_field_y_z, -shank_mx_moment_x);
     const double shank_mx_moment_y = shank_at_z*cos_thigh_shank;
     const double Y_shank_mx_on_shank_moment_y = WG_FMA(shank_lever_x, shank_own_field_x_z, shank_mx_moment_y);
     Y[8] = Y_shank_mx_on_shank_moment_y;
@@ -1941,8 +2076,6 @@ void mero_leg_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_
     const double t11 = cos_thigh_shank*shank_own_field_y_x;
     const double shank_my_force_x = WG_FMA(-sin_thigh_shank, shank_own_field_y_y, t11);
     const double shank_my_force_y = WG_FMA(sin_thigh_shank, shank_own_field_y_x, cos_thigh_shank*shank_own_field_y_y);
-    const double Y_shank_my_on_shank_moment_y = WG_FMA(shank_lever_x, shank_own_field_y_z, shank_mx_moment_x);
-    Y[9] = -Y_shank_my_on_shank_moment_y;
     const double t12 = WG_FMA(shank_lever_y, shank_my_force_x, shank_at_own_x);
     const double Y_shank_my_on_shank_moment_z = WG_FMA(-shank_lever_x, shank_my_force_y, t12);
     Y[24] = Y_shank_my_on_shank_moment_z;
@@ -1999,15 +2132,12 @@ void mero_leg_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, dou
 }
 
 void mero_leg_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     const double shank_to_tip_x = cos_thigh_shank*0.4;
     const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
     const double yaw_to_tip_inner_z = thigh_to_tip_y + 0.12;
@@ -2026,16 +2156,13 @@ void mero_leg_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, dou
 
 void mero_leg_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     const double shank_to_tip_x = cos_thigh_shank*0.4;
     J[8] = shank_to_tip_x;
     const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     J[7] = thigh_to_tip_x;
     const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
@@ -2061,19 +2188,16 @@ void mero_leg_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, dou
 
 void mero_leg_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c) {
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[1], sin_leg_thigh, cos_leg_thigh,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_shank_moment_own_x = cos_leg_thigh_shank*0.12;
     const double leg_shank_moment_own_y = sin_leg_thigh_shank*0.12;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_thigh_moment_x = WG_FMA(leg_shank_lever_x, 1.1, leg_shank_moment_own_x);
     const double leg_thigh_moment_y = WG_FMA(leg_shank_lever_y, 1.1, leg_shank_moment_own_y);
     const double leg_yaw_borne_z = leg_thigh_moment_y + 0.336;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double leg_yaw_moment_own_x = leg_thigh_moment_x*cos_leg_yaw;
     const double leg_yaw_moment_own_y = leg_thigh_moment_x*sin_leg_yaw;
     const double centre_x = leg_yaw_moment_own_x*0.06756756756756757;
@@ -2108,19 +2232,16 @@ void mero_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG
     J[19] = base_pose[9];
     J[20] = base_pose[10];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[1], sin_leg_thigh, cos_leg_thigh,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_shank_moment_own_x = cos_leg_thigh_shank*0.12;
     const double leg_shank_moment_own_y = sin_leg_thigh_shank*0.12;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_thigh_moment_x = WG_FMA(leg_shank_lever_x, 1.1, leg_shank_moment_own_x);
     const double leg_thigh_moment_y = WG_FMA(leg_shank_lever_y, 1.1, leg_shank_moment_own_y);
     const double leg_yaw_borne_z = leg_thigh_moment_y + 0.336;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double leg_yaw_moment_own_x = leg_thigh_moment_x*cos_leg_yaw;
     const double leg_yaw_moment_own_y = leg_thigh_moment_x*sin_leg_yaw;
     const double centre_x = leg_yaw_moment_own_x*0.06756756756756757;
@@ -2184,20 +2305,17 @@ void mero_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, co
     A[46] = 0.0;
     A[47] = 0.0;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[1], sin_leg_thigh, cos_leg_thigh,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_shank_moment_own_x = cos_leg_thigh_shank*0.12;
     const double leg_shank_moment_own_y = sin_leg_thigh_shank*0.12;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t1 = leg_shank_lever_x*1.1;
     const double leg_thigh_moment_x = leg_shank_moment_own_x + t1;
     const double leg_thigh_moment_y = WG_FMA(leg_shank_lever_y, 1.1, leg_shank_moment_own_y);
     const double leg_yaw_borne_z = leg_thigh_moment_y + 0.336;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double leg_yaw_moment_own_x = leg_thigh_moment_x*cos_leg_yaw;
     const double leg_yaw_moment_own_y = leg_thigh_moment_x*sin_leg_yaw;
     const double centre_x = leg_yaw_moment_own_x*0.06756756756756757;
@@ -2393,13 +2511,12 @@ void mero_leg_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RES
 void mero_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     double *WG_RESTRICT I) {
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
+    double sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_thigh_inertia_spun_y = sin_leg_thigh*0.021625;
     const double leg_thigh_inertia_xx = sin_leg_thigh*leg_thigh_inertia_spun_y;
     const double leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625;
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = sin_leg_thigh_shank*0.0315;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315;
@@ -2421,8 +2538,6 @@ void mero_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const doub
     const double leg_thigh_composite_xy = WG_FMA(-cos_leg_thigh, leg_thigh_inertia_spun_y, WG_FMA(leg_shank_lever_y, t5, t8));
     const double leg_thigh_composite_moment_x = leg_shank_inertia_moment_x + t5;
     const double leg_thigh_composite_moment_y = WG_FMA(leg_shank_lever_y, 1.1, leg_shank_inertia_moment_y);
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double t9 = leg_thigh_composite_moment_y*0.24;
     const double leg_yaw_borne_xx = t9 + (leg_thigh_composite_xx + 0.04032);
     const double leg_yaw_borne_yy = t9 + (leg_thigh_composite_zz + 0.03882);
@@ -2481,29 +2596,23 @@ void mero_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const doub
     const double t29 = WG_FMA(base_pose[9], centroidal_yz, base_pose[8]*centroidal_xz);
     const double spin_z_z = WG_FMA(-base_pose[10], centroidal_zz, t29);
     const double t30 = WG_FMA(base_pose[1], spin_y_x, base_pose[0]*spin_x_x);
-    const double inertia_00 = WG_FMA(base_pose[2], spin_z_x, t30);
-    I[0] = -inertia_00;
+    I[0] = WG_FMA(-base_pose[2], spin_z_x, -t30);
     const double t31 = WG_FMA(base_pose[1], spin_y_y, base_pose[0]*spin_x_y);
-    const double inertia_10 = WG_FMA(base_pose[2], spin_z_y, t31);
-    const double t32 = WG_FMA(base_pose[5], spin_y_y, base_pose[4]*spin_x_y);
-    const double inertia_11 = WG_FMA(base_pose[6], spin_z_y, t32);
-    I[4] = -inertia_11;
+    const double t32 = WG_FMA(-base_pose[2], spin_z_y, -t31);
+    I[1] = t32;
+    I[3] = t32;
     const double t33 = WG_FMA(base_pose[1], spin_y_z, base_pose[0]*spin_x_z);
-    const double inertia_20 = WG_FMA(base_pose[2], spin_z_z, t33);
-    const double t34 = WG_FMA(base_pose[5], spin_y_z, base_pose[4]*spin_x_z);
-    const double inertia_21 = WG_FMA(base_pose[6], spin_z_z, t34);
-    const double t35 = WG_FMA(base_pose[9], spin_y_z, base_pose[8]*spin_x_z);
-    const double inertia_22 = WG_FMA(base_pose[10], spin_z_z, t35);
-    I[8] = -inertia_22;
-    const double t36 = -inertia_10;
-    I[1] = t36;
-    I[3] = t36;
-    const double t37 = -inertia_20;
-    I[2] = t37;
-    I[6] = t37;
-    const double t38 = -inertia_21;
-    I[5] = t38;
-    I[7] = t38;
+    const double t34 = WG_FMA(-base_pose[2], spin_z_z, -t33);
+    I[2] = t34;
+    I[6] = t34;
+    const double t35 = WG_FMA(base_pose[5], spin_y_y, base_pose[4]*spin_x_y);
+    I[4] = WG_FMA(-base_pose[6], spin_z_y, -t35);
+    const double t36 = WG_FMA(base_pose[5], spin_y_z, base_pose[4]*spin_x_z);
+    const double t37 = WG_FMA(-base_pose[6], spin_z_z, -t36);
+    I[5] = t37;
+    I[7] = t37;
+    const double t38 = WG_FMA(base_pose[9], spin_y_z, base_pose[8]*spin_x_z);
+    I[8] = WG_FMA(-base_pose[10], spin_z_z, -t38);
 }
 
 void mero_leg_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
@@ -2517,8 +2626,9 @@ void mero_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG_RES
     const double *WG_RESTRICT v, double *WG_RESTRICT h) {
     const double leg_yaw_spin_z = v[5] + v[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_own_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_own_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_velocity_own_x = WG_FMA(v[1], sin_leg_yaw, v[0]*cos_leg_yaw);
@@ -2526,8 +2636,6 @@ void mero_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG_RES
     const double leg_thigh_velocity_before_x = WG_FMA(leg_yaw_spin_own_y, 0.12, leg_yaw_velocity_own_x);
     const double leg_thigh_velocity_before_y = WG_FMA(leg_yaw_spin_own_x, 0.12, -leg_yaw_velocity_own_y);
     const double leg_thigh_spin_z = leg_yaw_spin_own_y - v[7];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_shank_velocity_before_x = WG_FMA(leg_thigh_spin_z, leg_shank_lever_y, leg_thigh_velocity_before_x);
@@ -2543,8 +2651,6 @@ void mero_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG_RES
     const double leg_thigh_momentum_moment_x = WG_FMA(-leg_yaw_spin_z, leg_thigh_inertia_xy, t2);
     const double t3 = leg_yaw_spin_z*leg_thigh_inertia_rest;
     const double leg_thigh_momentum_moment_y = WG_FMA(leg_yaw_spin_own_x, leg_thigh_inertia_xy, t3);
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = sin_leg_thigh_shank*0.0315;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315;
@@ -2640,8 +2746,9 @@ void mero_leg_momentum_rate(const double *WG_RESTRICT base_pose, const double *W
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -2663,8 +2770,6 @@ void mero_leg_momentum_rate(const double *WG_RESTRICT base_pose, const double *W
     const double leg_thigh_pole_y = t3 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t5 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -2700,8 +2805,6 @@ void mero_leg_momentum_rate(const double *WG_RESTRICT base_pose, const double *W
     const double t16 = t2 - t5;
     const double t17 = t4*(leg_thigh_inertia_xx + leg_thigh_inertia_rest);
     const double leg_thigh_inertial_moment_z = WG_FMA(-leg_thigh_rate, 0.020625, WG_FMA(leg_thigh_inertia_xy, t16, t17));
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = sin_leg_thigh_shank*0.0315;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315;
@@ -2810,8 +2913,9 @@ void mero_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const double 
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -2833,8 +2937,6 @@ void mero_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const double 
     const double leg_thigh_pole_y = t3 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t5 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -2870,8 +2972,6 @@ void mero_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const double 
     const double t16 = t2 - t5;
     const double t17 = t4*(leg_thigh_inertia_xx + leg_thigh_inertia_rest);
     const double leg_thigh_inertial_moment_z = WG_FMA(-leg_thigh_rate, 0.020625, WG_FMA(leg_thigh_inertia_xy, t16, t17));
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = sin_leg_thigh_shank*0.0315;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315;
@@ -2987,13 +3087,12 @@ void mero_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, const do
     M[78] = 0.0;
     M[80] = 0.032;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
+    double sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_thigh_inertia_spun_y = sin_leg_thigh*0.021625;
     const double leg_thigh_inertia_xx = sin_leg_thigh*leg_thigh_inertia_spun_y;
     const double leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625;
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = sin_leg_thigh_shank*0.0315;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315;
@@ -3020,8 +3119,6 @@ void mero_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, const do
     M[25] = leg_thigh_composite_moment_x;
     M[65] = leg_thigh_composite_moment_x;
     const double leg_thigh_composite_moment_y = WG_FMA(leg_shank_lever_y, 1.1, leg_shank_inertia_moment_y);
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double t9 = leg_thigh_composite_moment_y*0.24;
     const double leg_yaw_borne_xx = t9 + (leg_thigh_composite_xx + 0.04032);
     const double leg_yaw_borne_yy = t9 + (leg_thigh_composite_zz + 0.03882);
@@ -3142,8 +3239,9 @@ void mero_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, con
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -3165,8 +3263,6 @@ void mero_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, con
     const double leg_thigh_pole_y = t6 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t8 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -3203,8 +3299,6 @@ void mero_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, con
     const double t19 = t5 - t8;
     const double t20 = t7*(leg_thigh_inertia_xx + leg_thigh_inertia_rest);
     const double leg_thigh_inertial_moment_z = WG_FMA(-leg_thigh_rate, 0.020625, WG_FMA(leg_thigh_inertia_xy, t19, t20));
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = sin_leg_thigh_shank*0.0315;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315;
@@ -3292,3 +3386,263 @@ void mero_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_REST
             foot_forces + row * 3, tau + row * 9);
     }
 }
+
+#if defined(WALKGEN_BLOCKS)
+#define WALKGEN_ROWS 2
+#include "walkgen_lanes.h"
+#include "mero_leg.c"
+#undef WALKGEN_ROWS
+static void mero_leg_leg_inverse_closest(const double *given, double *found) {
+    int32_t status[4];
+    mero_leg_leg_inverse(&given[0], &found[0], status);
+    for (int at = 0; at < 4; ++at) { found[12 + at] = (double)status[at]; }
+}
+#endif
+
+void mero_leg_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_position_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_position(q + row * 3, p + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(R, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_rotation_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_rotation(q + row * 3, R + row * 9);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(T, 16)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_pose_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_pose(q + row * 3, T + row * 16);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_jacobian(q + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p,
+    double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_position_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 18)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_spatial_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_spatial_jacobian(q + row * 3, J + row * 18);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(H, 27)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_hessian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_hessian(q + row * 3, H + row * 27);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT v) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(v, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_velocity_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(a, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(a, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_bias_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
+    }
+#endif
+}
+
+void mero_leg_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(f, 3), WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_foot_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+size_t mero_leg_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(p, 3), WG_DENSE(q, 12), WG_DENSE_STATUS(status, 4)};
+    return WG_NAME(wg_batch)(&mero_leg_leg_inverse_laned, rows, arrays, mero_leg_leg_inverse_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        bad += mero_leg_leg_inverse(p + row * 3, q + row * 12, status + row * 4) == 0;
+    }
+    return bad;
+#endif
+}
+
+void mero_leg_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_within_limits_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        within[row] = mero_leg_leg_within_limits(q + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(f, 3),
+        WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_inverse_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(tau, 3), WG_DENSE(f, 3),
+        WG_DENSE(qdd, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_forward_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(M, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_mass_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_mass_matrix(q + row * 3, M + row * 9);
+    }
+#endif
+}
+
+void mero_leg_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(h, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_bias_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_bias(q + row * 3, qd + row * 3, h + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(g, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_gravity_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_gravity_torque(q + row * 3, g + row * 3);
+    }
+#endif
+}
+
+void mero_leg_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(C, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_coriolis_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
+    }
+#endif
+}
+
+void mero_leg_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(T, 1)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_kinetic_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_kinetic_energy(q + row * 3, qd + row * 3, T + row);
+    }
+#endif
+}
+
+void mero_leg_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT U) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(U, 1)};
+    (void)WG_NAME(wg_batch)(&mero_leg_leg_potential_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_potential_energy(q + row * 3, U + row);
+    }
+#endif
+}
+
+#endif

@@ -130,7 +130,7 @@ void mero_leg_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT
 
 /* Jdot qd of the spatial Jacobian, linear then angular.
  * q [3] rad, qd [3] rad/s -> a [6] m/s^2 and rad/s^2
- * 56 operations (at most 392 bytes of locals).
+ * 56 operations (at most 376 bytes of locals).
  * Source: H_ij = D_min(i,j) D_max(i,j) p
  */
 void mero_leg_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -157,7 +157,7 @@ void mero_leg_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, d
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 103 operations (support routines not counted; at most 516 bytes of
+ * Returns the number of entries with status OK. 103 operations (support routines not counted; at most 508 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -167,7 +167,7 @@ size_t mero_leg_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, doub
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 420 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 412 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_leg_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -177,7 +177,7 @@ size_t mero_leg_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT 
 /* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
  *   chosen.
  * p [3] m, q_seed [3] rad -> q [3] rad, status
- * Returns the status. 103 operations (support routines not counted; at most 628 bytes of locals).
+ * Returns the status. 103 operations (support routines not counted; at most 620 bytes of locals).
  * Source: as inverse
  */
 int32_t mero_leg_leg_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -187,7 +187,7 @@ size_t mero_leg_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
 
 /* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
  * p [3] m -> q [3] rad, status
- * Returns the status. 103 operations (support routines not counted; at most 844 bytes of locals).
+ * Returns the status. 103 operations (support routines not counted; at most 836 bytes of locals).
  * Source: as inverse
  */
 int32_t mero_leg_leg_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
@@ -272,7 +272,7 @@ void mero_leg_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const dou
 
 /* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
  * q [3] rad -> g [3] N m
- * 6 operations (at most 48 bytes of locals).
+ * 6 operations (at most 64 bytes of locals).
  * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
  */
 void mero_leg_leg_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g);
@@ -298,7 +298,7 @@ void mero_leg_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q,
 
 /* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
  * q [3] rad -> U J
- * 8 operations (at most 56 bytes of locals).
+ * 8 operations (at most 72 bytes of locals).
  * Source: U = - m g . c
  */
 void mero_leg_leg_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U);
@@ -319,7 +319,7 @@ void mero_leg_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *
 /* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
  *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
  * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
- * 165 operations (at most 1056 bytes of locals).
+ * 165 operations (at most 1040 bytes of locals).
  * Source: recursive Newton-Euler of unit parameters
  */
 void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -331,7 +331,7 @@ void mero_leg_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, cons
  *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
  *   links.
  * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
- * 99 operations (at most 648 bytes of locals).
+ * 99 operations (at most 640 bytes of locals).
  * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
  */
 void mero_leg_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -395,7 +395,7 @@ void mero_leg_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RES
 
 /* Rotational inertia of the robot about its centre of mass, world axes, its joints locked; rotors left out.
  * base_pose [4, 4] 1 and m, q [3] rad -> I [3, 3] kg m^2
- * 155 operations (at most 824 bytes of locals).
+ * 155 operations (at most 776 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters; Orin, Goswami and Lee 2013
  */
 void mero_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,

@@ -47,20 +47,20 @@ def _leg_inverse_closed():
     radius = ca.sqrt(radius2)
     t2 = radius2 <= touching2
     rho = ca.if_else(t2, 0.0, radius)
-    yaw_plus_angle = ca.atan2(p[1], p[0])
-    t3 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
-    t4 = t3 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
-    taint = ca.if_else(_finite(p[2]), 0.0, float("nan")) + t4
     distance2_plus = offset_z * offset_z + radius2
-    slack = tolerance * 1.5
-    outer2 = slack * 0.75 + 0.5625
     knee_plus = distance2_plus * 3.5714285714285716 - 0.008928571428571428
     knee_plus_clamped = ca.if_else(2.0 < knee_plus, 2.0, ca.if_else(knee_plus < 0.0, 0.0, knee_plus))
     knee_sin_plus = ca.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
     knee_cos_plus = knee_plus_clamped - 1.0
+    yaw_plus_angle = ca.atan2(p[1], p[0])
     lift_plus = ca.atan2(offset_z, rho)
     thigh_offset_plus = ca.atan2(knee_sin_plus * 0.4, knee_cos_plus * 0.4 + 0.35)
     gamma_plus = ca.atan2(knee_sin_plus, knee_cos_plus)
+    t3 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
+    t4 = t3 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
+    taint = ca.if_else(_finite(p[2]), 0.0, float("nan")) + t4
+    slack = tolerance * 1.5
+    outer2 = slack * 0.75 + 0.5625
     t5 = ca.logic_not(_finite(taint))
     t6 = ca.logic_or(outer2 < distance2_plus, distance2_plus < 0.0025 - slack * 0.05)
     t7 = ca.if_else(t2, 3.0, 0.0)
@@ -90,15 +90,15 @@ def _leg_inverse_closed():
     t14 = 3.141592653589793 - q2_plus_minus_sum
     t15 = ca.if_else(t14 <= -3.141592653589793, 1.0, 0.0)
     q2_minus_plus_turns = ca.if_else(3.141592653589793 < t14, 1.0, 0.0) - t15
-    q2_minus_plus_wrapped = 6.283185307179586 * q2_minus_plus_turns + q2_minus_plus_sum
     q2_minus_minus_sum = 3.141592653589793 + thigh_offset_plus - lift_plus_checked
     t16 = ca.if_else(q2_minus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q2_minus_minus_turns = ca.if_else(3.141592653589793 < q2_minus_minus_sum, 1.0, 0.0) - t16
     q2_minus_minus_wrapped = q2_minus_minus_sum - 6.283185307179586 * q2_minus_minus_turns
     q = _rows(4, 3, [
         yaw_plus_checked, q2_plus_plus_wrapped, gamma_plus_checked, yaw_plus_checked, q2_plus_minus_wrapped,
-        q3_plus_minus_half_open, yaw_minus_checked, -q2_minus_plus_wrapped, gamma_plus_checked,
-        yaw_minus_checked, q2_minus_minus_wrapped, q3_plus_minus_half_open,
+        q3_plus_minus_half_open, yaw_minus_checked,
+        -6.283185307179586 * q2_minus_plus_turns - q2_minus_plus_sum, gamma_plus_checked, yaw_minus_checked,
+        q2_minus_minus_wrapped, q3_plus_minus_half_open,
     ])
     status = _column([
         ca.if_else(t5, 2.0, ca.if_else(t6, 1.0, t7)),
@@ -121,63 +121,63 @@ def _row_nearest_4_rrr():
     q_seed = ca.SX.sym("q_seed", 3, 1)
     misses = ca.if_else(ca.logic_or(states[0] == 1.0, states[0] == 2.0), 1.0, 0.0)
     t1 = q_seed[0] - rows[0, 0]
-    t2 = ca.sin(t1)
-    t3 = ca.cos(t1)
-    t4 = ca.atan2(-t2, t3)
-    t5 = q_seed[1] - rows[0, 1]
-    t6 = ca.sin(t5)
-    t7 = ca.cos(t5)
-    t8 = ca.atan2(-t6, t7)
-    t9 = q_seed[2] - rows[0, 2]
-    t10 = ca.sin(t9)
-    t11 = ca.cos(t9)
-    t12 = ca.atan2(-t10, t11)
+    t2 = q_seed[1] - rows[0, 1]
+    t3 = q_seed[2] - rows[0, 2]
+    t4 = q_seed[0] - rows[1, 0]
+    t5 = ca.sin(t1)
+    t6 = ca.cos(t1)
+    t7 = ca.sin(t2)
+    t8 = ca.cos(t2)
+    t9 = ca.sin(t3)
+    t10 = ca.cos(t3)
+    t11 = ca.sin(t4)
+    t12 = ca.cos(t4)
+    t13 = ca.atan2(-t5, t6)
+    t14 = ca.atan2(-t7, t8)
+    t15 = ca.atan2(-t9, t10)
+    t16 = ca.atan2(-t11, t12)
     misses_2 = ca.if_else(ca.logic_or(states[1] == 1.0, states[1] == 2.0), 1.0, 0.0)
-    t13 = q_seed[0] - rows[1, 0]
-    t14 = ca.sin(t13)
-    t15 = ca.cos(t13)
-    t16 = ca.atan2(-t14, t15)
     t17 = q_seed[1] - rows[1, 1]
-    t18 = ca.sin(t17)
-    t19 = ca.cos(t17)
-    t20 = ca.atan2(-t18, t19)
-    t21 = q_seed[2] - rows[1, 2]
-    t22 = ca.sin(t21)
-    t23 = ca.cos(t21)
-    t24 = ca.atan2(-t22, t23)
+    t18 = q_seed[2] - rows[1, 2]
+    t19 = q_seed[0] - rows[2, 0]
+    t20 = q_seed[1] - rows[2, 1]
+    t21 = ca.sin(t17)
+    t22 = ca.cos(t17)
+    t23 = ca.sin(t18)
+    t24 = ca.cos(t18)
+    t25 = ca.sin(t19)
+    t26 = ca.cos(t19)
+    t27 = ca.sin(t20)
+    t28 = ca.cos(t20)
+    t29 = ca.atan2(-t21, t22)
+    t30 = ca.atan2(-t23, t24)
+    t31 = ca.atan2(-t25, t26)
+    t32 = ca.atan2(-t27, t28)
     misses_3 = ca.if_else(ca.logic_or(states[2] == 1.0, states[2] == 2.0), 1.0, 0.0)
-    t25 = q_seed[0] - rows[2, 0]
-    t26 = ca.sin(t25)
-    t27 = ca.cos(t25)
-    t28 = ca.atan2(-t26, t27)
-    t29 = q_seed[1] - rows[2, 1]
-    t30 = ca.sin(t29)
-    t31 = ca.cos(t29)
-    t32 = ca.atan2(-t30, t31)
     t33 = q_seed[2] - rows[2, 2]
-    t34 = ca.sin(t33)
-    t35 = ca.cos(t33)
-    t36 = ca.atan2(-t34, t35)
+    t34 = q_seed[0] - rows[3, 0]
+    t35 = q_seed[1] - rows[3, 1]
+    t36 = q_seed[2] - rows[3, 2]
+    t37 = ca.sin(t33)
+    t38 = ca.cos(t33)
+    t39 = ca.sin(t34)
+    t40 = ca.cos(t34)
+    t41 = ca.sin(t35)
+    t42 = ca.cos(t35)
+    t43 = ca.sin(t36)
+    t44 = ca.cos(t36)
+    t45 = ca.atan2(-t37, t38)
+    t46 = ca.atan2(-t39, t40)
+    t47 = ca.atan2(-t41, t42)
+    t48 = ca.atan2(-t43, t44)
     misses_4 = ca.if_else(ca.logic_or(states[3] == 1.0, states[3] == 2.0), 1.0, 0.0)
-    t37 = q_seed[0] - rows[3, 0]
-    t38 = ca.sin(t37)
-    t39 = ca.cos(t37)
-    t40 = ca.atan2(-t38, t39)
-    t41 = q_seed[1] - rows[3, 1]
-    t42 = ca.sin(t41)
-    t43 = ca.cos(t41)
-    t44 = ca.atan2(-t42, t43)
-    t45 = q_seed[2] - rows[3, 2]
-    t46 = ca.sin(t45)
-    t47 = ca.cos(t45)
-    t48 = ca.atan2(-t46, t47)
     t49 = ca.if_else(_finite(q_seed[0]), 0.0, float("nan"))
     t50 = t49 + ca.if_else(_finite(q_seed[1]), 0.0, float("nan"))
     taint = ca.if_else(_finite(q_seed[2]), 0.0, float("nan")) + t50
-    apart = t12 * t12 + (t8 * t8 + t4 * t4)
-    apart_2 = t24 * t24 + (t20 * t20 + t16 * t16)
-    apart_3 = t36 * t36 + (t32 * t32 + t28 * t28)
-    apart_4 = t48 * t48 + (t44 * t44 + t40 * t40)
+    apart = t15 * t15 + (t14 * t14 + t13 * t13)
+    apart_2 = t30 * t30 + (t29 * t29 + t16 * t16)
+    apart_3 = t45 * t45 + (t32 * t32 + t31 * t31)
+    apart_4 = t48 * t48 + (t47 * t47 + t46 * t46)
     t51 = ca.logic_or(misses_2 < misses, ca.logic_and(misses_2 == misses, apart_2 < apart))
     wins = ca.if_else(t51, 1.0, 0.0)
     t52 = 0.0 < wins
@@ -220,60 +220,60 @@ def _leg_row_distances():
     """
     rows = ca.SX.sym("rows", 4, 3)
     p = ca.SX.sym("p", 3, 1)
+    angle_thigh_shank = rows[0, 1] + rows[0, 2]
     cos_yaw = ca.cos(rows[0, 0])
     sin_yaw = ca.sin(rows[0, 0])
-    angle_thigh_shank = rows[0, 1] + rows[0, 2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(rows[0, 1])
     sin_thigh = ca.sin(rows[0, 1])
+    cos_yaw_2 = ca.cos(rows[1, 0])
+    sin_yaw_2 = ca.sin(rows[1, 0])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
     gap_x = p[0] - cos_yaw * thigh_to_tip_x
     gap_y = p[1] - sin_yaw * thigh_to_tip_x
     gap_z = p[2] - yaw_to_tip_inner_z
-    cos_yaw_2 = ca.cos(rows[1, 0])
-    sin_yaw_2 = ca.sin(rows[1, 0])
     angle_thigh_shank_2 = rows[1, 1] + rows[1, 2]
+    angle_thigh_shank_3 = rows[2, 1] + rows[2, 2]
     cos_thigh_shank_2 = ca.cos(angle_thigh_shank_2)
     sin_thigh_shank_2 = ca.sin(angle_thigh_shank_2)
-    shank_to_tip_x_2 = 0.4 * cos_thigh_shank_2
-    shank_to_tip_y_2 = 0.4 * sin_thigh_shank_2
     cos_thigh_2 = ca.cos(rows[1, 1])
     sin_thigh_2 = ca.sin(rows[1, 1])
+    cos_yaw_3 = ca.cos(rows[2, 0])
+    sin_yaw_3 = ca.sin(rows[2, 0])
+    cos_thigh_shank_3 = ca.cos(angle_thigh_shank_3)
+    sin_thigh_shank_3 = ca.sin(angle_thigh_shank_3)
+    shank_to_tip_x_2 = 0.4 * cos_thigh_shank_2
+    shank_to_tip_y_2 = 0.4 * sin_thigh_shank_2
     thigh_to_tip_x_2 = 0.35 * cos_thigh_2 + shank_to_tip_x_2
     thigh_to_tip_y_2 = 0.35 * sin_thigh_2 + shank_to_tip_y_2
     yaw_to_tip_inner_z_2 = 0.12 + thigh_to_tip_y_2
     gap_x_2 = p[0] - cos_yaw_2 * thigh_to_tip_x_2
     gap_y_2 = p[1] - sin_yaw_2 * thigh_to_tip_x_2
     gap_z_2 = p[2] - yaw_to_tip_inner_z_2
-    cos_yaw_3 = ca.cos(rows[2, 0])
-    sin_yaw_3 = ca.sin(rows[2, 0])
-    angle_thigh_shank_3 = rows[2, 1] + rows[2, 2]
-    cos_thigh_shank_3 = ca.cos(angle_thigh_shank_3)
-    sin_thigh_shank_3 = ca.sin(angle_thigh_shank_3)
     shank_to_tip_x_3 = 0.4 * cos_thigh_shank_3
     shank_to_tip_y_3 = 0.4 * sin_thigh_shank_3
+    angle_thigh_shank_4 = rows[3, 1] + rows[3, 2]
     cos_thigh_3 = ca.cos(rows[2, 1])
     sin_thigh_3 = ca.sin(rows[2, 1])
+    cos_yaw_4 = ca.cos(rows[3, 0])
+    sin_yaw_4 = ca.sin(rows[3, 0])
+    cos_thigh_shank_4 = ca.cos(angle_thigh_shank_4)
+    sin_thigh_shank_4 = ca.sin(angle_thigh_shank_4)
+    cos_thigh_4 = ca.cos(rows[3, 1])
+    sin_thigh_4 = ca.sin(rows[3, 1])
     thigh_to_tip_x_3 = 0.35 * cos_thigh_3 + shank_to_tip_x_3
     thigh_to_tip_y_3 = 0.35 * sin_thigh_3 + shank_to_tip_y_3
     yaw_to_tip_inner_z_3 = 0.12 + thigh_to_tip_y_3
     gap_x_3 = p[0] - cos_yaw_3 * thigh_to_tip_x_3
     gap_y_3 = p[1] - sin_yaw_3 * thigh_to_tip_x_3
     gap_z_3 = p[2] - yaw_to_tip_inner_z_3
-    cos_yaw_4 = ca.cos(rows[3, 0])
-    sin_yaw_4 = ca.sin(rows[3, 0])
-    angle_thigh_shank_4 = rows[3, 1] + rows[3, 2]
-    cos_thigh_shank_4 = ca.cos(angle_thigh_shank_4)
-    sin_thigh_shank_4 = ca.sin(angle_thigh_shank_4)
     shank_to_tip_x_4 = 0.4 * cos_thigh_shank_4
     shank_to_tip_y_4 = 0.4 * sin_thigh_shank_4
-    cos_thigh_4 = ca.cos(rows[3, 1])
-    sin_thigh_4 = ca.sin(rows[3, 1])
     thigh_to_tip_x_4 = 0.35 * cos_thigh_4 + shank_to_tip_x_4
     thigh_to_tip_y_4 = 0.35 * sin_thigh_4 + shank_to_tip_y_4
     yaw_to_tip_inner_z_4 = 0.12 + thigh_to_tip_y_4
@@ -296,15 +296,15 @@ def leg_foot_position():
     14 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -321,9 +321,9 @@ def leg_foot_rotation():
     12 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -344,15 +344,15 @@ def leg_foot_pose():
     21 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -377,15 +377,15 @@ def leg_foot_jacobian():
     22 operations; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -408,15 +408,15 @@ def leg_foot_position_jacobian():
     23 operations; eq. (1): p = A_0 A_1 ... A_n p_n; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -442,15 +442,15 @@ def leg_foot_spatial_jacobian():
     23 operations; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -474,15 +474,15 @@ def leg_foot_hessian():
     27 operations; H_ij = D_min(i,j) D_max(i,j) p
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -515,15 +515,15 @@ def leg_foot_velocity():
     """
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -533,7 +533,7 @@ def leg_foot_velocity():
     J_shank_x = cos_yaw * shank_to_tip_y
     J_shank_y = sin_yaw * shank_to_tip_y
     v = _column([
-        -(qd[2] * J_shank_x + (qd[1] * J_thigh_x + qd[0] * yaw_to_tip_y)),
+        -qd[2] * J_shank_x - (qd[1] * J_thigh_x + qd[0] * yaw_to_tip_y),
         qd[0] * yaw_to_tip_x - qd[1] * J_thigh_y - qd[2] * J_shank_y,
         qd[2] * shank_to_tip_x + qd[1] * thigh_to_tip_x,
     ])
@@ -549,15 +549,15 @@ def leg_foot_acceleration():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     qdd = ca.SX.sym("qdd", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -605,15 +605,15 @@ def leg_foot_bias_acceleration():
     """
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -646,14 +646,14 @@ def leg_foot_bias_acceleration():
     rate_shank_y = spin_thigh_y + spin_shank_y
     rates_shank_x = spin_thigh_x + rate_shank_x
     rates_shank_y = spin_thigh_y + rate_shank_y
-    bias_shank_y = flow_shank_z * rates_shank_x + (rates_thigh_z * flow_shank_x + bias_thigh_y)
-    bias_shank_z = flow_shank_y * rates_shank_x + (flow_shank_x * rates_shank_y + bias_thigh_z)
     turn_shank_x = qd[0] * spin_shank_y + turn_thigh_x
     turn_shank_y = qd[0] * spin_shank_x + turn_thigh_y
     turn_shank_z = spin_thigh_y * spin_shank_x - spin_thigh_x * spin_shank_y
     a = _column([
-        rates_thigh_z * flow_shank_y - (flow_shank_z * rates_shank_y + bias_thigh_x), -bias_shank_y,
-        -bias_shank_z, turn_shank_x, turn_shank_y, turn_shank_z,
+        rates_thigh_z * flow_shank_y - (flow_shank_z * rates_shank_y + bias_thigh_x),
+        -flow_shank_z * rates_shank_x - (rates_thigh_z * flow_shank_x + bias_thigh_y),
+        -flow_shank_y * rates_shank_x - (flow_shank_x * rates_shank_y + bias_thigh_z), turn_shank_x,
+        turn_shank_y, turn_shank_z,
     ])
     return ca.Function("mero_leg_leg_foot_bias_acceleration", [q, qd], [a], ["q", "qd"], ["a"])
 
@@ -666,15 +666,15 @@ def leg_foot_torque():
     """
     q = ca.SX.sym("q", 3, 1)
     f = ca.SX.sym("f", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -698,9 +698,9 @@ def leg_joint_frames():
     26 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     cos_thigh = ca.cos(q[1])
@@ -774,11 +774,10 @@ def leg_inverse_branch():
     knee_sin = knee_sign * knee_sin_plus
     along = knee_cos_plus * 0.4 + 0.35
     across = knee_sin * 0.4
-    thigh_cos = rho_signed * along + offset_z * across
     t5 = ca.logic_and(0.0 <= branch, branch <= 3.0)
     t6 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
     t7 = t6 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
-    t8 = ca.if_else(t5, 0.0, ca.sqrt(-(branch * branch + 1.0)))
+    t8 = ca.if_else(t5, 0.0, ca.sqrt(-branch * branch - 1.0))
     taint = t8 + (ca.if_else(_finite(p[2]), 0.0, float("nan")) + t7)
     t9 = ca.logic_and(knee_sin_plus == 0.0, 1.0 - t2 < 0.0)
     t10 = ca.logic_or(t9, ca.logic_and(rho == 0.0, 1.0 - t1 < 0.0))
@@ -787,7 +786,8 @@ def leg_inverse_branch():
     state = ca.if_else(ca.logic_not(_finite(taint)), 2.0, t12)
     yaw_one_angle = ca.atan2(-(p[1] * rho_sign), -(p[0] * rho_sign))
     gamma = ca.atan2(-knee_sin, knee_cos_plus)
-    thigh = ca.atan2(offset_z * along - rho_signed * across, -thigh_cos)
+    t13 = -rho_signed * along - offset_z * across
+    thigh = ca.atan2(offset_z * along - rho_signed * across, t13)
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = ca.if_else(t4, 0.0, yaw_one_half_open)
     yaw_one_checked = taint + yaw_one
@@ -854,15 +854,15 @@ def leg_inverse_velocity():
     """
     q = ca.SX.sym("q", 3, 1)
     v = ca.SX.sym("v", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -960,15 +960,15 @@ def leg_inverse_acceleration():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     a = ca.SX.sym("a", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1101,6 +1101,8 @@ def leg_inverse_dynamics():
     sin_yaw = ca.sin(q[0])
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -1118,8 +1120,6 @@ def leg_inverse_dynamics():
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_y = qdd[0] * thigh_inertia_yy - thigh_field_y_z * thigh_inertia_xy
     thigh_inertial_moment_z = qdd[1] * 0.020625 + t1 * thigh_inertia_xy
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = cos_thigh_shank * 0.12
@@ -1175,6 +1175,8 @@ def leg_forward_dynamics():
     sin_yaw = ca.sin(q[0])
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -1189,8 +1191,6 @@ def leg_forward_dynamics():
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_z = t1 * thigh_inertia_xy
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1256,10 +1256,10 @@ def leg_mass_matrix():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
-    thigh_inertia_spun_y = sin_thigh * 0.021625
-    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
+    thigh_inertia_spun_y = sin_thigh * 0.021625
+    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     shank_inertia_spun_y = sin_thigh_shank * 0.0315
     shank_inertia_rest = sin_thigh_shank * shank_inertia_spun_y - 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
@@ -1293,6 +1293,8 @@ def leg_bias():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -1306,8 +1308,6 @@ def leg_bias():
     shank_spin_z = qd[1] + qd[2]
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1338,8 +1338,8 @@ def leg_gravity_torque():
     q = ca.SX.sym("q", 3, 1)
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
-    shank_lever_x = cos_thigh * 0.35
     cos_thigh_shank = ca.cos(angle_thigh_shank)
+    shank_lever_x = cos_thigh * 0.35
     shank_inertia_moment_x = cos_thigh_shank * 1.176798
     thigh_moment_z = shank_lever_x * 10.787315 + shank_inertia_moment_x
     g = _column([0.0, thigh_moment_z, shank_inertia_moment_x])
@@ -1357,13 +1357,13 @@ def leg_coriolis_matrix():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_spin_z = qd[1] + qd[2]
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1419,6 +1419,8 @@ def leg_kinetic_energy():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_velocity_before_x = qd[1] * shank_lever_y
@@ -1430,8 +1432,6 @@ def leg_kinetic_energy():
     thigh_inertia_yy = cos_thigh * thigh_inertia_spun_y
     thigh_momentum_moment_y = qd[0] * thigh_inertia_yy
     thigh_momentum_moment_z = qd[1] * 0.020625
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = cos_thigh_shank * 0.12
@@ -1462,8 +1462,8 @@ def leg_potential_energy():
     q = ca.SX.sym("q", 3, 1)
     angle_thigh_shank = q[1] + q[2]
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_moment_own_y = sin_thigh_shank * 0.12
     sin_thigh = ca.sin(q[1])
+    shank_moment_own_y = sin_thigh_shank * 0.12
     shank_lever_y = sin_thigh * 0.35
     thigh_moment_y = shank_lever_y * 1.1 + shank_moment_own_y
     moment_z = thigh_moment_y + 0.336
@@ -1484,6 +1484,8 @@ def leg_inverse_dynamics_derivatives():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -1500,8 +1502,6 @@ def leg_inverse_dynamics_derivatives():
     shank_rate = qdd[1] + qdd[2]
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1552,7 +1552,6 @@ def leg_inverse_dynamics_derivatives():
     shank_inertial_force_x_d_q_shank = t11 - t5
     shank_inertial_moment_y_d_q_shank = shank_heave_x + t12
     shank_inertial_moment_z_d_q_shank = t13 + shank_heave_z_d_q_shank
-    thigh_moment_y_d_q_shank = shank_lever_x * shank_inertial_force_z_d_q_shank + shank_inertial_moment_y_d_q_shank
     t19 = shank_lever_x * shank_inertial_force_y_d_q_shank
     thigh_field_y_z_d_qd_yaw = qd[1] * 2.0
     shank_at_x_d_qd_yaw = shank_lever_x * thigh_field_x_x_d_qd_yaw
@@ -1578,22 +1577,25 @@ def leg_inverse_dynamics_derivatives():
     shank_inertial_force_z_d_qd_thigh = 1.1 * shank_at_z_d_qd_thigh + shank_inertial_force_z_d_qd_shank
     shank_inertial_moment_y_d_qd_thigh = shank_inertia_moment_x * shank_at_z_d_qd_thigh + shank_inertial_moment_y_d_qd_shank
     thigh_moment_z_d_qd_thigh = shank_lever_y * shank_inertial_force_x_d_qd_thigh + shank_heave_z_d_qd_thigh - t20
-    thigh_moment_y_d_qd_shank = shank_lever_x * shank_inertial_force_z_d_qd_shank + shank_inertial_moment_y_d_qd_shank
     t22 = shank_lever_y * shank_inertial_force_x_d_qd_shank
     thigh_moment_z_d_qd_shank = t22 - shank_lever_x * shank_inertial_force_y_d_qd_shank
     t23 = shank_inertial_moment_y_d_q_thigh + (shank_lever_y * shank_inertial_force_z + t14)
-    t24 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
-    t25 = shank_inertial_moment_y_d_qd_yaw + t20
-    t26 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t24 = -shank_lever_x
+    t25 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
+    t26 = shank_inertial_moment_y_d_qd_yaw + t20
+    t27 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t28 = -shank_lever_x
     tau_d_q = _rows(3, 3, [
-        0.0, thigh_inertial_moment_y_d_q_thigh - t23, -thigh_moment_y_d_q_shank, 0.0,
-        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t24, 0.0,
+        0.0, thigh_inertial_moment_y_d_q_thigh - t23,
+        t24 * shank_inertial_force_z_d_q_shank - shank_inertial_moment_y_d_q_shank, 0.0,
+        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t25, 0.0,
         shank_inertial_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank,
     ])
     tau_d_qd = _rows(3, 3, [
-        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t25, thigh_inertial_moment_z_d_qd_yaw - t26,
-        -thigh_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw, thigh_moment_z_d_qd_thigh,
-        thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw, shank_heave_z_d_qd_thigh, 0.0,
+        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t26, thigh_inertial_moment_z_d_qd_yaw - t27,
+        t28 * shank_inertial_force_z_d_qd_shank - shank_inertial_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw,
+        thigh_moment_z_d_qd_thigh, thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw,
+        shank_heave_z_d_qd_thigh, 0.0,
     ])
     return ca.Function(
         "mero_leg_leg_inverse_dynamics_derivatives", [q, qd, qdd], [tau_d_q, tau_d_qd], ["q", "qd", "qdd"],
@@ -1614,6 +1616,8 @@ def leg_regressor():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd[1] * qd[1]
@@ -1651,7 +1655,6 @@ def leg_regressor():
     thigh_mx_own_moment_z = t4 + thigh_frame_at_y
     thigh_mx_moment_y = cos_thigh * thigh_mx_own_moment_y
     thigh_my_own_moment_y = 0.35 * thigh_own_field_y_z
-    thigh_my_own_moment_z = 0.35 * thigh_own_field_y_y + thigh_frame_at_x
     thigh_mz_own_moment_y = 0.35 * thigh_own_field_z_z + thigh_frame_at_x
     thigh_mz_own_moment_z = 0.35 * thigh_pole_y
     thigh_mz_moment_y = cos_thigh * thigh_mz_own_moment_y - sin_thigh * thigh_frame_at_y
@@ -1669,8 +1672,6 @@ def leg_regressor():
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t1
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_spin_x = qd[0] * sin_thigh_shank
     shank_spin_y = qd[0] * cos_thigh_shank
     shank_pole_x = qdd[0] * cos_thigh_shank
@@ -1718,7 +1719,6 @@ def leg_regressor():
     shank_my_force_x = t17 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
     shank_my_moment_y = sin_thigh_shank * shank_frame_at_z + cos_thigh_shank * shank_my_own_moment_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_my_moment_y
     t18 = shank_lever_y * shank_my_force_x + shank_my_own_moment_z
     Y_shank_my_on_shank_moment_z = t18 - shank_lever_x * shank_my_force_y
     shank_mz_own_moment_y = shank_frame_at_x - shank_own_field_z_z * 0.4
@@ -1748,10 +1748,11 @@ def leg_regressor():
         sin_thigh * thigh_frame_at_z - cos_thigh * thigh_my_own_moment_y, thigh_mz_moment_y,
         thigh_xx_moment_y, thigh_yy_moment_y, t6 - t5, thigh_xy_moment_y, thigh_xz_moment_y,
         thigh_yz_moment_y, Y_shank_m_on_shank_moment_y, Y_shank_mx_on_shank_moment_y,
-        -Y_shank_my_on_shank_moment_y, Y_shank_mz_on_shank_moment_y, shank_xx_moment_y, shank_yy_moment_y,
-        t21 - t20, shank_xy_moment_y, t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
-        -thigh_my_own_moment_z, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
+        -shank_lever_x * shank_own_field_y_z - shank_my_moment_y, Y_shank_mz_on_shank_moment_y,
+        shank_xx_moment_y, shank_yy_moment_y, t21 - t20, shank_xy_moment_y,
+        t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
+        -0.35 * thigh_own_field_y_y - thigh_frame_at_x, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
         thigh_xx_inertial_moment_z, qdd[1], thigh_xy_inertial_moment_z, thigh_pole_y, thigh_pole_x,
         Y_shank_m_on_shank_moment_z, Y_shank_mx_on_shank_moment_z, Y_shank_my_on_shank_moment_z,
         -Y_shank_mz_on_shank_moment_z, t22, shank_xx_inertial_moment_z, shank_rate,
@@ -1778,6 +1779,8 @@ def leg_base_parameters():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd[1] * qd[1]
@@ -1813,8 +1816,6 @@ def leg_base_parameters():
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t4
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_spin_x = qd[0] * sin_thigh_shank
     shank_spin_y = qd[0] * cos_thigh_shank
     shank_pole_x = qdd[0] * cos_thigh_shank
@@ -1843,7 +1844,6 @@ def leg_base_parameters():
     t11 = cos_thigh_shank * shank_own_field_y_x
     shank_my_force_x = t11 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_mx_moment_x
     Y_shank_my_on_shank_moment_z = shank_lever_y * shank_my_force_x + shank_at_own_x - shank_lever_x * shank_my_force_y
     shank_yy_inertial_moment_x = shank_spin_z * shank_spin_y
     shank_zz_inertial_moment_y = shank_spin_z * shank_spin_x
@@ -1857,8 +1857,9 @@ def leg_base_parameters():
     shank_yz_moment_y = sin_thigh_shank * shank_yz_inertial_moment_x + t11
     Y = _rows(3, 15, [
         qdd[0], 0.0, 0.0, thigh_yy_moment_y, t2 - cos_thigh * thigh_zz_inertial_moment_y, thigh_xy_moment_y,
-        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y, -Y_shank_my_on_shank_moment_y,
-        shank_yy_moment_y, t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
+        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y,
+        -shank_lever_x * shank_own_field_y_z - shank_mx_moment_x, shank_yy_moment_y,
+        t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
         t9 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, thigh_at_own_y,
         -thigh_at_own_x, thigh_yy_inertial_moment_z, qdd[1], thigh_xy_inertial_moment_z, thigh_pole_y,
         thigh_pole_x, Y_shank_mx_on_shank_moment_z, Y_shank_my_on_shank_moment_z, shank_yy_inertial_moment_z,
@@ -1890,15 +1891,15 @@ def foot_positions():
     14 operations; eqs. (5)-(7): p = G_m M A_1 A_2 A_3 p_4
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -1915,15 +1916,15 @@ def foot_jacobians():
     22 operations; J_i = D_i p along the foot's route
     """
     q = ca.SX.sym("q", 3, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1950,17 +1951,17 @@ def com():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
-    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
+    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
+    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 + leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 + leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -1990,17 +1991,17 @@ def com_jacobian():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
-    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
+    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
+    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 + leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 + leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -2050,18 +2051,18 @@ def centroidal_momentum_matrix():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
-    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
+    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
+    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t1 = leg_shank_lever_x * 1.1
     leg_thigh_moment_x = leg_shank_moment_own_x + t1
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 + leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -2228,11 +2229,13 @@ def centroidal_inertia():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2254,8 +2257,6 @@ def centroidal_inertia():
     leg_thigh_composite_xy = t8 - cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x + t5
     leg_thigh_composite_moment_y = leg_shank_lever_y * 1.1 + leg_shank_inertia_moment_y
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     t9 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = t9 + (leg_thigh_composite_xx + 0.04032)
     leg_yaw_borne_yy = t9 + (leg_thigh_composite_zz + 0.03882)
@@ -2313,21 +2314,18 @@ def centroidal_inertia():
     t28 = base_pose[2, 1] * centroidal_yz + base_pose[2, 0] * centroidal_xz
     spin_z_z = t28 - base_pose[2, 2] * centroidal_zz
     t29 = base_pose[0, 1] * spin_y_x + base_pose[0, 0] * spin_x_x
-    inertia_00 = base_pose[0, 2] * spin_z_x + t29
     t30 = base_pose[0, 1] * spin_y_y + base_pose[0, 0] * spin_x_y
-    inertia_10 = base_pose[0, 2] * spin_z_y + t30
-    t31 = base_pose[1, 1] * spin_y_y + base_pose[1, 0] * spin_x_y
-    inertia_11 = base_pose[1, 2] * spin_z_y + t31
+    t31 = -base_pose[0, 2] * spin_z_y - t30
     t32 = base_pose[0, 1] * spin_y_z + base_pose[0, 0] * spin_x_z
-    inertia_20 = base_pose[0, 2] * spin_z_z + t32
-    t33 = base_pose[1, 1] * spin_y_z + base_pose[1, 0] * spin_x_z
-    inertia_21 = base_pose[1, 2] * spin_z_z + t33
-    t34 = base_pose[2, 1] * spin_y_z + base_pose[2, 0] * spin_x_z
-    inertia_22 = base_pose[2, 2] * spin_z_z + t34
-    t35 = -inertia_10
-    t36 = -inertia_20
-    t37 = -inertia_21
-    I = _rows(3, 3, [-inertia_00, t35, t36, t35, -inertia_11, t37, t36, t37, -inertia_22])
+    t33 = -base_pose[0, 2] * spin_z_z - t32
+    t34 = base_pose[1, 1] * spin_y_y + base_pose[1, 0] * spin_x_y
+    t35 = base_pose[1, 1] * spin_y_z + base_pose[1, 0] * spin_x_z
+    t36 = -base_pose[1, 2] * spin_z_z - t35
+    t37 = base_pose[2, 1] * spin_y_z + base_pose[2, 0] * spin_x_z
+    I = _rows(3, 3, [
+        -base_pose[0, 2] * spin_z_x - t29, t31, t33, t31, -base_pose[1, 2] * spin_z_y - t34, t36, t33, t36,
+        -base_pose[2, 2] * spin_z_z - t37,
+    ])
     return ca.Function("mero_leg_centroidal_inertia", [base_pose, q], [I], ["base_pose", "q"], ["I"])
 
 
@@ -2345,6 +2343,10 @@ def momentum():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_own_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_own_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_velocity_own_x = v[1] * sin_leg_yaw + v[0] * cos_leg_yaw
@@ -2352,8 +2354,6 @@ def momentum():
     leg_thigh_velocity_before_x = leg_yaw_spin_own_y * 0.12 + leg_yaw_velocity_own_x
     leg_thigh_velocity_before_y = leg_yaw_spin_own_x * 0.12 - leg_yaw_velocity_own_y
     leg_thigh_spin_z = leg_yaw_spin_own_y - v[7]
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_shank_velocity_before_x = leg_thigh_spin_z * leg_shank_lever_y + leg_thigh_velocity_before_x
@@ -2367,8 +2367,6 @@ def momentum():
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_momentum_moment_x = leg_yaw_spin_own_x * leg_thigh_inertia_xx - leg_yaw_spin_z * leg_thigh_inertia_xy
     leg_thigh_momentum_moment_y = leg_yaw_spin_own_x * leg_thigh_inertia_xy + leg_yaw_spin_z * leg_thigh_inertia_rest
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2467,6 +2465,10 @@ def momentum_rate():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -2488,8 +2490,6 @@ def momentum_rate():
     leg_thigh_pole_y = t3 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t5 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -2525,8 +2525,6 @@ def momentum_rate():
     t16 = t2 - t5
     t17 = leg_thigh_inertia_xy * t16 + t4 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t17 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2641,6 +2639,10 @@ def demanded_wrench():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -2662,8 +2664,6 @@ def demanded_wrench():
     leg_thigh_pole_y = t3 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t5 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -2699,8 +2699,6 @@ def demanded_wrench():
     t16 = t2 - t5
     t17 = leg_thigh_inertia_xy * t16 + t4 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t17 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2792,11 +2790,13 @@ def floating_mass_matrix():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2818,8 +2818,6 @@ def floating_mass_matrix():
     leg_thigh_composite_xy = t8 - cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x + t5
     leg_thigh_composite_moment_y = leg_shank_lever_y * 1.1 + leg_shank_inertia_moment_y
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     t9 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = t9 + (leg_thigh_composite_xx + 0.04032)
     leg_yaw_borne_yy = t9 + (leg_thigh_composite_zz + 0.03882)
@@ -2907,6 +2905,10 @@ def floating_inverse_dynamics():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -2928,8 +2930,6 @@ def floating_inverse_dynamics():
     leg_thigh_pole_y = t6 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t8 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -2966,8 +2966,6 @@ def floating_inverse_dynamics():
     t19 = t5 - t8
     t20 = leg_thigh_inertia_xy * t19 + t7 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t20 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315

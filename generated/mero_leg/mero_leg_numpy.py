@@ -146,18 +146,18 @@ def _leg_inverse_branches(p):
     radius = np.sqrt(radius2)
     t2 = radius2 <= touching2
     rho = np.where(t2, 0.0, radius)
-    yaw_plus_angle = np.arctan2(p_1, p_0)
-    taint = p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1))
     distance2_plus = offset_z * offset_z + radius2
-    slack = tolerance * 1.5
-    outer2 = slack * 0.75 + 0.5625
     knee_plus = distance2_plus * 3.5714285714285716 - 0.008928571428571428
     knee_plus_clamped = np.where(2.0 < knee_plus, 2.0, np.where(knee_plus < 0.0, 0.0, knee_plus))
     knee_sin_plus = np.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
     knee_cos_plus = knee_plus_clamped - 1.0
+    yaw_plus_angle = np.arctan2(p_1, p_0)
     lift_plus = np.arctan2(offset_z, rho)
     thigh_offset_plus = np.arctan2(knee_sin_plus * 0.4, knee_cos_plus * 0.4 + 0.35)
     gamma_plus = np.arctan2(knee_sin_plus, knee_cos_plus)
+    taint = p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1))
+    slack = tolerance * 1.5
+    outer2 = slack * 0.75 + 0.5625
     t3 = np.logical_not(np.isfinite(taint))
     t4 = np.logical_or(outer2 < distance2_plus, distance2_plus < 0.0025 - slack * 0.05)
     t5 = np.where(t2, 3.0, 0.0)
@@ -187,15 +187,15 @@ def _leg_inverse_branches(p):
     t12 = 3.141592653589793 - q2_plus_minus_sum
     t13 = np.where(t12 <= -3.141592653589793, 1.0, 0.0)
     q2_minus_plus_turns = np.where(3.141592653589793 < t12, 1.0, 0.0) - t13
-    q2_minus_plus_wrapped = 6.283185307179586 * q2_minus_plus_turns + q2_minus_plus_sum
     q2_minus_minus_sum = 3.141592653589793 + thigh_offset_plus - lift_plus_checked
     t14 = np.where(q2_minus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q2_minus_minus_turns = np.where(3.141592653589793 < q2_minus_minus_sum, 1.0, 0.0) - t14
     q2_minus_minus_wrapped = q2_minus_minus_sum - 6.283185307179586 * q2_minus_minus_turns
     q = _array(lead, (4, 3), np.float64, [
         yaw_plus_checked, q2_plus_plus_wrapped, gamma_plus_checked, yaw_plus_checked, q2_plus_minus_wrapped,
-        q3_plus_minus_half_open, yaw_minus_checked, -q2_minus_plus_wrapped, gamma_plus_checked,
-        yaw_minus_checked, q2_minus_minus_wrapped, q3_plus_minus_half_open,
+        q3_plus_minus_half_open, yaw_minus_checked,
+        -6.283185307179586 * q2_minus_plus_turns - q2_minus_plus_sum, gamma_plus_checked, yaw_minus_checked,
+        q2_minus_minus_wrapped, q3_plus_minus_half_open,
     ])
     status = _array(lead, (4,), np.int32, [
         np.where(t3, 2.0, np.where(t4, 1.0, t5)), np.where(t3, 2.0, np.where(t4, 1.0, np.where(t6, 6.0, t5))),
@@ -248,9 +248,8 @@ def _leg_inverse_one(p, branch):
     knee_sin = knee_sign * knee_sin_plus
     along = knee_cos_plus * 0.4 + 0.35
     across = knee_sin * 0.4
-    thigh_cos = rho_signed * along + offset_z * across
     t5 = np.logical_and(0.0 <= branch, branch <= 3.0)
-    t6 = np.where(t5, 0.0, np.sqrt(-(branch * branch + 1.0)))
+    t6 = np.where(t5, 0.0, np.sqrt(-branch * branch - 1.0))
     taint = t6 + (p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1)))
     t7 = np.logical_and(knee_sin_plus == 0.0, 1.0 - t2 < 0.0)
     t8 = np.logical_or(t7, np.logical_and(rho == 0.0, 1.0 - t1 < 0.0))
@@ -259,7 +258,8 @@ def _leg_inverse_one(p, branch):
     state = np.where(np.logical_not(np.isfinite(taint)), 2.0, t10)
     yaw_one_angle = np.arctan2(-(p_1 * rho_sign), -(p_0 * rho_sign))
     gamma = np.arctan2(-knee_sin, knee_cos_plus)
-    thigh = np.arctan2(offset_z * along - rho_signed * across, -thigh_cos)
+    t11 = -rho_signed * along - offset_z * across
+    thigh = np.arctan2(offset_z * along - rho_signed * across, t11)
     yaw_one_half_open = np.where(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = np.where(t4, 0.0, yaw_one_half_open)
     yaw_one_checked = taint + yaw_one
@@ -310,60 +310,60 @@ def _leg_row_distances(rows, p):
     lead, (rows_0_0, rows_0_1, rows_0_2, rows_1_0, rows_1_1, rows_1_2, rows_2_0, rows_2_1, rows_2_2, rows_3_0, rows_3_1, rows_3_2, p_0, p_1, p_2) = _elements(
         _real("rows", rows, (4, 3)), _real("p", p, (3,)),
     )
+    angle_thigh_shank = rows_0_1 + rows_0_2
     cos_yaw = np.cos(rows_0_0)
     sin_yaw = np.sin(rows_0_0)
-    angle_thigh_shank = rows_0_1 + rows_0_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(rows_0_1)
     sin_thigh = np.sin(rows_0_1)
+    cos_yaw_2 = np.cos(rows_1_0)
+    sin_yaw_2 = np.sin(rows_1_0)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
     gap_x = p_0 - cos_yaw * thigh_to_tip_x
     gap_y = p_1 - sin_yaw * thigh_to_tip_x
     gap_z = p_2 - yaw_to_tip_inner_z
-    cos_yaw_2 = np.cos(rows_1_0)
-    sin_yaw_2 = np.sin(rows_1_0)
     angle_thigh_shank_2 = rows_1_1 + rows_1_2
+    angle_thigh_shank_3 = rows_2_1 + rows_2_2
     cos_thigh_shank_2 = np.cos(angle_thigh_shank_2)
     sin_thigh_shank_2 = np.sin(angle_thigh_shank_2)
-    shank_to_tip_x_2 = 0.4 * cos_thigh_shank_2
-    shank_to_tip_y_2 = 0.4 * sin_thigh_shank_2
     cos_thigh_2 = np.cos(rows_1_1)
     sin_thigh_2 = np.sin(rows_1_1)
+    cos_yaw_3 = np.cos(rows_2_0)
+    sin_yaw_3 = np.sin(rows_2_0)
+    cos_thigh_shank_3 = np.cos(angle_thigh_shank_3)
+    sin_thigh_shank_3 = np.sin(angle_thigh_shank_3)
+    shank_to_tip_x_2 = 0.4 * cos_thigh_shank_2
+    shank_to_tip_y_2 = 0.4 * sin_thigh_shank_2
     thigh_to_tip_x_2 = 0.35 * cos_thigh_2 + shank_to_tip_x_2
     thigh_to_tip_y_2 = 0.35 * sin_thigh_2 + shank_to_tip_y_2
     yaw_to_tip_inner_z_2 = 0.12 + thigh_to_tip_y_2
     gap_x_2 = p_0 - cos_yaw_2 * thigh_to_tip_x_2
     gap_y_2 = p_1 - sin_yaw_2 * thigh_to_tip_x_2
     gap_z_2 = p_2 - yaw_to_tip_inner_z_2
-    cos_yaw_3 = np.cos(rows_2_0)
-    sin_yaw_3 = np.sin(rows_2_0)
-    angle_thigh_shank_3 = rows_2_1 + rows_2_2
-    cos_thigh_shank_3 = np.cos(angle_thigh_shank_3)
-    sin_thigh_shank_3 = np.sin(angle_thigh_shank_3)
     shank_to_tip_x_3 = 0.4 * cos_thigh_shank_3
     shank_to_tip_y_3 = 0.4 * sin_thigh_shank_3
+    angle_thigh_shank_4 = rows_3_1 + rows_3_2
     cos_thigh_3 = np.cos(rows_2_1)
     sin_thigh_3 = np.sin(rows_2_1)
+    cos_yaw_4 = np.cos(rows_3_0)
+    sin_yaw_4 = np.sin(rows_3_0)
+    cos_thigh_shank_4 = np.cos(angle_thigh_shank_4)
+    sin_thigh_shank_4 = np.sin(angle_thigh_shank_4)
+    cos_thigh_4 = np.cos(rows_3_1)
+    sin_thigh_4 = np.sin(rows_3_1)
     thigh_to_tip_x_3 = 0.35 * cos_thigh_3 + shank_to_tip_x_3
     thigh_to_tip_y_3 = 0.35 * sin_thigh_3 + shank_to_tip_y_3
     yaw_to_tip_inner_z_3 = 0.12 + thigh_to_tip_y_3
     gap_x_3 = p_0 - cos_yaw_3 * thigh_to_tip_x_3
     gap_y_3 = p_1 - sin_yaw_3 * thigh_to_tip_x_3
     gap_z_3 = p_2 - yaw_to_tip_inner_z_3
-    cos_yaw_4 = np.cos(rows_3_0)
-    sin_yaw_4 = np.sin(rows_3_0)
-    angle_thigh_shank_4 = rows_3_1 + rows_3_2
-    cos_thigh_shank_4 = np.cos(angle_thigh_shank_4)
-    sin_thigh_shank_4 = np.sin(angle_thigh_shank_4)
     shank_to_tip_x_4 = 0.4 * cos_thigh_shank_4
     shank_to_tip_y_4 = 0.4 * sin_thigh_shank_4
-    cos_thigh_4 = np.cos(rows_3_1)
-    sin_thigh_4 = np.sin(rows_3_1)
     thigh_to_tip_x_4 = 0.35 * cos_thigh_4 + shank_to_tip_x_4
     thigh_to_tip_y_4 = 0.35 * sin_thigh_4 + shank_to_tip_y_4
     yaw_to_tip_inner_z_4 = 0.12 + thigh_to_tip_y_4
@@ -389,15 +389,15 @@ def _leg_acceleration_jacobian(q, qd, a):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, a_0, a_1, a_2) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("a", a, (3,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -448,15 +448,15 @@ def leg_foot_position(q):
     14 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -474,9 +474,9 @@ def leg_foot_rotation(q):
     12 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -498,15 +498,15 @@ def leg_foot_pose(q):
     21 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -532,15 +532,15 @@ def leg_foot_jacobian(q):
     22 operations; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -564,15 +564,15 @@ def leg_foot_position_jacobian(q):
     23 operations; eq. (1): p = A_0 A_1 ... A_n p_n; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -599,15 +599,15 @@ def leg_foot_spatial_jacobian(q):
     23 operations; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -632,15 +632,15 @@ def leg_foot_hessian(q):
     27 operations; H_ij = D_min(i,j) D_max(i,j) p
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -673,15 +673,15 @@ def leg_foot_velocity(q, qd):
     26 operations; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2) = _elements(_real("q", q, (3,)), _real("qd", qd, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -691,7 +691,7 @@ def leg_foot_velocity(q, qd):
     J_shank_x = cos_yaw * shank_to_tip_y
     J_shank_y = sin_yaw * shank_to_tip_y
     v = _array(lead, (3,), np.float64, [
-        -(qd_2 * J_shank_x + (qd_1 * J_thigh_x + qd_0 * yaw_to_tip_y)),
+        -qd_2 * J_shank_x - (qd_1 * J_thigh_x + qd_0 * yaw_to_tip_y),
         qd_0 * yaw_to_tip_x - qd_1 * J_thigh_y - qd_2 * J_shank_y,
         qd_2 * shank_to_tip_x + qd_1 * thigh_to_tip_x,
     ])
@@ -708,15 +708,15 @@ def leg_foot_acceleration(q, qd, qdd):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, qdd_0, qdd_1, qdd_2) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("qdd", qdd, (3,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -764,15 +764,15 @@ def leg_foot_bias_acceleration(q, qd):
     56 operations; H_ij = D_min(i,j) D_max(i,j) p
     """
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2) = _elements(_real("q", q, (3,)), _real("qd", qd, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -805,14 +805,14 @@ def leg_foot_bias_acceleration(q, qd):
     rate_shank_y = spin_thigh_y + spin_shank_y
     rates_shank_x = spin_thigh_x + rate_shank_x
     rates_shank_y = spin_thigh_y + rate_shank_y
-    bias_shank_y = flow_shank_z * rates_shank_x + (rates_thigh_z * flow_shank_x + bias_thigh_y)
-    bias_shank_z = flow_shank_y * rates_shank_x + (flow_shank_x * rates_shank_y + bias_thigh_z)
     turn_shank_x = qd_0 * spin_shank_y + turn_thigh_x
     turn_shank_y = qd_0 * spin_shank_x + turn_thigh_y
     turn_shank_z = spin_thigh_y * spin_shank_x - spin_thigh_x * spin_shank_y
     a = _array(lead, (6,), np.float64, [
-        rates_thigh_z * flow_shank_y - (flow_shank_z * rates_shank_y + bias_thigh_x), -bias_shank_y,
-        -bias_shank_z, turn_shank_x, turn_shank_y, turn_shank_z,
+        rates_thigh_z * flow_shank_y - (flow_shank_z * rates_shank_y + bias_thigh_x),
+        -flow_shank_z * rates_shank_x - (rates_thigh_z * flow_shank_x + bias_thigh_y),
+        -flow_shank_y * rates_shank_x - (flow_shank_x * rates_shank_y + bias_thigh_z), turn_shank_x,
+        turn_shank_y, turn_shank_z,
     ])
     return a
 
@@ -825,15 +825,15 @@ def leg_foot_torque(q, f):
     25 operations; virtual work
     """
     lead, (q_0, q_1, q_2, f_0, f_1, f_2) = _elements(_real("q", q, (3,)), _real("f", f, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -857,9 +857,9 @@ def leg_joint_frames(q):
     26 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     cos_thigh = np.cos(q_1)
@@ -1028,6 +1028,8 @@ def leg_inverse_dynamics(q, qd, qdd, f):
     sin_yaw = np.sin(q_0)
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -1045,8 +1047,6 @@ def leg_inverse_dynamics(q, qd, qdd, f):
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_y = qdd_0 * thigh_inertia_yy - thigh_field_y_z * thigh_inertia_xy
     thigh_inertial_moment_z = qdd_1 * 0.020625 + t1 * thigh_inertia_xy
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = cos_thigh_shank * 0.12
@@ -1100,6 +1100,8 @@ def leg_forward_dynamics(q, qd, tau, f):
     sin_yaw = np.sin(q_0)
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -1114,8 +1116,6 @@ def leg_forward_dynamics(q, qd, tau, f):
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_z = t1 * thigh_inertia_xy
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1180,10 +1180,10 @@ def leg_mass_matrix(q):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
-    thigh_inertia_spun_y = sin_thigh * 0.021625
-    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
+    thigh_inertia_spun_y = sin_thigh * 0.021625
+    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     shank_inertia_spun_y = sin_thigh_shank * 0.0315
     shank_inertia_rest = sin_thigh_shank * shank_inertia_spun_y - 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
@@ -1217,6 +1217,8 @@ def leg_bias(q, qd):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -1230,8 +1232,6 @@ def leg_bias(q, qd):
     shank_spin_z = qd_1 + qd_2
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1265,8 +1265,8 @@ def leg_gravity_torque(q):
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
-    shank_lever_x = cos_thigh * 0.35
     cos_thigh_shank = np.cos(angle_thigh_shank)
+    shank_lever_x = cos_thigh * 0.35
     shank_inertia_moment_x = cos_thigh_shank * 1.176798
     thigh_moment_z = shank_lever_x * 10.787315 + shank_inertia_moment_x
     g = _array(lead, (3,), np.float64, [0.0, thigh_moment_z, shank_inertia_moment_x])
@@ -1284,13 +1284,13 @@ def leg_coriolis_matrix(q, qd):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_spin_z = qd_1 + qd_2
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1346,6 +1346,8 @@ def leg_kinetic_energy(q, qd):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_velocity_before_x = qd_1 * shank_lever_y
@@ -1357,8 +1359,6 @@ def leg_kinetic_energy(q, qd):
     thigh_inertia_yy = cos_thigh * thigh_inertia_spun_y
     thigh_momentum_moment_y = qd_0 * thigh_inertia_yy
     thigh_momentum_moment_z = qd_1 * 0.020625
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = cos_thigh_shank * 0.12
@@ -1390,8 +1390,8 @@ def leg_potential_energy(q):
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     angle_thigh_shank = q_1 + q_2
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_moment_own_y = sin_thigh_shank * 0.12
     sin_thigh = np.sin(q_1)
+    shank_moment_own_y = sin_thigh_shank * 0.12
     shank_lever_y = sin_thigh * 0.35
     thigh_moment_y = shank_lever_y * 1.1 + shank_moment_own_y
     moment_z = thigh_moment_y + 0.336
@@ -1413,6 +1413,8 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -1429,8 +1431,6 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     shank_rate = qdd_1 + qdd_2
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = cos_thigh_shank * 0.0315
     shank_inertia_moment_x = cos_thigh_shank * 0.12
     shank_inertia_moment_y = sin_thigh_shank * 0.12
@@ -1481,7 +1481,6 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     shank_inertial_force_x_d_q_shank = t11 - t5
     shank_inertial_moment_y_d_q_shank = shank_heave_x + t12
     shank_inertial_moment_z_d_q_shank = t13 + shank_heave_z_d_q_shank
-    thigh_moment_y_d_q_shank = shank_lever_x * shank_inertial_force_z_d_q_shank + shank_inertial_moment_y_d_q_shank
     t19 = shank_lever_x * shank_inertial_force_y_d_q_shank
     thigh_field_y_z_d_qd_yaw = qd_1 * 2.0
     shank_at_x_d_qd_yaw = shank_lever_x * thigh_field_x_x_d_qd_yaw
@@ -1507,22 +1506,25 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd):
     shank_inertial_force_z_d_qd_thigh = 1.1 * shank_at_z_d_qd_thigh + shank_inertial_force_z_d_qd_shank
     shank_inertial_moment_y_d_qd_thigh = shank_inertia_moment_x * shank_at_z_d_qd_thigh + shank_inertial_moment_y_d_qd_shank
     thigh_moment_z_d_qd_thigh = shank_lever_y * shank_inertial_force_x_d_qd_thigh + shank_heave_z_d_qd_thigh - t20
-    thigh_moment_y_d_qd_shank = shank_lever_x * shank_inertial_force_z_d_qd_shank + shank_inertial_moment_y_d_qd_shank
     t22 = shank_lever_y * shank_inertial_force_x_d_qd_shank
     thigh_moment_z_d_qd_shank = t22 - shank_lever_x * shank_inertial_force_y_d_qd_shank
     t23 = shank_inertial_moment_y_d_q_thigh + (shank_lever_y * shank_inertial_force_z + t14)
-    t24 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
-    t25 = shank_inertial_moment_y_d_qd_yaw + t20
-    t26 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t24 = -shank_lever_x
+    t25 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
+    t26 = shank_inertial_moment_y_d_qd_yaw + t20
+    t27 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t28 = -shank_lever_x
     tau_d_q = _array(lead, (3, 3), np.float64, [
-        0.0, thigh_inertial_moment_y_d_q_thigh - t23, -thigh_moment_y_d_q_shank, 0.0,
-        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t24, 0.0,
+        0.0, thigh_inertial_moment_y_d_q_thigh - t23,
+        t24 * shank_inertial_force_z_d_q_shank - shank_inertial_moment_y_d_q_shank, 0.0,
+        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t25, 0.0,
         shank_inertial_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank,
     ])
     tau_d_qd = _array(lead, (3, 3), np.float64, [
-        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t25, thigh_inertial_moment_z_d_qd_yaw - t26,
-        -thigh_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw, thigh_moment_z_d_qd_thigh,
-        thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw, shank_heave_z_d_qd_thigh, 0.0,
+        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t26, thigh_inertial_moment_z_d_qd_yaw - t27,
+        t28 * shank_inertial_force_z_d_qd_shank - shank_inertial_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw,
+        thigh_moment_z_d_qd_thigh, thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw,
+        shank_heave_z_d_qd_thigh, 0.0,
     ])
     return tau_d_q, tau_d_qd
 
@@ -1541,6 +1543,8 @@ def leg_regressor(q, qd, qdd):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd_1 * qd_1
@@ -1578,7 +1582,6 @@ def leg_regressor(q, qd, qdd):
     thigh_mx_own_moment_z = t4 + thigh_frame_at_y
     thigh_mx_moment_y = cos_thigh * thigh_mx_own_moment_y
     thigh_my_own_moment_y = 0.35 * thigh_own_field_y_z
-    thigh_my_own_moment_z = 0.35 * thigh_own_field_y_y + thigh_frame_at_x
     thigh_mz_own_moment_y = 0.35 * thigh_own_field_z_z + thigh_frame_at_x
     thigh_mz_own_moment_z = 0.35 * thigh_pole_y
     thigh_mz_moment_y = cos_thigh * thigh_mz_own_moment_y - sin_thigh * thigh_frame_at_y
@@ -1596,8 +1599,6 @@ def leg_regressor(q, qd, qdd):
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t1
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_spin_x = qd_0 * sin_thigh_shank
     shank_spin_y = qd_0 * cos_thigh_shank
     shank_pole_x = qdd_0 * cos_thigh_shank
@@ -1645,7 +1646,6 @@ def leg_regressor(q, qd, qdd):
     shank_my_force_x = t17 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
     shank_my_moment_y = sin_thigh_shank * shank_frame_at_z + cos_thigh_shank * shank_my_own_moment_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_my_moment_y
     t18 = shank_lever_y * shank_my_force_x + shank_my_own_moment_z
     Y_shank_my_on_shank_moment_z = t18 - shank_lever_x * shank_my_force_y
     shank_mz_own_moment_y = shank_frame_at_x - shank_own_field_z_z * 0.4
@@ -1675,10 +1675,11 @@ def leg_regressor(q, qd, qdd):
         sin_thigh * thigh_frame_at_z - cos_thigh * thigh_my_own_moment_y, thigh_mz_moment_y,
         thigh_xx_moment_y, thigh_yy_moment_y, t6 - t5, thigh_xy_moment_y, thigh_xz_moment_y,
         thigh_yz_moment_y, Y_shank_m_on_shank_moment_y, Y_shank_mx_on_shank_moment_y,
-        -Y_shank_my_on_shank_moment_y, Y_shank_mz_on_shank_moment_y, shank_xx_moment_y, shank_yy_moment_y,
-        t21 - t20, shank_xy_moment_y, t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
-        -thigh_my_own_moment_z, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
+        -shank_lever_x * shank_own_field_y_z - shank_my_moment_y, Y_shank_mz_on_shank_moment_y,
+        shank_xx_moment_y, shank_yy_moment_y, t21 - t20, shank_xy_moment_y,
+        t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
+        -0.35 * thigh_own_field_y_y - thigh_frame_at_x, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
         thigh_xx_inertial_moment_z, qdd_1, thigh_xy_inertial_moment_z, thigh_pole_y, thigh_pole_x,
         Y_shank_m_on_shank_moment_z, Y_shank_mx_on_shank_moment_z, Y_shank_my_on_shank_moment_z,
         -Y_shank_mz_on_shank_moment_z, t22, shank_xx_inertial_moment_z, shank_rate,
@@ -1706,6 +1707,8 @@ def leg_base_parameters(q, qd, qdd):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd_1 * qd_1
@@ -1741,8 +1744,6 @@ def leg_base_parameters(q, qd, qdd):
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t4
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_spin_x = qd_0 * sin_thigh_shank
     shank_spin_y = qd_0 * cos_thigh_shank
     shank_pole_x = qdd_0 * cos_thigh_shank
@@ -1771,7 +1772,6 @@ def leg_base_parameters(q, qd, qdd):
     t11 = cos_thigh_shank * shank_own_field_y_x
     shank_my_force_x = t11 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_mx_moment_x
     Y_shank_my_on_shank_moment_z = shank_lever_y * shank_my_force_x + shank_at_own_x - shank_lever_x * shank_my_force_y
     shank_yy_inertial_moment_x = shank_spin_z * shank_spin_y
     shank_zz_inertial_moment_y = shank_spin_z * shank_spin_x
@@ -1785,8 +1785,9 @@ def leg_base_parameters(q, qd, qdd):
     shank_yz_moment_y = sin_thigh_shank * shank_yz_inertial_moment_x + t11
     Y = _array(lead, (3, 15), np.float64, [
         qdd_0, 0.0, 0.0, thigh_yy_moment_y, t2 - cos_thigh * thigh_zz_inertial_moment_y, thigh_xy_moment_y,
-        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y, -Y_shank_my_on_shank_moment_y,
-        shank_yy_moment_y, t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
+        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y,
+        -shank_lever_x * shank_own_field_y_z - shank_mx_moment_x, shank_yy_moment_y,
+        t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
         t9 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, thigh_at_own_y,
         -thigh_at_own_x, thigh_yy_inertial_moment_z, qdd_1, thigh_xy_inertial_moment_z, thigh_pole_y,
         thigh_pole_x, Y_shank_mx_on_shank_moment_z, Y_shank_my_on_shank_moment_z, shank_yy_inertial_moment_z,
@@ -1822,15 +1823,15 @@ def foot_positions(q):
     14 operations; eqs. (5)-(7): p = G_m M A_1 A_2 A_3 p_4
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_inner_z = thigh_to_tip_y + 0.12
@@ -1848,15 +1849,15 @@ def foot_jacobians(q):
     22 operations; J_i = D_i p along the foot's route
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = cos_thigh_shank * 0.4
-    shank_to_tip_y = sin_thigh_shank * 0.4
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = cos_thigh_shank * 0.4
+    shank_to_tip_y = sin_thigh_shank * 0.4
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = sin_thigh * 0.35 + shank_to_tip_y
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1885,17 +1886,17 @@ def com(base_pose, q):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
-    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
+    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
+    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 + leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 + leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -1924,17 +1925,17 @@ def com_jacobian(base_pose, q):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
-    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
+    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
+    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 + leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 + leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -1984,18 +1985,18 @@ def centroidal_momentum_matrix(base_pose, q):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
-    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
+    leg_shank_moment_own_x = cos_leg_thigh_shank * 0.12
+    leg_shank_moment_own_y = sin_leg_thigh_shank * 0.12
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t1 = leg_shank_lever_x * 1.1
     leg_thigh_moment_x = leg_shank_moment_own_x + t1
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 + leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -2158,11 +2159,13 @@ def centroidal_inertia(base_pose, q):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2184,8 +2187,6 @@ def centroidal_inertia(base_pose, q):
     leg_thigh_composite_xy = t8 - cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x + t5
     leg_thigh_composite_moment_y = leg_shank_lever_y * 1.1 + leg_shank_inertia_moment_y
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     t9 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = t9 + (leg_thigh_composite_xx + 0.04032)
     leg_yaw_borne_yy = t9 + (leg_thigh_composite_zz + 0.03882)
@@ -2242,17 +2243,13 @@ def centroidal_inertia(base_pose, q):
     spin_z_y = t27 - base_pose_1_2 * centroidal_zz
     t28 = base_pose_2_1 * centroidal_yz + base_pose_2_0 * centroidal_xz
     spin_z_z = t28 - base_pose_2_2 * centroidal_zz
-    inertia_00 = base_pose_0_2 * spin_z_x + (base_pose_0_1 * spin_y_x + base_pose_0_0 * spin_x_x)
-    inertia_10 = base_pose_0_2 * spin_z_y + (base_pose_0_1 * spin_y_y + base_pose_0_0 * spin_x_y)
-    inertia_11 = base_pose_1_2 * spin_z_y + (base_pose_1_1 * spin_y_y + base_pose_1_0 * spin_x_y)
-    inertia_20 = base_pose_0_2 * spin_z_z + (base_pose_0_1 * spin_y_z + base_pose_0_0 * spin_x_z)
-    inertia_21 = base_pose_1_2 * spin_z_z + (base_pose_1_1 * spin_y_z + base_pose_1_0 * spin_x_z)
-    inertia_22 = base_pose_2_2 * spin_z_z + (base_pose_2_1 * spin_y_z + base_pose_2_0 * spin_x_z)
-    t29 = -inertia_10
-    t30 = -inertia_20
-    t31 = -inertia_21
+    t29 = -base_pose_0_2 * spin_z_y - (base_pose_0_1 * spin_y_y + base_pose_0_0 * spin_x_y)
+    t30 = -base_pose_0_2 * spin_z_z - (base_pose_0_1 * spin_y_z + base_pose_0_0 * spin_x_z)
+    t31 = -base_pose_1_2 * spin_z_z - (base_pose_1_1 * spin_y_z + base_pose_1_0 * spin_x_z)
     I = _array(lead, (3, 3), np.float64, [
-        -inertia_00, t29, t30, t29, -inertia_11, t31, t30, t31, -inertia_22,
+        -base_pose_0_2 * spin_z_x - (base_pose_0_1 * spin_y_x + base_pose_0_0 * spin_x_x), t29, t30, t29,
+        -base_pose_1_2 * spin_z_y - (base_pose_1_1 * spin_y_y + base_pose_1_0 * spin_x_y), t31, t30, t31,
+        -base_pose_2_2 * spin_z_z - (base_pose_2_1 * spin_y_z + base_pose_2_0 * spin_x_z),
     ])
     return I
 
@@ -2272,6 +2269,10 @@ def momentum(base_pose, q, v):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_own_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_own_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_velocity_own_x = v_1 * sin_leg_yaw + v_0 * cos_leg_yaw
@@ -2279,8 +2280,6 @@ def momentum(base_pose, q, v):
     leg_thigh_velocity_before_x = leg_yaw_spin_own_y * 0.12 + leg_yaw_velocity_own_x
     leg_thigh_velocity_before_y = leg_yaw_spin_own_x * 0.12 - leg_yaw_velocity_own_y
     leg_thigh_spin_z = leg_yaw_spin_own_y - v_7
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_shank_velocity_before_x = leg_thigh_spin_z * leg_shank_lever_y + leg_thigh_velocity_before_x
@@ -2294,8 +2293,6 @@ def momentum(base_pose, q, v):
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_momentum_moment_x = leg_yaw_spin_own_x * leg_thigh_inertia_xx - leg_yaw_spin_z * leg_thigh_inertia_xy
     leg_thigh_momentum_moment_y = leg_yaw_spin_own_x * leg_thigh_inertia_xy + leg_yaw_spin_z * leg_thigh_inertia_rest
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2391,6 +2388,10 @@ def momentum_rate(base_pose, q, v, a):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -2412,8 +2413,6 @@ def momentum_rate(base_pose, q, v, a):
     leg_thigh_pole_y = t3 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t5 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -2449,8 +2448,6 @@ def momentum_rate(base_pose, q, v, a):
     t16 = t2 - t5
     t17 = leg_thigh_inertia_xy * t16 + t4 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t17 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2563,6 +2560,10 @@ def demanded_wrench(base_pose, q, v, a):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -2584,8 +2585,6 @@ def demanded_wrench(base_pose, q, v, a):
     leg_thigh_pole_y = t3 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t5 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -2621,8 +2620,6 @@ def demanded_wrench(base_pose, q, v, a):
     t16 = t2 - t5
     t17 = leg_thigh_inertia_xy * t16 + t4 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t17 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2714,11 +2711,13 @@ def floating_mass_matrix(base_pose, q):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315
@@ -2740,8 +2739,6 @@ def floating_mass_matrix(base_pose, q):
     leg_thigh_composite_xy = t8 - cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x + t5
     leg_thigh_composite_moment_y = leg_shank_lever_y * 1.1 + leg_shank_inertia_moment_y
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     t9 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = t9 + (leg_thigh_composite_xx + 0.04032)
     leg_yaw_borne_yy = t9 + (leg_thigh_composite_zz + 0.03882)
@@ -2829,6 +2826,10 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -2850,8 +2851,6 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     leg_thigh_pole_y = t6 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t8 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -2888,8 +2887,6 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     t19 = t5 - t8
     t20 = leg_thigh_inertia_xy * t19 + t7 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t20 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = sin_leg_thigh_shank * 0.0315
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - 0.0315

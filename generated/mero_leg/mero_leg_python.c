@@ -6,10 +6,21 @@
  */
 #include "mero_leg.h"
 #include "walkgen_loops.h"
+#include "walkgen_real_f64.h"
+#include "walkgen_wide.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+extern const struct walkgen_wide mero_leg_avx2, mero_leg_avx512;
+static const struct walkgen_wide *const mero_leg_wide[] = {&mero_leg_avx2, &mero_leg_avx512};
+WALKGEN_LEVEL(mero_leg)
+static void mero_leg_leg_inverse_closest(const double *given, double *found) {
+    int32_t status[4];
+    mero_leg_leg_inverse(&given[0], &found[0], status);
+    for (int at = 0; at < 4; ++at) { found[12 + at] = (double)status[at]; }
+}
 
 static const walkgen_port mero_leg_leg_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -17,13 +28,12 @@ static const walkgen_port mero_leg_leg_foot_position_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_position) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_position((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_position, double, 6, , mero_leg_leg_foot_position_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position, mero_leg, 0, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_position, wide_rows, double, 6, 2)
 
 static const walkgen_port mero_leg_leg_foot_rotation_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -31,13 +41,12 @@ static const walkgen_port mero_leg_leg_foot_rotation_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_rotation) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_rotation((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_rotation, double, 12, , mero_leg_leg_foot_rotation_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_rotation, mero_leg, 1, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_rotation, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_foot_pose_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -45,13 +54,12 @@ static const walkgen_port mero_leg_leg_foot_pose_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_pose) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_pose((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_pose, double, 19, , mero_leg_leg_foot_pose_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_pose, mero_leg, 2, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_pose, wide_rows, double, 19, 2)
 
 static const walkgen_port mero_leg_leg_foot_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -59,13 +67,12 @@ static const walkgen_port mero_leg_leg_foot_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_jacobian, double, 12, , mero_leg_leg_foot_jacobian_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_jacobian, mero_leg, 3, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_jacobian, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_foot_position_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -74,16 +81,15 @@ static const walkgen_port mero_leg_leg_foot_position_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_position_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_foot_position_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_position_jacobian, double, 15, , mero_leg_leg_foot_position_jacobian_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position_jacobian, mero_leg, 4, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_position_jacobian, wide_rows, double, 15, 3)
 
 static const walkgen_port mero_leg_leg_foot_spatial_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -91,13 +97,12 @@ static const walkgen_port mero_leg_leg_foot_spatial_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_spatial_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_spatial_jacobian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_spatial_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_spatial_jacobian, double, 21, , mero_leg_leg_foot_spatial_jacobian_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_spatial_jacobian, mero_leg, 5, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_spatial_jacobian, wide_rows, double, 21, 2)
 
 static const walkgen_port mero_leg_leg_foot_hessian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -105,13 +110,12 @@ static const walkgen_port mero_leg_leg_foot_hessian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_hessian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_hessian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_hessian, double, 30, , mero_leg_leg_foot_hessian_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_hessian, mero_leg, 6, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_hessian, wide_rows, double, 30, 2)
 
 static const walkgen_port mero_leg_leg_foot_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -120,16 +124,12 @@ static const walkgen_port mero_leg_leg_foot_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_velocity(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_velocity, double, 9, , mero_leg_leg_foot_velocity_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_velocity, mero_leg, 7, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_velocity, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_foot_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -139,17 +139,16 @@ static const walkgen_port mero_leg_leg_foot_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_foot_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_acceleration, double, 12, , mero_leg_leg_foot_acceleration_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_acceleration, mero_leg, 8, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_acceleration, wide_rows, double, 12, 4)
 
 static const walkgen_port mero_leg_leg_foot_bias_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -158,16 +157,15 @@ static const walkgen_port mero_leg_leg_foot_bias_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_bias_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_foot_bias_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_bias_acceleration, double, 12, , mero_leg_leg_foot_bias_acceleration_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_bias_acceleration, mero_leg, 9, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_bias_acceleration, wide_rows, double, 12, 3)
 
 static const walkgen_port mero_leg_leg_foot_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -176,16 +174,12 @@ static const walkgen_port mero_leg_leg_foot_torque_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_foot_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_foot_torque(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_foot_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_foot_torque, double, 9, , mero_leg_leg_foot_torque_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_torque, mero_leg, 10, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_foot_torque, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_joint_frames_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -193,13 +187,11 @@ static const walkgen_port mero_leg_leg_joint_frames_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_joint_frames) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_joint_frames((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_joint_frames(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_joint_frames, double, 67, , mero_leg_leg_joint_frames_ports, 2)
+WALKGEN_LOOP(mero_leg_leg_joint_frames, rows, double, 67, 2)
 
 static const walkgen_port mero_leg_leg_inverse_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -208,16 +200,12 @@ static const walkgen_port mero_leg_leg_inverse_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        (void)mero_leg_leg_inverse(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]),
-            (int32_t *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        (void)mero_leg_leg_inverse(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse, double, 19, , mero_leg_leg_inverse_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse, mero_leg, 11, 2, mero_leg_leg_inverse_closest)
+WALKGEN_LOOP(mero_leg_leg_inverse, wide_rows, double, 19, 3)
 
 static const walkgen_port mero_leg_leg_inverse_branch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -227,16 +215,14 @@ static const walkgen_port mero_leg_leg_inverse_branch_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_branch) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = mero_leg_leg_inverse_branch(
-            (const double *)(a[0] + at * step[0]),
-            walkgen_integer(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = mero_leg_leg_inverse_branch(
+            WALKGEN_PORT(double, 0),
+            walkgen_integer(WALKGEN_PLACE(1)),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_branch, double, 8, , mero_leg_leg_inverse_branch_ports, 4)
+WALKGEN_LOOP(mero_leg_leg_inverse_branch, rows, double, 8, 4)
 
 static const walkgen_port mero_leg_leg_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -246,16 +232,14 @@ static const walkgen_port mero_leg_leg_inverse_near_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_near) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = mero_leg_leg_inverse_near(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = mero_leg_leg_inverse_near(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_near, double, 10, , mero_leg_leg_inverse_near_ports, 4)
+WALKGEN_LOOP(mero_leg_leg_inverse_near, rows, double, 10, 4)
 
 static const walkgen_port mero_leg_leg_inverse_admissible_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -264,15 +248,11 @@ static const walkgen_port mero_leg_leg_inverse_admissible_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_admissible) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[2] + at * step[2]) = mero_leg_leg_inverse_admissible(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 2) = mero_leg_leg_inverse_admissible(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_admissible, double, 7, , mero_leg_leg_inverse_admissible_ports, 3)
+WALKGEN_LOOP(mero_leg_leg_inverse_admissible, rows, double, 7, 3)
 
 static const walkgen_port mero_leg_leg_inverse_distance_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -280,13 +260,11 @@ static const walkgen_port mero_leg_leg_inverse_distance_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_distance) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_inverse_distance((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_inverse_distance(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_distance, double, 7, , mero_leg_leg_inverse_distance_ports, 2)
+WALKGEN_LOOP(mero_leg_leg_inverse_distance, rows, double, 7, 2)
 
 static const walkgen_port mero_leg_leg_within_limits_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -294,13 +272,12 @@ static const walkgen_port mero_leg_leg_within_limits_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_within_limits) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[1] + at * step[1]) = mero_leg_leg_within_limits((const double *)(a[0] + at * step[0]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 1) = mero_leg_leg_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_within_limits, double, 4, , mero_leg_leg_within_limits_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_within_limits, mero_leg, 12, 1, NULL)
+WALKGEN_LOOP(mero_leg_leg_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -310,16 +287,14 @@ static const walkgen_port mero_leg_leg_inverse_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = mero_leg_leg_inverse_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = mero_leg_leg_inverse_velocity(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_velocity, double, 10, , mero_leg_leg_inverse_velocity_ports, 4)
+WALKGEN_LOOP(mero_leg_leg_inverse_velocity, rows, double, 10, 4)
 
 static const walkgen_port mero_leg_leg_inverse_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -330,17 +305,15 @@ static const walkgen_port mero_leg_leg_inverse_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[4] + at * step[4]) = mero_leg_leg_inverse_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 4) = mero_leg_leg_inverse_acceleration(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_acceleration, double, 13, , mero_leg_leg_inverse_acceleration_ports, 5)
+WALKGEN_LOOP(mero_leg_leg_inverse_acceleration, rows, double, 13, 5)
 
 static const walkgen_port mero_leg_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -351,18 +324,17 @@ static const walkgen_port mero_leg_leg_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_dynamics, double, 15, , mero_leg_leg_inverse_dynamics_ports, 5)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_dynamics, mero_leg, 13, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_forward_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -373,18 +345,17 @@ static const walkgen_port mero_leg_leg_forward_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_forward_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_forward_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_forward_dynamics, double, 15, , mero_leg_leg_forward_dynamics_ports, 5)
+WALKGEN_WIDE_ROWS(mero_leg_leg_forward_dynamics, mero_leg, 14, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_mass_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -392,13 +363,12 @@ static const walkgen_port mero_leg_leg_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_mass_matrix, double, 12, , mero_leg_leg_mass_matrix_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_mass_matrix, mero_leg, 15, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_bias_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -407,16 +377,12 @@ static const walkgen_port mero_leg_leg_bias_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_bias) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_bias(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_bias, double, 9, , mero_leg_leg_bias_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_bias, mero_leg, 16, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_gravity_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -424,13 +390,12 @@ static const walkgen_port mero_leg_leg_gravity_torque_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_gravity_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_gravity_torque((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_gravity_torque, double, 6, , mero_leg_leg_gravity_torque_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_gravity_torque, mero_leg, 17, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port mero_leg_leg_coriolis_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -439,16 +404,12 @@ static const walkgen_port mero_leg_leg_coriolis_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_coriolis_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_coriolis_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_coriolis_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_coriolis_matrix, double, 15, , mero_leg_leg_coriolis_matrix_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_coriolis_matrix, mero_leg, 18, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port mero_leg_leg_kinetic_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -457,16 +418,12 @@ static const walkgen_port mero_leg_leg_kinetic_energy_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_kinetic_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_kinetic_energy(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_kinetic_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_kinetic_energy, double, 7, , mero_leg_leg_kinetic_energy_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_leg_kinetic_energy, mero_leg, 19, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_leg_potential_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -474,13 +431,12 @@ static const walkgen_port mero_leg_leg_potential_energy_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_potential_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_leg_potential_energy((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_leg_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_potential_energy, double, 4, , mero_leg_leg_potential_energy_ports, 2)
+WALKGEN_WIDE_ROWS(mero_leg_leg_potential_energy, mero_leg, 20, -1, NULL)
+WALKGEN_LOOP(mero_leg_leg_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_dynamics_derivatives_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -491,18 +447,16 @@ static const walkgen_port mero_leg_leg_inverse_dynamics_derivatives_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_inverse_dynamics_derivatives) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_inverse_dynamics_derivatives(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_dynamics_derivatives, double, 27, , mero_leg_leg_inverse_dynamics_derivatives_ports, 5)
+WALKGEN_LOOP(mero_leg_leg_inverse_dynamics_derivatives, rows, double, 27, 5)
 
 static const walkgen_port mero_leg_leg_regressor_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -512,17 +466,15 @@ static const walkgen_port mero_leg_leg_regressor_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_regressor) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_regressor(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_regressor, double, 99, , mero_leg_leg_regressor_ports, 4)
+WALKGEN_LOOP(mero_leg_leg_regressor, rows, double, 99, 4)
 
 static const walkgen_port mero_leg_leg_base_parameters_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -533,18 +485,16 @@ static const walkgen_port mero_leg_leg_base_parameters_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_leg_base_parameters) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_leg_base_parameters(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_base_parameters, double, 69, , mero_leg_leg_base_parameters_ports, 5)
+WALKGEN_LOOP(mero_leg_leg_base_parameters, rows, double, 69, 5)
 
 static const walkgen_port mero_leg_platform_poses_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -552,13 +502,11 @@ static const walkgen_port mero_leg_platform_poses_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_platform_poses) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_platform_poses((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_platform_poses(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_platform_poses, double, 19, , mero_leg_platform_poses_ports, 2)
+WALKGEN_LOOP(mero_leg_platform_poses, rows, double, 19, 2)
 
 static const walkgen_port mero_leg_foot_positions_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -566,13 +514,11 @@ static const walkgen_port mero_leg_foot_positions_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_foot_positions) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_foot_positions((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_foot_positions(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_foot_positions, double, 6, , mero_leg_foot_positions_ports, 2)
+WALKGEN_LOOP(mero_leg_foot_positions, rows, double, 6, 2)
 
 static const walkgen_port mero_leg_foot_jacobians_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -580,13 +526,11 @@ static const walkgen_port mero_leg_foot_jacobians_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_foot_jacobians) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_foot_jacobians((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        mero_leg_foot_jacobians(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_foot_jacobians, double, 12, , mero_leg_foot_jacobians_ports, 2)
+WALKGEN_LOOP(mero_leg_foot_jacobians, rows, double, 12, 2)
 
 static const walkgen_port mero_leg_com_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -595,16 +539,11 @@ static const walkgen_port mero_leg_com_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_com) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_com(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_com(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_com, double, 22, , mero_leg_com_ports, 3)
+WALKGEN_LOOP(mero_leg_com, rows, double, 22, 3)
 
 static const walkgen_port mero_leg_com_jacobian_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -613,16 +552,11 @@ static const walkgen_port mero_leg_com_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_com_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_com_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_com_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_com_jacobian, double, 46, , mero_leg_com_jacobian_ports, 3)
+WALKGEN_LOOP(mero_leg_com_jacobian, rows, double, 46, 3)
 
 static const walkgen_port mero_leg_centroidal_momentum_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -631,16 +565,14 @@ static const walkgen_port mero_leg_centroidal_momentum_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_centroidal_momentum_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_centroidal_momentum_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_centroidal_momentum_matrix, double, 73, , mero_leg_centroidal_momentum_matrix_ports, 3)
+WALKGEN_LOOP(mero_leg_centroidal_momentum_matrix, rows, double, 73, 3)
 
 static const walkgen_port mero_leg_centroidal_inertia_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -649,16 +581,11 @@ static const walkgen_port mero_leg_centroidal_inertia_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_centroidal_inertia) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_centroidal_inertia(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_centroidal_inertia(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_centroidal_inertia, double, 28, , mero_leg_centroidal_inertia_ports, 3)
+WALKGEN_LOOP(mero_leg_centroidal_inertia, rows, double, 28, 3)
 
 static const walkgen_port mero_leg_momentum_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -668,17 +595,15 @@ static const walkgen_port mero_leg_momentum_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_momentum) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_momentum(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_momentum, double, 34, , mero_leg_momentum_ports, 4)
+WALKGEN_LOOP(mero_leg_momentum, rows, double, 34, 4)
 
 static const walkgen_port mero_leg_momentum_rate_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -689,18 +614,16 @@ static const walkgen_port mero_leg_momentum_rate_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_momentum_rate) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_momentum_rate(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_momentum_rate, double, 43, , mero_leg_momentum_rate_ports, 5)
+WALKGEN_LOOP(mero_leg_momentum_rate, rows, double, 43, 5)
 
 static const walkgen_port mero_leg_demanded_wrench_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -711,18 +634,16 @@ static const walkgen_port mero_leg_demanded_wrench_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_demanded_wrench) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_demanded_wrench(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_demanded_wrench, double, 43, , mero_leg_demanded_wrench_ports, 5)
+WALKGEN_LOOP(mero_leg_demanded_wrench, rows, double, 43, 5)
 
 static const walkgen_port mero_leg_floating_mass_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -731,16 +652,11 @@ static const walkgen_port mero_leg_floating_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_floating_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_floating_mass_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_floating_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_floating_mass_matrix, double, 100, , mero_leg_floating_mass_matrix_ports, 3)
+WALKGEN_LOOP(mero_leg_floating_mass_matrix, rows, double, 100, 3)
 
 static const walkgen_port mero_leg_floating_inverse_dynamics_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -752,19 +668,17 @@ static const walkgen_port mero_leg_floating_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_floating_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_floating_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_floating_inverse_dynamics, double, 49, , mero_leg_floating_inverse_dynamics_ports, 6)
+WALKGEN_LOOP(mero_leg_floating_inverse_dynamics, rows, double, 49, 6)
 
 #ifdef __cplusplus
 }

@@ -138,18 +138,25 @@ WALKGEN_SHARED void walkgen_loop(walkgen_rows run, const walkgen_port *ports, in
     }
 }
 
-/* A function's kernel over rows: what follows is its body. */
+/* A function's kernel over rows: what follows is its body, a statement for each row, which finds its ports here. */
+#define WALKGEN_EACH_ROW \
+    intptr_t at; \
+    (void)dimensions; \
+    for (at = 0; at < rows; at++)
+#define WALKGEN_PLACE(number) (a[number] + at * step[number])
+#define WALKGEN_PORT(type, number) ((type *)WALKGEN_PLACE(number))
 #define WALKGEN_ROWS(name) \
     static void name##_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions)
 
-/* What NumPy calls: `before` comes first, `table` has the ports, and the buffer holds them all. */
-#define WALKGEN_LOOP(name, real, size, before, table, count) \
+/* What NumPy calls: `run`, rows or wide_rows, computes, and the buffer holds all ports. Where shapes vary, `before` finds them. */
+#define WALKGEN_LOOP(name, run, real, size, count) WALKGEN_SIZED_LOOP(name, name##_##run, real, size, , name##_ports, count)
+#define WALKGEN_SIZED_LOOP(name, run, real, size, before, table, count) \
     void name##_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data); \
     void name##_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) { \
         real buffer[size]; \
         before \
         (void)data; \
-        walkgen_loop(name##_rows, table, count, (char *)buffer, arguments, dimensions, steps); \
+        walkgen_loop(run, table, count, (char *)buffer, arguments, dimensions, steps); \
     }
 
 #endif

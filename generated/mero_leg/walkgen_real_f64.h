@@ -56,3 +56,5 @@
 #define WG_ATAN2(y, x) wg_atan2(y, x)
 #include "walkgen_trig.h"
 #endif
+
+#include "walkgen_together.h"

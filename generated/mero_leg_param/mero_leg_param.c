@@ -4,12 +4,1914 @@
  * Spec digest a93f6226aa1718a2cc45e0c5c26d80898f89cd7546153a0531341a4b22a60b4d; 79 functions, 5707 operations. This
  *   code is yours to use under any terms.
  */
+#if !defined(WALKGEN_ROWS) /* else only what is read twice: see walkgen_lanes.h */
 #include "mero_leg_param.h"
 #include "walkgen_real_f64.h"
+#include "walkgen_batch.h"
 #include "walkgen_inverse.h"
 #include "walkgen_rows.h"
 #include "walkgen_within.h"
 #include "walkgen_damped.h"
+#endif
+
+WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT p) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    p[2] = 0.12 - thigh_to_tip_y;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    p[0] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    p[1] = yaw_to_tip_y;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT p_d_param) {
+    (void)param;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    p_d_param[0] = cos_yaw*cos_thigh_shank;
+    p_d_param[1] = cos_yaw*sin_thigh_shank;
+    p_d_param[2] = sin_yaw*cos_thigh_shank;
+    p_d_param[3] = sin_yaw*sin_thigh_shank;
+    p_d_param[4] = sin_thigh_shank;
+    p_d_param[5] = -cos_thigh_shank;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_rotation)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT R) {
+    (void)param;
+    R[8] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    R[2] = sin_yaw;
+    R[5] = -cos_yaw;
+    R[6] = sin_thigh_shank;
+    R[7] = cos_thigh_shank;
+    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
+    R[0] = frame_thigh_shank_x_x;
+    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
+    R[3] = frame_thigh_shank_x_y;
+    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
+    R[1] = -frame_thigh_shank_y_x;
+    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
+    R[4] = -frame_thigh_shank_y_y;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_rotation_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT R_d_param) {
+    (void)q;
+    (void)param;
+    R_d_param[0] = 0.0;
+    R_d_param[1] = 0.0;
+    R_d_param[2] = 0.0;
+    R_d_param[3] = 0.0;
+    R_d_param[4] = 0.0;
+    R_d_param[5] = 0.0;
+    R_d_param[6] = 0.0;
+    R_d_param[7] = 0.0;
+    R_d_param[8] = 0.0;
+    R_d_param[9] = 0.0;
+    R_d_param[10] = 0.0;
+    R_d_param[11] = 0.0;
+    R_d_param[12] = 0.0;
+    R_d_param[13] = 0.0;
+    R_d_param[14] = 0.0;
+    R_d_param[15] = 0.0;
+    R_d_param[16] = 0.0;
+    R_d_param[17] = 0.0;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_pose)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT T) {
+    T[10] = 0.0;
+    T[12] = 0.0;
+    T[13] = 0.0;
+    T[14] = 0.0;
+    T[15] = 1.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    T[2] = sin_yaw;
+    T[6] = -cos_yaw;
+    T[8] = sin_thigh_shank;
+    T[9] = cos_thigh_shank;
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    T[11] = 0.12 - thigh_to_tip_y;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    T[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    T[7] = yaw_to_tip_y;
+    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
+    T[0] = frame_thigh_shank_x_x;
+    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
+    T[4] = frame_thigh_shank_x_y;
+    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
+    T[1] = -frame_thigh_shank_y_x;
+    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
+    T[5] = -frame_thigh_shank_y_y;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_pose_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT T_d_param) {
+    (void)param;
+    T_d_param[0] = 0.0;
+    T_d_param[1] = 0.0;
+    T_d_param[2] = 0.0;
+    T_d_param[3] = 0.0;
+    T_d_param[4] = 0.0;
+    T_d_param[5] = 0.0;
+    T_d_param[8] = 0.0;
+    T_d_param[9] = 0.0;
+    T_d_param[10] = 0.0;
+    T_d_param[11] = 0.0;
+    T_d_param[12] = 0.0;
+    T_d_param[13] = 0.0;
+    T_d_param[16] = 0.0;
+    T_d_param[17] = 0.0;
+    T_d_param[18] = 0.0;
+    T_d_param[19] = 0.0;
+    T_d_param[20] = 0.0;
+    T_d_param[21] = 0.0;
+    T_d_param[24] = 0.0;
+    T_d_param[25] = 0.0;
+    T_d_param[26] = 0.0;
+    T_d_param[27] = 0.0;
+    T_d_param[28] = 0.0;
+    T_d_param[29] = 0.0;
+    T_d_param[30] = 0.0;
+    T_d_param[31] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    T_d_param[22] = sin_thigh_shank;
+    T_d_param[23] = -cos_thigh_shank;
+    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
+    T_d_param[6] = frame_thigh_shank_x_x;
+    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
+    T_d_param[14] = frame_thigh_shank_x_y;
+    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
+    T_d_param[7] = frame_thigh_shank_y_x;
+    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
+    T_d_param[15] = frame_thigh_shank_y_y;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    J[8] = shank_to_tip_x;
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    J[7] = thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    J[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    J[0] = -yaw_to_tip_y;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    J[1] = J_thigh_x;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    J[4] = J_thigh_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    J[2] = J_shank_x;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    J[5] = J_shank_y;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT J_d_param) {
+    (void)param;
+    J_d_param[12] = 0.0;
+    J_d_param[13] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    J_d_param[14] = cos_thigh_shank;
+    J_d_param[15] = sin_thigh_shank;
+    J_d_param[16] = cos_thigh_shank;
+    J_d_param[17] = sin_thigh_shank;
+    const double t1 = cos_yaw*cos_thigh_shank;
+    J_d_param[3] = t1;
+    J_d_param[5] = t1;
+    J_d_param[6] = t1;
+    const double t2 = sin_yaw*cos_thigh_shank;
+    J_d_param[0] = -t2;
+    J_d_param[9] = t2;
+    J_d_param[11] = t2;
+    const double t3 = cos_yaw*sin_thigh_shank;
+    J_d_param[7] = t3;
+    const double t4 = -t3;
+    J_d_param[2] = t4;
+    J_d_param[4] = t4;
+    const double t5 = -(sin_yaw*sin_thigh_shank);
+    J_d_param[1] = t5;
+    J_d_param[8] = t5;
+    J_d_param[10] = t5;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_position_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT p, double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    J[8] = shank_to_tip_x;
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    J[7] = thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    p[2] = 0.12 - thigh_to_tip_y;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    p[0] = yaw_to_tip_x;
+    J[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    p[1] = yaw_to_tip_y;
+    J[0] = -yaw_to_tip_y;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    J[1] = J_thigh_x;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    J[4] = J_thigh_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    J[2] = J_shank_x;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    J[5] = J_shank_y;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_position_jacobian_d_param)(const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param, double *WG_RESTRICT J_d_param) {
+    (void)param;
+    J_d_param[12] = 0.0;
+    J_d_param[13] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    p_d_param[4] = sin_thigh_shank;
+    p_d_param[5] = -cos_thigh_shank;
+    J_d_param[14] = cos_thigh_shank;
+    J_d_param[15] = sin_thigh_shank;
+    J_d_param[16] = cos_thigh_shank;
+    J_d_param[17] = sin_thigh_shank;
+    const double t1 = cos_yaw*cos_thigh_shank;
+    p_d_param[0] = t1;
+    J_d_param[3] = t1;
+    J_d_param[5] = t1;
+    J_d_param[6] = t1;
+    const double t2 = sin_yaw*cos_thigh_shank;
+    p_d_param[2] = t2;
+    J_d_param[0] = -t2;
+    J_d_param[9] = t2;
+    J_d_param[11] = t2;
+    const double t3 = cos_yaw*sin_thigh_shank;
+    p_d_param[1] = t3;
+    J_d_param[7] = t3;
+    const double t4 = -t3;
+    J_d_param[2] = t4;
+    J_d_param[4] = t4;
+    const double t5 = sin_yaw*sin_thigh_shank;
+    p_d_param[3] = t5;
+    const double t6 = -t5;
+    J_d_param[1] = t6;
+    J_d_param[8] = t6;
+    J_d_param[10] = t6;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_spatial_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    J[9] = 0.0;
+    J[12] = 0.0;
+    J[15] = 1.0;
+    J[16] = 0.0;
+    J[17] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    J[10] = sin_yaw;
+    J[11] = sin_yaw;
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    J[8] = shank_to_tip_x;
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    J[7] = thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    J[3] = yaw_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    J[0] = -yaw_to_tip_y;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    J[1] = J_thigh_x;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    J[4] = J_thigh_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    J[2] = J_shank_x;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    J[5] = J_shank_y;
+    const double t1 = -cos_yaw;
+    J[13] = t1;
+    J[14] = t1;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_hessian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT H) {
+    H[18] = 0.0;
+    H[19] = 0.0;
+    H[20] = 0.0;
+    H[21] = 0.0;
+    H[24] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    H[23] = shank_to_tip_y;
+    H[25] = shank_to_tip_y;
+    H[26] = shank_to_tip_y;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    H[22] = thigh_to_tip_y;
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    H[10] = J_thigh_x;
+    H[12] = J_thigh_x;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    H[11] = J_shank_x;
+    H[15] = J_shank_x;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    const double H_thigh_shank_x = cos_yaw*shank_to_tip_x;
+    const double H_thigh_shank_y = sin_yaw*shank_to_tip_x;
+    const double t1 = -yaw_to_tip_x;
+    H[0] = t1;
+    H[4] = t1;
+    const double t2 = -J_thigh_y;
+    H[1] = t2;
+    H[3] = t2;
+    const double t3 = -J_shank_y;
+    H[2] = t3;
+    H[6] = t3;
+    const double t4 = -H_thigh_shank_x;
+    H[5] = t4;
+    H[7] = t4;
+    H[8] = t4;
+    const double t5 = -yaw_to_tip_y;
+    H[9] = t5;
+    H[13] = t5;
+    const double t6 = -H_thigh_shank_y;
+    H[14] = t6;
+    H[16] = t6;
+    H[17] = t6;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_velocity)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT v) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    v[2] = WG_FMA(qd[2], shank_to_tip_x, qd[1]*thigh_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    v[0] = WG_FMA(-qd[0], yaw_to_tip_y, WG_FMA(qd[2], J_shank_x, qd[1]*J_thigh_x));
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    v[1] = WG_FMA(qd[2], J_shank_y, WG_FMA(qd[1], J_thigh_y, qd[0]*yaw_to_tip_x));
+}
+
+WG_ROW(void mero_leg_param_leg_foot_velocity_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT v_d_param) {
+    (void)param;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    v_d_param[4] = WG_FMA(qd[2], cos_thigh_shank, qd[1]*cos_thigh_shank);
+    v_d_param[5] = WG_FMA(qd[2], sin_thigh_shank, qd[1]*sin_thigh_shank);
+    const double t1 = cos_yaw*cos_thigh_shank;
+    const double t2 = sin_yaw*cos_thigh_shank;
+    const double t3 = cos_yaw*sin_thigh_shank;
+    v_d_param[0] = WG_FMA(-qd[0], t2, -WG_FMA(qd[2], t3, qd[1]*t3));
+    v_d_param[3] = WG_FMA(qd[2], t2, WG_FMA(qd[1], t2, qd[0]*t3));
+    const double t4 = sin_yaw*sin_thigh_shank;
+    v_d_param[1] = WG_FMA(-qd[0], t4, WG_FMA(qd[2], t1, qd[1]*t1));
+    v_d_param[2] = WG_FMA(-qd[2], t4, WG_FMA(-qd[1], t4, qd[0]*t1));
+}
+
+WG_ROW(void mero_leg_param_leg_foot_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT a) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
+    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
+    const double bias_yaw_x = qd[0]*flow_yaw_y;
+    const double bias_yaw_y = qd[0]*flow_yaw_x;
+    const double spin_thigh_x = qd[1]*sin_yaw;
+    const double spin_thigh_y = qd[1]*cos_yaw;
+    const double flow_thigh_x = qd[1]*J_thigh_x;
+    const double flow_thigh_y = qd[1]*J_thigh_y;
+    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
+    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
+    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
+    const double flow_shank_x = qd[2]*J_shank_x;
+    const double flow_shank_y = qd[2]*J_shank_y;
+    const double flow_shank_z = qd[2]*shank_to_tip_x;
+    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
+    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
+    const double rates_shank_x = spin_thigh_x + rate_shank_x;
+    const double rates_shank_y = spin_thigh_y + rate_shank_y;
+    const double t1 = WG_FMA(rates_thigh_z, flow_shank_y, bias_thigh_x);
+    const double bias_shank_x = WG_FMA(flow_shank_z, rates_shank_y, t1);
+    const double t2 = WG_FMA(flow_shank_z, rates_shank_x, bias_thigh_y);
+    const double bias_shank_y = WG_FMA(-rates_thigh_z, flow_shank_x, t2);
+    const double t3 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
+    const double bias_shank_z = WG_FMA(flow_shank_y, rates_shank_x, t3);
+    a[2] = bias_shank_z + WG_FMA(qdd[2], shank_to_tip_x, qdd[1]*thigh_to_tip_x);
+    const double t4 = WG_FMA(-qdd[0], yaw_to_tip_y, WG_FMA(qdd[2], J_shank_x, qdd[1]*J_thigh_x));
+    a[0] = t4 - bias_shank_x;
+    const double t5 = WG_FMA(qdd[2], J_shank_y, WG_FMA(qdd[1], J_thigh_y, qdd[0]*yaw_to_tip_x));
+    a[1] = t5 - bias_shank_y;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_acceleration_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT a_d_param) {
+    (void)param;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double t1 = cos_yaw*cos_thigh_shank;
+    const double t2 = sin_yaw*cos_thigh_shank;
+    const double t3 = cos_yaw*sin_thigh_shank;
+    const double t4 = sin_yaw*sin_thigh_shank;
+    const double spin_thigh_x = qd[1]*sin_yaw;
+    const double spin_thigh_y = qd[1]*cos_yaw;
+    const double t5 = qd[1]*t3;
+    const double t6 = qd[1]*t4;
+    const double t7 = qd[1]*cos_thigh_shank;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double t8 = qd[2]*t3;
+    const double t9 = qd[2]*t4;
+    const double t10 = qd[2]*cos_thigh_shank;
+    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
+    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
+    const double rates_shank_x = spin_thigh_x + rate_shank_x;
+    const double rates_shank_y = spin_thigh_y + rate_shank_y;
+    const double t11 = WG_FMA(-t6, rates_thigh_z, WG_FMA(spin_thigh_y, t7, qd[0]*(qd[0]*t1)));
+    const double t12 = WG_FMA(t5, rates_thigh_z, WG_FMA(spin_thigh_x, t7, qd[0]*(qd[0]*t2)));
+    const double t13 = WG_FMA(t8, rates_shank_y, WG_FMA(spin_thigh_y, t5, spin_thigh_x*t6));
+    const double t14 = WG_FMA(t10, rates_shank_y, WG_FMA(-rates_thigh_z, t9, t11));
+    a_d_param[0] = -(t14 + WG_FMA(qdd[0], t2, WG_FMA(qdd[2], t3, qdd[1]*t3)));
+    const double t15 = WG_FMA(rates_thigh_z, t8, WG_FMA(t10, rates_shank_x, t12));
+    a_d_param[2] = WG_FMA(-qdd[2], t4, WG_FMA(-qdd[1], t4, qdd[0]*t1)) - t15;
+    const double t16 = WG_FMA(qdd[2], cos_thigh_shank, qdd[1]*cos_thigh_shank);
+    a_d_param[4] = t16 - WG_FMA(t9, rates_shank_x, t13);
+    const double t17 = qd[1]*t1;
+    const double t18 = qd[1]*t2;
+    const double t19 = qd[1]*sin_thigh_shank;
+    const double t20 = qd[2]*t1;
+    const double t21 = qd[2]*t2;
+    const double t22 = qd[2]*sin_thigh_shank;
+    const double t23 = WG_FMA(rates_thigh_z, t18, WG_FMA(spin_thigh_y, t19, qd[0]*(qd[0]*t3)));
+    const double t24 = WG_FMA(-rates_thigh_z, t17, WG_FMA(spin_thigh_x, t19, qd[0]*(qd[0]*t4)));
+    const double t25 = WG_FMA(rates_shank_y, t20, WG_FMA(spin_thigh_y, t17, spin_thigh_x*t18));
+    const double t26 = WG_FMA(rates_shank_y, t22, WG_FMA(rates_thigh_z, t21, t23));
+    a_d_param[1] = WG_FMA(-qdd[0], t4, WG_FMA(qdd[2], t1, qdd[1]*t1)) - t26;
+    const double t27 = WG_FMA(-rates_thigh_z, t20, WG_FMA(rates_shank_x, t22, t24));
+    a_d_param[3] = WG_FMA(qdd[2], t2, WG_FMA(qdd[1], t2, qdd[0]*t3)) - t27;
+    const double t28 = WG_FMA(qdd[2], sin_thigh_shank, qdd[1]*sin_thigh_shank);
+    a_d_param[5] = WG_FMA(rates_shank_x, t21, t25) + t28;
+}
+
+WG_ROW(void mero_leg_param_leg_foot_bias_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT a) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
+    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
+    const double bias_yaw_x = qd[0]*flow_yaw_y;
+    const double bias_yaw_y = qd[0]*flow_yaw_x;
+    const double spin_thigh_x = qd[1]*sin_yaw;
+    const double spin_thigh_y = qd[1]*cos_yaw;
+    const double flow_thigh_x = qd[1]*J_thigh_x;
+    const double flow_thigh_y = qd[1]*J_thigh_y;
+    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
+    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
+    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
+    const double turn_thigh_x = qd[0]*spin_thigh_y;
+    const double turn_thigh_y = qd[0]*spin_thigh_x;
+    const double spin_shank_x = qd[2]*sin_yaw;
+    const double spin_shank_y = qd[2]*cos_yaw;
+    const double flow_shank_x = qd[2]*J_shank_x;
+    const double flow_shank_y = qd[2]*J_shank_y;
+    const double flow_shank_z = qd[2]*shank_to_tip_x;
+    const double rate_shank_x = spin_thigh_x + spin_shank_x;
+    const double rate_shank_y = spin_thigh_y + spin_shank_y;
+    const double rates_shank_x = spin_thigh_x + rate_shank_x;
+    const double rates_shank_y = spin_thigh_y + rate_shank_y;
+    const double t1 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
+    const double bias_shank_z = WG_FMA(flow_shank_y, rates_shank_x, t1);
+    a[2] = bias_shank_z;
+    const double turn_shank_x = WG_FMA(qd[0], spin_shank_y, turn_thigh_x);
+    a[3] = turn_shank_x;
+    const double turn_shank_y = WG_FMA(qd[0], spin_shank_x, turn_thigh_y);
+    a[4] = turn_shank_y;
+    const double turn_shank_z = WG_FMA(-spin_thigh_x, spin_shank_y, spin_thigh_y*spin_shank_x);
+    a[5] = turn_shank_z;
+    const double t2 = WG_FMA(rates_thigh_z, flow_shank_y, bias_thigh_x);
+    a[0] = WG_FMA(-flow_shank_z, rates_shank_y, -t2);
+    const double t3 = WG_FMA(flow_shank_z, rates_shank_x, bias_thigh_y);
+    a[1] = WG_FMA(rates_thigh_z, flow_shank_x, -t3);
+}
+
+WG_ROW(void mero_leg_param_leg_foot_bias_acceleration_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT a_d_param) {
+    (void)param;
+    a_d_param[6] = 0.0;
+    a_d_param[7] = 0.0;
+    a_d_param[8] = 0.0;
+    a_d_param[9] = 0.0;
+    a_d_param[10] = 0.0;
+    a_d_param[11] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double t1 = cos_yaw*cos_thigh_shank;
+    const double t2 = sin_yaw*cos_thigh_shank;
+    const double t3 = cos_yaw*sin_thigh_shank;
+    const double t4 = sin_yaw*sin_thigh_shank;
+    const double spin_thigh_x = qd[1]*sin_yaw;
+    const double spin_thigh_y = qd[1]*cos_yaw;
+    const double t5 = qd[1]*t3;
+    const double t6 = qd[1]*t4;
+    const double t7 = qd[1]*cos_thigh_shank;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double t8 = qd[2]*t3;
+    const double t9 = qd[2]*t4;
+    const double t10 = qd[2]*cos_thigh_shank;
+    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
+    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
+    const double rates_shank_x = spin_thigh_x + rate_shank_x;
+    const double rates_shank_y = spin_thigh_y + rate_shank_y;
+    const double t11 = WG_FMA(-t6, rates_thigh_z, WG_FMA(spin_thigh_y, t7, qd[0]*(qd[0]*t1)));
+    a_d_param[0] = WG_FMA(-t10, rates_shank_y, -WG_FMA(-rates_thigh_z, t9, t11));
+    const double t12 = WG_FMA(t5, rates_thigh_z, WG_FMA(spin_thigh_x, t7, qd[0]*(qd[0]*t2)));
+    a_d_param[2] = WG_FMA(-rates_thigh_z, t8, -WG_FMA(t10, rates_shank_x, t12));
+    const double t13 = WG_FMA(t8, rates_shank_y, WG_FMA(spin_thigh_y, t5, spin_thigh_x*t6));
+    a_d_param[4] = WG_FMA(-t9, rates_shank_x, -t13);
+    const double t14 = qd[1]*t1;
+    const double t15 = qd[1]*t2;
+    const double t16 = qd[1]*sin_thigh_shank;
+    const double t17 = qd[2]*t1;
+    const double t18 = qd[2]*t2;
+    const double t19 = qd[2]*sin_thigh_shank;
+    const double t20 = WG_FMA(rates_thigh_z, t15, WG_FMA(spin_thigh_y, t16, qd[0]*(qd[0]*t3)));
+    a_d_param[1] = WG_FMA(-rates_shank_y, t19, -WG_FMA(rates_thigh_z, t18, t20));
+    const double t21 = WG_FMA(-rates_thigh_z, t14, WG_FMA(spin_thigh_x, t16, qd[0]*(qd[0]*t4)));
+    a_d_param[3] = WG_FMA(rates_thigh_z, t17, -WG_FMA(rates_shank_x, t19, t21));
+    const double t22 = WG_FMA(rates_shank_y, t17, WG_FMA(spin_thigh_y, t14, spin_thigh_x*t15));
+    a_d_param[5] = WG_FMA(rates_shank_x, t18, t22);
+}
+
+WG_ROW(void mero_leg_param_leg_foot_torque)(const double *WG_RESTRICT q, const double *WG_RESTRICT f,
+    const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
+    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
+    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
+    tau[0] = WG_FMA(-f[0], yaw_to_tip_y, f[1]*yaw_to_tip_x);
+    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
+    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
+    tau[1] = WG_FMA(f[2], thigh_to_tip_x, WG_FMA(f[1], J_thigh_y, f[0]*J_thigh_x));
+    const double J_shank_x = cos_yaw*shank_to_tip_y;
+    const double J_shank_y = sin_yaw*shank_to_tip_y;
+    tau[2] = WG_FMA(f[2], shank_to_tip_x, WG_FMA(f[1], J_shank_y, f[0]*J_shank_x));
+}
+
+WG_ROW(void mero_leg_param_leg_foot_torque_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT f,
+    const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
+    (void)param;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double t1 = cos_yaw*cos_thigh_shank;
+    const double t2 = sin_yaw*cos_thigh_shank;
+    tau_d_param[0] = WG_FMA(-f[0], t2, f[1]*t1);
+    const double t3 = cos_yaw*sin_thigh_shank;
+    const double t4 = sin_yaw*sin_thigh_shank;
+    tau_d_param[1] = WG_FMA(-f[0], t4, f[1]*t3);
+    const double t5 = WG_FMA(f[2], cos_thigh_shank, -WG_FMA(f[1], t4, f[0]*t3));
+    tau_d_param[2] = t5;
+    tau_d_param[4] = t5;
+    const double t6 = WG_FMA(f[2], sin_thigh_shank, WG_FMA(f[1], t2, f[0]*t1));
+    tau_d_param[3] = t6;
+    tau_d_param[5] = t6;
+}
+
+WG_ROW(int32_t mero_leg_param_leg_within_limits)(const double *WG_RESTRICT q, const double *WG_RESTRICT param) {
+    (void)param;
+    const int t1 = -1.0471975511965979 <= q[0] && q[0] <= 1.0471975511965979;
+    const int t2 = t1 && (-1.5707963267948966 <= q[1] && q[1] <= 1.5707963267948966);
+    return (int32_t)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
+}
+
+WG_ROW(void mero_leg_param_leg_within_limits_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    int32_t *WG_RESTRICT within_d_param) {
+    (void)q;
+    (void)param;
+    within_d_param[0] = (int32_t)(0.0);
+    within_d_param[1] = (int32_t)(0.0);
+}
+
+WG_ROW(void mero_leg_param_leg_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, const double *WG_RESTRICT param,
+    double *WG_RESTRICT tau) {
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
+    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
+    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
+    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank,
+        cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t2 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t2 + thigh_field_y_y;
+    const double t3 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t3;
+    const double shank_at_x = WG_FMA(shank_lever_x, thigh_field_x_x, qdd[1]*shank_lever_y);
+    const double shank_at_y = WG_FMA(-shank_lever_y, thigh_field_y_y, WG_FMA(qdd[1], shank_lever_x, 9.80665));
+    const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
+    const double shank_spin_z = qd[1] + qd[2];
+    const double shank_rate = qdd[1] + qdd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double thigh_inertial_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, qdd[0]*thigh_inertia_yy);
+    const double thigh_inertial_moment_z = WG_FMA(qdd[1], 0.020625, t2*thigh_inertia_xy);
+    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
+    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
+    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
+    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t2 + shank_field_y_y;
+    const double shank_field_y_z = t3*shank_spin_z;
+    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
+    const double shank_heave_z = WG_FMA(shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
+    const double t4 = WG_FMA(shank_rate, shank_inertia_moment_y, shank_at_x*1.1);
+    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, t4);
+    const double t5 = WG_FMA(shank_rate, shank_inertia_moment_x, shank_at_y*1.1);
+    const double shank_inertial_force_y = WG_FMA(-shank_inertia_moment_y, shank_field_y_y, t5);
+    const double t6 = WG_FMA(shank_at_z, 1.1, qdd[0]*shank_inertia_moment_x);
+    const double shank_inertial_force_z = WG_FMA(-shank_inertia_moment_y, shank_field_y_z, t6);
+    const double t7 = WG_FMA(qdd[0], shank_inertia_yy, shank_heave_y);
+    const double shank_inertial_moment_y = WG_FMA(-shank_inertia_xy, shank_field_y_z, t7);
+    const double shank_inertial_moment_z = shank_heave_z + WG_FMA(shank_link_yy_2, shank_rate, t2*shank_inertia_xy);
+    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
+    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
+    const double foot_lever_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double foot_lever_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
+    const double shank_own_force_y = f[2] - shank_inertial_force_y;
+    const double shank_own_force_z = foot_force_yaw_y - shank_inertial_force_z;
+    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, -shank_inertial_moment_y);
+    const double t8 = WG_FMA(foot_force_yaw_x, foot_lever_y, f[2]*foot_lever_x);
+    tau[2] = shank_inertial_moment_z - t8;
+    const double shank_own_moment_z = t8 - shank_inertial_moment_z;
+    const double t9 = WG_FMA(shank_lever_x, shank_own_force_z, thigh_inertial_moment_y);
+    const double thigh_moment_y = shank_own_moment_y + t9;
+    tau[0] = WG_FMA(qdd[0], 0.0035, -thigh_moment_y);
+    const double t10 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
+    tau[1] = WG_FMA(shank_lever_y, shank_own_force_x, -(shank_own_moment_z + t10));
+}
+
+WG_ROW(void mero_leg_param_leg_inverse_dynamics_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, const double *WG_RESTRICT param,
+    double *WG_RESTRICT tau_d_param) {
+    const double shank_link_com_x = param[0]*0.5;
+    const double t1 = 0.5*shank_link_com_x;
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
+    const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank,
+        cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t4 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t4 + thigh_field_y_y;
+    const double t5 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t5;
+    const double shank_at_x = WG_FMA(shank_lever_x, thigh_field_x_x, qdd[1]*shank_lever_y);
+    const double shank_at_y = WG_FMA(-shank_lever_y, thigh_field_y_y, WG_FMA(qdd[1], shank_lever_x, 9.80665));
+    const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
+    const double shank_spin_z = qd[1] + qd[2];
+    const double shank_rate = qdd[1] + qdd[2];
+    const double t6 = t3*cos_thigh_shank;
+    const double t7 = 0.3*cos_thigh_shank;
+    const double t8 = 0.3*sin_thigh_shank;
+    const double t9 = sin_thigh_shank*t6;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t4 + shank_field_y_y;
+    const double shank_field_y_z = t5*shank_spin_z;
+    const double t10 = WG_FMA(shank_at_y, t7, shank_at_x*t8) + WG_FMA(t3, shank_rate, t4*t9);
+    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
+    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
+    tau_d_param[1] = -(sin_thigh_shank*foot_force_yaw_y);
+    const double t11 = WG_FMA(-t9, shank_field_y_z, WG_FMA(qdd[0], cos_thigh_shank*t6, shank_at_z*t7));
+    const double t12 = WG_FMA(-sin_thigh_shank, foot_force_yaw_x, f[2]*cos_thigh_shank);
+    tau_d_param[4] = t10 - t12;
+    const double t13 = WG_FMA(cos_thigh_shank, foot_force_yaw_y, -t11);
+    tau_d_param[0] = WG_FMA(-shank_lever_x, WG_FMA(-qdd[0], t7, t8*shank_field_y_z), -t13);
+    const double t14 = WG_FMA(shank_lever_x, WG_FMA(-shank_rate, t7, t8*shank_field_y_y), t12 - t10);
+    tau_d_param[2] = WG_FMA(shank_lever_y, WG_FMA(t7, shank_field_x_x, shank_rate*t8), -t14);
+    const double t15 = WG_FMA(-cos_thigh_shank, foot_force_yaw_x, -(f[2]*sin_thigh_shank));
+    tau_d_param[3] = t15;
+    tau_d_param[5] = t15;
+}
+
+WG_ROW(void mero_leg_param_leg_forward_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, const double *WG_RESTRICT param,
+    double *WG_RESTRICT qdd) {
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
+    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
+    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
+    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank,
+        cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t2 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t2 + thigh_field_y_y;
+    const double t3 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t3;
+    const double shank_at_x = shank_lever_x*thigh_field_x_x;
+    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
+    const double shank_at_z = shank_lever_y*thigh_field_y_z;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double thigh_inertial_moment_z = t2*thigh_inertia_xy;
+    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
+    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
+    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t2 + shank_field_y_y;
+    const double shank_field_y_z = t3*shank_spin_z;
+    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
+    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
+    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
+    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
+    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
+    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
+    const double shank_inertial_moment_z = WG_FMA(t2, shank_inertia_xy, shank_heave_z);
+    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
+    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
+    const double foot_lever_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double foot_lever_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
+    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
+    const double shank_own_force_y = f[2] + shank_inertial_force_y;
+    const double shank_own_force_z = shank_inertial_force_z + foot_force_yaw_y;
+    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, shank_inertial_moment_y);
+    const double shank_own_moment_z = WG_FMA(foot_force_yaw_x, foot_lever_y, f[2]*foot_lever_x) - shank_inertial_moment_z;
+    const double t4 = WG_FMA(shank_lever_x, shank_own_force_z, shank_own_moment_y);
+    const double thigh_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, t4);
+    const double t5 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
+    const double thigh_moment_z = WG_FMA(-shank_lever_y, shank_own_force_x, shank_own_moment_z + t5);
+    const double thigh_inertia_spun_y_2 = sin_thigh*0.021625;
+    const double thigh_inertia_rest_2 = WG_FMA(sin_thigh, thigh_inertia_spun_y_2, -0.021625);
+    const double shank_inertia_spun_y_2 = shank_kept_yy*sin_thigh_shank;
+    const double shank_inertia_rest_2 = WG_FMA(sin_thigh_shank, shank_inertia_spun_y_2, -shank_kept_yy);
+    const double t6 = 1.1*(shank_lever_x*shank_lever_x);
+    const double t7 = shank_inertia_moment_x*(2.0*shank_lever_x);
+    const double thigh_composite_yy = thigh_inertia_rest_2 + (t6 + t7) - shank_inertia_rest_2;
+    const double t8 = WG_FMA(1.1, shank_lever_y*shank_lever_y, t7 + (shank_link_yy_2 + t6));
+    const double thigh_composite_zz = WG_FMA(shank_inertia_moment_y, 2.0*shank_lever_y, t8) - 0.020625;
+    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
+    const double t9 = WG_FMA(shank_lever_x, shank_inertia_moment_x, shank_link_yy_2);
+    const double M_shank_on_shank_moment_z = WG_FMA(shank_lever_y, shank_inertia_moment_y, t9);
+    const double reciprocal_2 = 1.0/shank_link_yy_2;
+    const double L_2_1 = M_shank_on_shank_moment_z*reciprocal_2;
+    const double D_1_1 = WG_FMA(M_shank_on_shank_moment_z, L_2_1, -thigh_composite_zz);
+    const double reciprocal_1 = 1.0/D_1_1;
+    const double reciprocal_0 = 1.0/yaw_borne_zz;
+    const double halfway_2 = tau[2] + shank_own_moment_z;
+    const double halfway_1 = WG_FMA(-L_2_1, halfway_2, tau[1] + thigh_moment_z);
+    const double halfway_0 = tau[0] + thigh_moment_y;
+    const double solution_0 = reciprocal_0*halfway_0;
+    qdd[0] = solution_0;
+    const double solution_1 = reciprocal_1*halfway_1;
+    qdd[1] = -solution_1;
+    const double solution_2 = WG_FMA(L_2_1, solution_1, reciprocal_2*halfway_2);
+    qdd[2] = solution_2;
+}
+
+WG_ROW(void mero_leg_param_leg_mass_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT M) {
+    M[1] = 0.0;
+    M[2] = 0.0;
+    M[3] = 0.0;
+    M[6] = 0.0;
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
+    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
+    M[8] = shank_link_yy_2;
+    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
+    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double thigh_inertia_spun_y = sin_thigh*0.021625;
+    const double thigh_inertia_rest = WG_FMA(sin_thigh, thigh_inertia_spun_y, -0.021625);
+    const double shank_inertia_spun_y = shank_kept_yy*sin_thigh_shank;
+    const double shank_inertia_rest = WG_FMA(sin_thigh_shank, shank_inertia_spun_y, -shank_kept_yy);
+    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
+    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t2 = shank_lever_x*(2.0*shank_inertia_moment_x);
+    const double t3 = 1.1*(shank_lever_x*shank_lever_x);
+    const double thigh_composite_yy = t3 + (thigh_inertia_rest + t2) - shank_inertia_rest;
+    const double t4 = t3 + WG_FMA(shank_lever_y, 2.0*shank_inertia_moment_y, shank_link_yy_2 + t2);
+    const double thigh_composite_zz = WG_FMA(1.1, shank_lever_y*shank_lever_y, t4) - 0.020625;
+    M[4] = thigh_composite_zz;
+    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
+    M[0] = yaw_borne_zz;
+    const double t5 = WG_FMA(shank_inertia_moment_x, shank_lever_x, shank_link_yy_2);
+    const double M_shank_on_shank_moment_z = WG_FMA(shank_inertia_moment_y, shank_lever_y, t5);
+    M[5] = M_shank_on_shank_moment_z;
+    M[7] = M_shank_on_shank_moment_z;
+}
+
+WG_ROW(void mero_leg_param_leg_mass_matrix_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT M_d_param) {
+    M_d_param[1] = 0.0;
+    M_d_param[2] = 0.0;
+    M_d_param[3] = 0.0;
+    M_d_param[4] = 0.0;
+    M_d_param[5] = 0.0;
+    M_d_param[6] = 0.0;
+    M_d_param[7] = 0.0;
+    M_d_param[9] = 0.0;
+    M_d_param[11] = 0.0;
+    M_d_param[12] = 0.0;
+    M_d_param[13] = 0.0;
+    M_d_param[15] = 0.0;
+    M_d_param[17] = 0.0;
+    const double shank_link_com_x = param[0]*0.5;
+    const double t1 = 0.5*shank_link_com_x;
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
+    const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
+    M_d_param[16] = t3;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double t4 = 0.3*cos_thigh_shank;
+    const double t5 = 0.3*sin_thigh_shank;
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t6 = shank_lever_x*(2.0*t4);
+    M_d_param[0] = t6 - WG_FMA(sin_thigh_shank, t3*sin_thigh_shank, -t3);
+    M_d_param[8] = WG_FMA(shank_lever_y, 2.0*t5, t3 + t6);
+    const double t7 = WG_FMA(t5, shank_lever_y, WG_FMA(t4, shank_lever_x, t3));
+    M_d_param[10] = t7;
+    M_d_param[14] = t7;
+}
+
+WG_ROW(void mero_leg_param_leg_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT h) {
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
+    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
+    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
+    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t2 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t2 + thigh_field_y_y;
+    const double t3 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t3;
+    const double shank_at_x = shank_lever_x*thigh_field_x_x;
+    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
+    const double shank_at_z = shank_lever_y*thigh_field_y_z;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
+    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
+    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t2 + shank_field_y_y;
+    const double shank_field_y_z = t3*shank_spin_z;
+    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
+    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
+    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
+    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
+    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
+    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
+    const double shank_inertial_moment_z = WG_FMA(t2, shank_inertia_xy, shank_heave_z);
+    h[2] = shank_inertial_moment_z;
+    const double t4 = WG_FMA(shank_lever_y, shank_inertial_force_x, shank_inertial_moment_z);
+    const double thigh_moment_z = WG_FMA(-t2, thigh_inertia_xy, WG_FMA(-shank_lever_x, shank_inertial_force_y, t4));
+    h[1] = thigh_moment_z;
+    const double t5 = WG_FMA(shank_lever_x, shank_inertial_force_z, shank_inertial_moment_y);
+    h[0] = WG_FMA(thigh_field_y_z, thigh_inertia_xy, -t5);
+}
+
+WG_ROW(void mero_leg_param_leg_bias_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT h_d_param) {
+    h_d_param[1] = 0.0;
+    h_d_param[3] = 0.0;
+    h_d_param[5] = 0.0;
+    const double shank_link_com_x = param[0]*0.5;
+    const double t1 = 0.5*shank_link_com_x;
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double t3 = qd[0]*qd[0];
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = t3 + thigh_field_y_y;
+    const double t4 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t4;
+    const double shank_at_x = shank_lever_x*thigh_field_x_x;
+    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
+    const double shank_at_z = shank_lever_y*thigh_field_y_z;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double t5 = 0.3*cos_thigh_shank;
+    const double t6 = 0.3*sin_thigh_shank;
+    const double t7 = (WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2)*cos_thigh_shank;
+    const double t8 = sin_thigh_shank*t7;
+    const double shank_field_y_y = shank_spin_z*shank_spin_z;
+    const double shank_field_x_x = t3 + shank_field_y_y;
+    const double shank_field_y_z = t4*shank_spin_z;
+    const double t9 = WG_FMA(t3, t8, WG_FMA(-shank_at_y, t5, shank_at_x*t6));
+    h_d_param[4] = t9;
+    const double t10 = WG_FMA(shank_lever_y, t5*shank_field_x_x, t9);
+    h_d_param[2] = WG_FMA(-shank_lever_x, t6*shank_field_y_y, t10);
+    const double t11 = WG_FMA(t8, shank_field_y_z, shank_at_z*t5);
+    h_d_param[0] = WG_FMA(-shank_lever_x, t6*shank_field_y_z, -t11);
+}
+
+WG_ROW(void mero_leg_param_leg_gravity_torque)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT g) {
+    g[0] = 0.0;
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_moment_x_2 = WG_FMA(-shank_link_com_x, 0.6, param[0]*0.6);
+    const double weight_moment_x = shank_link_moment_x_2*9.80665;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_q1, cos_thigh, t1, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_q1, cos_thigh, angle_thigh_shank, t1, cos_thigh_shank);
+    (void)sin_q1;
+    (void)t1;
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_inertia_moment_x = weight_moment_x*cos_thigh_shank;
+    g[2] = shank_inertia_moment_x;
+    const double thigh_moment_z = WG_FMA(shank_lever_x, 10.787315, shank_inertia_moment_x);
+    g[1] = thigh_moment_z;
+}
+
+WG_ROW(void mero_leg_param_leg_gravity_torque_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT g_d_param) {
+    (void)param;
+    g_d_param[0] = 0.0;
+    g_d_param[1] = 0.0;
+    g_d_param[3] = 0.0;
+    g_d_param[5] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
+    const double t1 = 2.941995*cos_thigh_shank;
+    g_d_param[2] = t1;
+    g_d_param[4] = t1;
+}
+
+WG_ROW(void mero_leg_param_leg_coriolis_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT C) {
+    C[8] = 0.0;
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
+    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
+    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
+    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
+    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
+    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
+    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
+    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
+    const double thigh_field_x_x_d_qd_yaw = qd[0]*2.0;
+    const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
+    const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
+    const double shank_at_z_d_qd_yaw = shank_lever_y*thigh_field_y_z_d_qd_yaw;
+    const double thigh_inertial_moment_z_d_qd_yaw = thigh_inertia_xy*thigh_field_x_x_d_qd_yaw;
+    const double shank_field_y_z_d_qd_yaw = 2.0*shank_spin_z;
+    const double shank_heave_y_d_qd_yaw = shank_inertia_moment_x*shank_at_z_d_qd_yaw;
+    const double shank_inertial_force_x_d_qd_yaw = WG_FMA(shank_at_x_d_qd_yaw, 1.1, shank_inertia_moment_x*thigh_field_x_x_d_qd_yaw);
+    const double shank_inertial_force_y_d_qd_shank = shank_inertia_moment_y*shank_field_y_z_d_qd_yaw;
+    const double shank_inertial_force_z_d_qd_yaw = WG_FMA(shank_at_z_d_qd_yaw, 1.1, shank_inertial_force_y_d_qd_shank);
+    const double shank_inertial_moment_y_d_qd_yaw = WG_FMA(shank_inertia_xy, shank_field_y_z_d_qd_yaw, shank_heave_y_d_qd_yaw);
+    const double shank_inertial_moment_y_d_qd_shank = shank_inertia_xy*thigh_field_x_x_d_qd_yaw;
+    const double shank_inertial_moment_z_d_qd_yaw = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_yaw, shank_inertial_moment_y_d_qd_shank);
+    C[6] = 0.5*shank_inertial_moment_z_d_qd_yaw;
+    const double t2 = shank_lever_x*shank_inertial_force_z_d_qd_yaw;
+    const double t3 = shank_inertial_moment_y_d_qd_yaw + t2;
+    const double thigh_moment_y_d_qd_yaw = WG_FMA(-thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, t3);
+    C[0] = -(0.5*thigh_moment_y_d_qd_yaw);
+    const double t4 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_yaw, shank_inertial_moment_z_d_qd_yaw);
+    const double thigh_moment_z_d_qd_yaw = t4 - thigh_inertial_moment_z_d_qd_yaw;
+    C[3] = 0.5*thigh_moment_z_d_qd_yaw;
+    const double shank_at_x_d_qd_thigh = shank_lever_x*thigh_field_y_z_d_qd_yaw;
+    const double shank_at_z_d_qd_thigh = shank_lever_y*thigh_field_x_x_d_qd_yaw;
+    const double shank_heave_z_d_qd_thigh = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_thigh, -shank_heave_y_d_qd_yaw);
+    C[7] = 0.5*shank_heave_z_d_qd_thigh;
+    const double shank_inertial_force_x_d_qd_shank = shank_inertia_moment_x*shank_field_y_z_d_qd_yaw;
+    const double shank_inertial_force_x_d_qd_thigh = WG_FMA(1.1, shank_at_x_d_qd_thigh, shank_inertial_force_x_d_qd_shank);
+    const double shank_inertial_force_z_d_qd_shank = shank_inertia_moment_y*thigh_field_x_x_d_qd_yaw;
+    const double shank_inertial_force_z_d_qd_thigh = WG_FMA(1.1, shank_at_z_d_qd_thigh, shank_inertial_force_z_d_qd_shank);
+    const double shank_inertial_moment_y_d_qd_thigh = WG_FMA(shank_inertia_moment_x, shank_at_z_d_qd_thigh, shank_inertial_moment_y_d_qd_shank);
+    const double t5 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
+    const double thigh_moment_y_d_qd_thigh = t5 - thigh_inertial_moment_z_d_qd_yaw;
+    C[1] = -(0.5*thigh_moment_y_d_qd_thigh);
+    const double t6 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_thigh, shank_heave_z_d_qd_thigh);
+    const double thigh_moment_z_d_qd_thigh = t6 - t2;
+    C[4] = 0.5*thigh_moment_z_d_qd_thigh;
+    const double thigh_moment_y_d_qd_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_shank, shank_inertial_moment_y_d_qd_shank);
+    C[2] = -(0.5*thigh_moment_y_d_qd_shank);
+    const double t7 = shank_lever_y*shank_inertial_force_x_d_qd_shank;
+    const double thigh_moment_z_d_qd_shank = WG_FMA(-shank_lever_x, shank_inertial_force_y_d_qd_shank, t7);
+    C[5] = 0.5*thigh_moment_z_d_qd_shank;
+}
+
+WG_ROW(void mero_leg_param_leg_coriolis_matrix_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT C_d_param) {
+    C_d_param[1] = 0.0;
+    C_d_param[3] = 0.0;
+    C_d_param[5] = 0.0;
+    C_d_param[7] = 0.0;
+    C_d_param[9] = 0.0;
+    C_d_param[11] = 0.0;
+    C_d_param[13] = 0.0;
+    C_d_param[15] = 0.0;
+    C_d_param[16] = 0.0;
+    C_d_param[17] = 0.0;
+    const double shank_link_com_x = param[0]*0.5;
+    const double t1 = 0.5*shank_link_com_x;
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double t3 = 0.3*cos_thigh_shank;
+    const double t4 = 0.3*sin_thigh_shank;
+    const double t5 = (WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2)*cos_thigh_shank;
+    const double t6 = sin_thigh_shank*t5;
+    const double thigh_field_x_x_d_qd_yaw = qd[0]*2.0;
+    const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
+    const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
+    const double shank_at_z_d_qd_yaw = shank_lever_y*thigh_field_y_z_d_qd_yaw;
+    const double shank_field_y_z_d_qd_yaw = 2.0*shank_spin_z;
+    const double t7 = t3*shank_at_z_d_qd_yaw;
+    const double t8 = t6*thigh_field_x_x_d_qd_yaw;
+    const double t9 = WG_FMA(t4, shank_at_x_d_qd_yaw, t8);
+    C_d_param[6] = 0.5*WG_FMA(shank_lever_y, t3*thigh_field_x_x_d_qd_yaw, t9);
+    C_d_param[12] = 0.5*t9;
+    const double t10 = shank_lever_x*(t4*shank_field_y_z_d_qd_yaw);
+    C_d_param[0] = -(0.5*(WG_FMA(t6, shank_field_y_z_d_qd_yaw, t7) + t10));
+    const double shank_at_x_d_qd_thigh = shank_lever_x*thigh_field_y_z_d_qd_yaw;
+    const double shank_at_z_d_qd_thigh = shank_lever_y*thigh_field_x_x_d_qd_yaw;
+    const double t11 = WG_FMA(t4, shank_at_x_d_qd_thigh, -t7);
+    C_d_param[14] = 0.5*t11;
+    const double t12 = shank_lever_x*(t4*thigh_field_x_x_d_qd_yaw);
+    C_d_param[2] = -(0.5*(WG_FMA(t3, shank_at_z_d_qd_thigh, t8) + t12));
+    C_d_param[4] = -(0.5*(t8 + t12));
+    const double t13 = shank_lever_y*(t3*shank_field_y_z_d_qd_yaw);
+    C_d_param[8] = 0.5*(t11 + t13 - t10);
+    C_d_param[10] = 0.5*(t13 - t10);
+}
+
+WG_ROW(void mero_leg_param_leg_kinetic_energy)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT T) {
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
+    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
+    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
+    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double shank_velocity_before_x = qd[1]*shank_lever_y;
+    const double shank_velocity_before_y = qd[1]*shank_lever_x;
+    const double shank_velocity_before_z = qd[0]*shank_lever_x;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double yaw_momentum_moment_z = qd[0]*0.0035;
+    const double thigh_inertia_spun_y = cos_thigh*0.021625;
+    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
+    const double thigh_momentum_moment_y = qd[0]*thigh_inertia_yy;
+    const double thigh_momentum_moment_z = qd[1]*0.020625;
+    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
+    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
+    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
+    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
+    const double shank_momentum_force_x = WG_FMA(shank_spin_z, shank_inertia_moment_y, shank_velocity_before_x*1.1);
+    const double shank_momentum_force_y = WG_FMA(shank_spin_z, shank_inertia_moment_x, shank_velocity_before_y*1.1);
+    const double shank_momentum_force_z = WG_FMA(shank_velocity_before_z, 1.1, qd[0]*shank_inertia_moment_x);
+    const double shank_momentum_moment_y = WG_FMA(shank_velocity_before_z, shank_inertia_moment_x, qd[0]*shank_inertia_yy);
+    const double t2 = shank_link_yy_2*shank_spin_z;
+    const double t3 = WG_FMA(shank_velocity_before_x, shank_inertia_moment_y, t2);
+    const double shank_momentum_moment_z = WG_FMA(shank_velocity_before_y, shank_inertia_moment_x, t3);
+    const double yaw_energy = qd[0]*yaw_momentum_moment_z;
+    const double thigh_energy = WG_FMA(qd[1], thigh_momentum_moment_z, qd[0]*thigh_momentum_moment_y);
+    const double t4 = qd[0]*shank_momentum_moment_y;
+    const double t5 = WG_FMA(shank_velocity_before_x, shank_momentum_force_x, t4);
+    const double t6 = WG_FMA(shank_velocity_before_y, shank_momentum_force_y, t5);
+    const double t7 = WG_FMA(shank_velocity_before_z, shank_momentum_force_z, t6);
+    const double shank_energy = WG_FMA(shank_spin_z, shank_momentum_moment_z, t7);
+    *T = WG_FMA(-0.5, thigh_energy, WG_FMA(0.5, shank_energy, 0.5*yaw_energy));
+}
+
+WG_ROW(void mero_leg_param_leg_kinetic_energy_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
+    T_d_param[1] = 0.0;
+    const double shank_link_com_x = param[0]*0.5;
+    const double t1 = 0.5*shank_link_com_x;
+    const double shank_link_moment_x = shank_link_com_x*0.6;
+    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
+    const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
+    const double shank_lever_x = cos_thigh*0.35;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double shank_velocity_before_x = qd[1]*shank_lever_y;
+    const double shank_velocity_before_y = qd[1]*shank_lever_x;
+    const double shank_velocity_before_z = qd[0]*shank_lever_x;
+    const double shank_spin_z = qd[1] + qd[2];
+    const double t4 = 0.3*cos_thigh_shank;
+    const double t5 = 0.3*sin_thigh_shank;
+    const double t6 = WG_FMA(shank_velocity_before_x, t5, t3*shank_spin_z);
+    const double t7 = WG_FMA(shank_velocity_before_z, t4, qd[0]*(cos_thigh_shank*(t3*cos_thigh_shank)));
+    const double t8 = WG_FMA(shank_velocity_before_x, shank_spin_z*t5, qd[0]*t7);
+    const double t9 = WG_FMA(shank_velocity_before_y, shank_spin_z*t4, t8);
+    const double t10 = WG_FMA(shank_velocity_before_z, qd[0]*t4, t9);
+    T_d_param[0] = 0.5*WG_FMA(shank_spin_z, WG_FMA(shank_velocity_before_y, t4, t6), t10);
+}
+
+WG_ROW(void mero_leg_param_leg_potential_energy)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT U) {
+    const double shank_link_com_x = param[0]*0.5;
+    const double shank_link_moment_x_2 = WG_FMA(-shank_link_com_x, 0.6, param[0]*0.6);
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh_shank, t1, sin_thigh, cos_q1;
+    WG_SINCOS_2(angle_thigh_shank, sin_thigh_shank, t1, q[1], sin_thigh, cos_q1);
+    (void)t1;
+    (void)cos_q1;
+    const double shank_moment_own_y = shank_link_moment_x_2*sin_thigh_shank;
+    const double shank_lever_y = sin_thigh*0.35;
+    const double thigh_moment_y = WG_FMA(shank_lever_y, 1.1, shank_moment_own_y);
+    const double moment_z = thigh_moment_y + 0.336;
+    *U = moment_z*9.80665;
+}
+
+WG_ROW(void mero_leg_param_leg_potential_energy_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT U_d_param) {
+    (void)param;
+    U_d_param[1] = 0.0;
+    const double angle_thigh_shank = q[1] + q[2];
+    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    U_d_param[0] = 0.3*sin_thigh_shank*9.80665;
+}
+
+#if defined(WALKGEN_ROWS)
+#if WALKGEN_ROWS == 2
+
+WG_BLOCK(mero_leg_param_leg_foot_position) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], p[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_position_lane(q, param, p);
+        WG_KEEP_3(p, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_position) {
+    mero_leg_param_leg_foot_position(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_position, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_position_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], p_d_param[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_position_d_param_lane(q, param, p_d_param);
+        WG_KEEP_6(p_d_param, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_position_d_param) {
+    mero_leg_param_leg_foot_position_d_param(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_position_d_param, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_rotation) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], R[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_rotation_lane(q, param, R);
+        WG_KEEP_9(R, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_rotation) {
+    mero_leg_param_leg_foot_rotation(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_rotation, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_rotation_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], R_d_param[18];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_rotation_d_param_lane(q, param, R_d_param);
+        WG_KEEP_18(R_d_param, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_rotation_d_param) {
+    mero_leg_param_leg_foot_rotation_d_param(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_rotation_d_param, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_pose) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], T[16];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_pose_lane(q, param, T);
+        WG_KEEP_16(T, 0)
+        WG_DONE(16)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_pose) {
+    mero_leg_param_leg_foot_pose(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_pose, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_pose_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], T_d_param[32];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_pose_d_param_lane(q, param, T_d_param);
+        WG_KEEP_32(T_d_param, 0)
+        WG_DONE(32)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_pose_d_param) {
+    mero_leg_param_leg_foot_pose_d_param(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_pose_d_param, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], J[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_jacobian_lane(q, param, J);
+        WG_KEEP_9(J, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_jacobian) {
+    mero_leg_param_leg_foot_jacobian(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_jacobian, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_jacobian_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], J_d_param[18];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_jacobian_d_param_lane(q, param, J_d_param);
+        WG_KEEP_18(J_d_param, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_jacobian_d_param) {
+    mero_leg_param_leg_foot_jacobian_d_param(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_jacobian_d_param, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_position_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], p[3], J[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_position_jacobian_lane(q, param, p, J);
+        WG_KEEP_3(p, 0)
+        WG_KEEP_9(J, 3)
+        WG_DONE(12)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_position_jacobian) {
+    mero_leg_param_leg_foot_position_jacobian(&given[0], &given[3], &found[0], &found[3]);
+}
+WG_LANED(mero_leg_param_leg_foot_position_jacobian, 2, 2);
+
+WG_BLOCK(mero_leg_param_leg_foot_position_jacobian_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], p_d_param[6], J_d_param[18];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_position_jacobian_d_param_lane(q, param, p_d_param, J_d_param);
+        WG_KEEP_6(p_d_param, 0)
+        WG_KEEP_18(J_d_param, 6)
+        WG_DONE(24)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_position_jacobian_d_param) {
+    mero_leg_param_leg_foot_position_jacobian_d_param(&given[0], &given[3], &found[0], &found[6]);
+}
+WG_LANED(mero_leg_param_leg_foot_position_jacobian_d_param, 2, 2);
+
+WG_BLOCK(mero_leg_param_leg_foot_spatial_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], J[18];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_spatial_jacobian_lane(q, param, J);
+        WG_KEEP_18(J, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_spatial_jacobian) {
+    mero_leg_param_leg_foot_spatial_jacobian(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_spatial_jacobian, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_hessian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], H[27];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_foot_hessian_lane(q, param, H);
+        WG_KEEP_27(H, 0)
+        WG_DONE(27)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_hessian) {
+    mero_leg_param_leg_foot_hessian(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_hessian, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_velocity) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], v[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_foot_velocity_lane(q, qd, param, v);
+        WG_KEEP_3(v, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_velocity) {
+    mero_leg_param_leg_foot_velocity(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_velocity, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_velocity_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], v_d_param[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_foot_velocity_d_param_lane(q, qd, param, v_d_param);
+        WG_KEEP_6(v_d_param, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_velocity_d_param) {
+    mero_leg_param_leg_foot_velocity_d_param(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_velocity_d_param, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], param[2], a[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_2(param, 9)
+        mero_leg_param_leg_foot_acceleration_lane(q, qd, qdd, param, a);
+        WG_KEEP_3(a, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_acceleration) {
+    mero_leg_param_leg_foot_acceleration(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_acceleration, 4, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_acceleration_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], param[2], a_d_param[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_2(param, 9)
+        mero_leg_param_leg_foot_acceleration_d_param_lane(q, qd, qdd, param, a_d_param);
+        WG_KEEP_6(a_d_param, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_acceleration_d_param) {
+    mero_leg_param_leg_foot_acceleration_d_param(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_acceleration_d_param, 4, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], a[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_foot_bias_acceleration_lane(q, qd, param, a);
+        WG_KEEP_6(a, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_bias_acceleration) {
+    mero_leg_param_leg_foot_bias_acceleration(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_bias_acceleration, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], a_d_param[12];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_foot_bias_acceleration_d_param_lane(q, qd, param, a_d_param);
+        WG_KEEP_12(a_d_param, 0)
+        WG_DONE(12)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_bias_acceleration_d_param) {
+    mero_leg_param_leg_foot_bias_acceleration_d_param(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_bias_acceleration_d_param, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], f[3], param[2], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(f, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_foot_torque_lane(q, f, param, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_torque) {
+    mero_leg_param_leg_foot_torque(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_torque, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_foot_torque_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], f[3], param[2], tau_d_param[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(f, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_foot_torque_d_param_lane(q, f, param, tau_d_param);
+        WG_KEEP_6(tau_d_param, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_foot_torque_d_param) {
+    mero_leg_param_leg_foot_torque_d_param(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_foot_torque_d_param, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_within_limits) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2];
+        int32_t within[1];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        within[0] = mero_leg_param_leg_within_limits_lane(q, param);
+        WG_KEEP_STATUS_1(within, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_within_limits) {
+    int32_t within[1];
+    within[0] = mero_leg_param_leg_within_limits(&given[0], &given[3]);
+    for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
+}
+WG_LANED(mero_leg_param_leg_within_limits, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_within_limits_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2];
+        int32_t within_d_param[2];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_within_limits_d_param_lane(q, param, within_d_param);
+        WG_KEEP_STATUS_2(within_d_param, 0)
+        WG_DONE(2)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_within_limits_d_param) {
+    int32_t within_d_param[2];
+    mero_leg_param_leg_within_limits_d_param(&given[0], &given[3], within_d_param);
+    for (int at = 0; at < 2; ++at) { found[0 + at] = (double)within_d_param[at]; }
+}
+WG_LANED(mero_leg_param_leg_within_limits_d_param, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_inverse_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], f[3], param[2], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_3(f, 9)
+        WG_TAKE_2(param, 12)
+        mero_leg_param_leg_inverse_dynamics_lane(q, qd, qdd, f, param, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_inverse_dynamics) {
+    mero_leg_param_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &given[12], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_inverse_dynamics, 5, 1);
+
+WG_BLOCK(mero_leg_param_leg_inverse_dynamics_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], f[3], param[2], tau_d_param[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_3(f, 9)
+        WG_TAKE_2(param, 12)
+        mero_leg_param_leg_inverse_dynamics_d_param_lane(q, qd, qdd, f, param, tau_d_param);
+        WG_KEEP_6(tau_d_param, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_inverse_dynamics_d_param) {
+    mero_leg_param_leg_inverse_dynamics_d_param(&given[0], &given[3], &given[6], &given[9], &given[12], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_inverse_dynamics_d_param, 5, 1);
+
+WG_BLOCK(mero_leg_param_leg_forward_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], tau[3], f[3], param[2], qdd[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(tau, 6)
+        WG_TAKE_3(f, 9)
+        WG_TAKE_2(param, 12)
+        mero_leg_param_leg_forward_dynamics_lane(q, qd, tau, f, param, qdd);
+        WG_KEEP_3(qdd, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_forward_dynamics) {
+    mero_leg_param_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &given[12], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_forward_dynamics, 5, 1);
+
+WG_BLOCK(mero_leg_param_leg_mass_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], M[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_mass_matrix_lane(q, param, M);
+        WG_KEEP_9(M, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_mass_matrix) {
+    mero_leg_param_leg_mass_matrix(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_mass_matrix, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_mass_matrix_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], M_d_param[18];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_mass_matrix_d_param_lane(q, param, M_d_param);
+        WG_KEEP_18(M_d_param, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_mass_matrix_d_param) {
+    mero_leg_param_leg_mass_matrix_d_param(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_mass_matrix_d_param, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_bias) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], h[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_bias_lane(q, qd, param, h);
+        WG_KEEP_3(h, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_bias) {
+    mero_leg_param_leg_bias(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_bias, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_bias_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], h_d_param[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_bias_d_param_lane(q, qd, param, h_d_param);
+        WG_KEEP_6(h_d_param, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_bias_d_param) {
+    mero_leg_param_leg_bias_d_param(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_bias_d_param, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_gravity_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], g[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_gravity_torque_lane(q, param, g);
+        WG_KEEP_3(g, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_gravity_torque) {
+    mero_leg_param_leg_gravity_torque(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_gravity_torque, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_gravity_torque_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], g_d_param[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_gravity_torque_d_param_lane(q, param, g_d_param);
+        WG_KEEP_6(g_d_param, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_gravity_torque_d_param) {
+    mero_leg_param_leg_gravity_torque_d_param(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_gravity_torque_d_param, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_coriolis_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], C[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_coriolis_matrix_lane(q, qd, param, C);
+        WG_KEEP_9(C, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_coriolis_matrix) {
+    mero_leg_param_leg_coriolis_matrix(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_coriolis_matrix, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_coriolis_matrix_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], C_d_param[18];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_coriolis_matrix_d_param_lane(q, qd, param, C_d_param);
+        WG_KEEP_18(C_d_param, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_coriolis_matrix_d_param) {
+    mero_leg_param_leg_coriolis_matrix_d_param(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_coriolis_matrix_d_param, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_kinetic_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], T[1];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_kinetic_energy_lane(q, qd, param, T);
+        WG_KEEP_1(T, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_kinetic_energy) {
+    mero_leg_param_leg_kinetic_energy(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_kinetic_energy, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_kinetic_energy_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], param[2], T_d_param[2];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_2(param, 6)
+        mero_leg_param_leg_kinetic_energy_d_param_lane(q, qd, param, T_d_param);
+        WG_KEEP_2(T_d_param, 0)
+        WG_DONE(2)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_kinetic_energy_d_param) {
+    mero_leg_param_leg_kinetic_energy_d_param(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_kinetic_energy_d_param, 3, 1);
+
+WG_BLOCK(mero_leg_param_leg_potential_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], U[1];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_potential_energy_lane(q, param, U);
+        WG_KEEP_1(U, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_potential_energy) {
+    mero_leg_param_leg_potential_energy(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_potential_energy, 2, 1);
+
+WG_BLOCK(mero_leg_param_leg_potential_energy_d_param) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], param[2], U_d_param[2];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_2(param, 3)
+        mero_leg_param_leg_potential_energy_d_param_lane(q, param, U_d_param);
+        WG_KEEP_2(U_d_param, 0)
+        WG_DONE(2)
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_potential_energy_d_param) {
+    mero_leg_param_leg_potential_energy_d_param(&given[0], &given[3], &found[0]);
+}
+WG_LANED(mero_leg_param_leg_potential_energy_d_param, 2, 1);
+
+#endif
+#else
 
 static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT q, int32_t *WG_RESTRICT status, double *WG_RESTRICT target) {
@@ -18,7 +1920,8 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double shank_origin_x = param[0] + 0.35;
     const double shank_x = shank_origin_x - 0.35;
     const double shank_length = sqrt(WG_FMA(shank_x, shank_x, param[1]*param[1]));
-    const double shank_angle = WG_ATAN2(-param[1], shank_x);
+    double shank_angle, yaw_plus_angle;
+    WG_ATAN2_2(-param[1], shank_x, shank_angle, p[1], p[0], yaw_plus_angle);
     const double offset_z = p[2] - 0.12;
     target[2] = offset_z;
     const double radius2 = WG_FMA(p[1], p[1], p[0]*p[0]);
@@ -30,7 +1933,6 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double radius = sqrt(radius2);
     const int t2 = radius2 <= touching2;
     const double rho = t2 ? 0.0 : radius;
-    const double yaw_plus_angle = WG_ATAN2(p[1], p[0]);
     const double knee_scale = 1.4285714285714286/shank_length;
     const double t3 = param[0] - param[0] + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
     const double taint = knee_scale - knee_scale + (param[1] - param[1] + t3);
@@ -44,9 +1946,9 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : ((knee_plus < 0.0 || t4) ? 0.0 : knee_plus);
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
-    const double lift_plus = WG_ATAN2(offset_z, rho);
-    const double thigh_offset_plus = WG_ATAN2(shank_length*knee_sin_plus, WG_FMA(shank_length, knee_cos_plus, 0.35));
-    const double gamma_plus = WG_ATAN2(knee_sin_plus, knee_cos_plus);
+    double lift_plus, thigh_offset_plus, gamma_plus;
+    WG_ATAN2_3(offset_z, rho, lift_plus, shank_length*knee_sin_plus, WG_FMA(shank_length, knee_cos_plus, 0.35),
+        thigh_offset_plus, knee_sin_plus, knee_cos_plus, gamma_plus);
     const int t5 = !isfinite(taint);
     const int t6 = outer2 < distance2_plus || distance2_plus < inner2;
     const double t7 = (t2 || t4) ? 3.0 : 0.0;
@@ -89,18 +1991,16 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double q3_plus_minus_sum = shank_angle + gamma_plus_checked;
     const double t14 = -q3_plus_minus_sum;
     const double q3_plus_minus_turns = WG_INDICATOR(3.141592653589793 < t14) - WG_INDICATOR(t14 <= -3.141592653589793);
-    const double q3_plus_minus_wrapped = WG_FMA(6.283185307179586, q3_plus_minus_turns, q3_plus_minus_sum);
     const double q2_minus_plus_sum = q2_plus_minus_sum - 3.141592653589793;
     const double t15 = 3.141592653589793 - q2_plus_minus_sum;
     const double q2_minus_plus_turns = WG_INDICATOR(3.141592653589793 < t15) - WG_INDICATOR(t15 <= -3.141592653589793);
-    const double q2_minus_plus_wrapped = WG_FMA(6.283185307179586, q2_minus_plus_turns, q2_minus_plus_sum);
-    q[7] = t4 ? taint : -q2_minus_plus_wrapped;
+    q[7] = t4 ? taint : WG_FMA(-6.283185307179586, q2_minus_plus_turns, -q2_minus_plus_sum);
     const double q2_minus_minus_sum = 3.141592653589793 + thigh_offset_plus - lift_plus_checked;
     const double t16 = WG_INDICATOR(q2_minus_minus_sum <= -3.141592653589793);
     const double q2_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_minus_minus_sum) - t16;
     const double q2_minus_minus_wrapped = WG_FMA(-6.283185307179586, q2_minus_minus_turns, q2_minus_minus_sum);
     q[10] = t4 ? taint : q2_minus_minus_wrapped;
-    const double t17 = -q3_plus_minus_wrapped;
+    const double t17 = WG_FMA(-6.283185307179586, q3_plus_minus_turns, -q3_plus_minus_sum);
     q[5] = t17;
     q[11] = t17;
 }
@@ -130,57 +2030,56 @@ static void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p, i
     const double shank_origin_x = param[0] + 0.35;
     const double shank_x = shank_origin_x - 0.35;
     const double shank_length = sqrt(WG_FMA(shank_x, shank_x, param[1]*param[1]));
-    const double shank_angle = WG_ATAN2(-param[1], shank_x);
-    const double t1 = 2.0*WG_INDICATOR(2.0 <= (double)branch);
-    const double rho_sign = t1 - 1.0;
-    const double t2 = 2.0*WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0);
-    const double knee_sign = t2 - 1.0;
+    const double knee_scale = 1.4285714285714286/shank_length;
     const double offset_z = p[2] - 0.12;
     target[2] = offset_z;
     const double radius2 = WG_FMA(p[1], p[1], p[0]*p[0]);
-    const double epsilon = WG_EPSILON;
-    const double t3 = epsilon*8.0;
-    const double tolerance = 1e-12 < t3 ? t3 : 1e-12;
-    const double longest = 0.35 + shank_length;
-    const double touching2 = longest*longest*(tolerance*tolerance);
-    const double radius = sqrt(radius2);
-    const int t4 = radius2 <= touching2;
-    const double rho = t4 ? 0.0 : radius;
-    const double rho_signed = rho_sign*rho;
     const double distance2_plus = WG_FMA(offset_z, offset_z, radius2);
     const double bones = fabs(shank_length - 0.35);
+    const double knee_plus = knee_scale*WG_FMA(-bones, bones, distance2_plus);
+    const double longest = 0.35 + shank_length;
+    const double epsilon = WG_EPSILON;
+    const double t1 = epsilon*8.0;
+    const double tolerance = 1e-12 < t1 ? t1 : 1e-12;
+    const double touching2 = longest*longest*(tolerance*tolerance);
+    const int t2 = distance2_plus <= touching2;
+    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : ((knee_plus < 0.0 || t2) ? 0.0 : knee_plus);
+    const double knee_cos_plus = knee_plus_clamped - 1.0;
+    const double t3 = 2.0*WG_INDICATOR(2.0 <= (double)branch);
+    const double rho_sign = t3 - 1.0;
+    const double t4 = 2.0*WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0);
+    const double knee_sign = t4 - 1.0;
+    const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
+    const double knee_sin = knee_sign*knee_sin_plus;
+    const double radius = sqrt(radius2);
+    const int t5 = radius2 <= touching2;
+    const double rho = t5 ? 0.0 : radius;
+    const double rho_signed = rho_sign*rho;
+    const double across = shank_length*knee_sin;
+    const double along = WG_FMA(shank_length, knee_cos_plus, 0.35);
+    double shank_angle, yaw_one_angle, gamma_2, thigh;
+    WG_ATAN2_4(-param[1], shank_x, shank_angle, -(p[1]*rho_sign), -(p[0]*rho_sign), yaw_one_angle, -knee_sin,
+        knee_cos_plus, gamma_2, WG_FMA(-rho_signed, across, offset_z*along),
+        WG_FMA(-rho_signed, along, -(offset_z*across)), thigh);
     const double slack = tolerance*(2.0*longest);
     const double outer2 = longest*(longest + slack);
     const double inner2 = bones*(bones - slack);
-    const double knee_scale = 1.4285714285714286/shank_length;
-    const double knee_plus = knee_scale*WG_FMA(-bones, bones, distance2_plus);
-    const int t5 = distance2_plus <= touching2;
-    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : ((knee_plus < 0.0 || t5) ? 0.0 : knee_plus);
-    const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
-    const double knee_cos_plus = knee_plus_clamped - 1.0;
-    const double knee_sin = knee_sign*knee_sin_plus;
-    const double along = WG_FMA(shank_length, knee_cos_plus, 0.35);
-    const double across = shank_length*knee_sin;
-    const double thigh_cos = WG_FMA(rho_signed, along, offset_z*across);
-    const double t6 = sqrt(-WG_FMA((double)branch, (double)branch, 1.0));
+    const double t6 = sqrt(WG_FMA(-((double)branch), (double)branch, -1.0));
     const double t7 = (0.0 <= (double)branch && (double)branch <= 3.0) ? 0.0 : t6;
     const double t8 = param[0] - param[0] + (t7 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]))));
     const double taint = knee_scale - knee_scale + (param[1] - param[1] + t8);
-    const int t9 = (knee_sin_plus == 0.0 && 1.0 - t2 < 0.0) || (rho == 0.0 && 1.0 - t1 < 0.0);
+    const int t9 = (knee_sin_plus == 0.0 && 1.0 - t4 < 0.0) || (rho == 0.0 && 1.0 - t3 < 0.0);
     const int t10 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double state = !isfinite(taint) ? 2.0 : (t10 ? 1.0 : (t9 ? 6.0 : ((t4 || t5) ? 3.0 : 0.0)));
+    const double state = !isfinite(taint) ? 2.0 : (t10 ? 1.0 : (t9 ? 6.0 : ((t5 || t2) ? 3.0 : 0.0)));
     *status = (int32_t)(state);
-    const double yaw_one_angle = WG_ATAN2(-(p[1]*rho_sign), -(p[0]*rho_sign));
-    const double gamma_2 = WG_ATAN2(-knee_sin, knee_cos_plus);
-    const double thigh = WG_ATAN2(WG_FMA(-rho_signed, across, offset_z*along), -thigh_cos);
     const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
-    const double yaw_one = t4 ? 0.0 : yaw_one_half_open;
+    const double yaw_one = t5 ? 0.0 : yaw_one_half_open;
     const double yaw_one_checked = taint + yaw_one;
     q[0] = yaw_one_checked;
     const double gamma_checked = taint + gamma_2;
     const double thigh_checked = taint + thigh;
     const double q2_half_open = thigh_checked <= -3.141592653589793 ? 3.141592653589793 : thigh_checked;
-    q[1] = t5 ? taint : q2_half_open;
+    q[1] = t2 ? taint : q2_half_open;
     const double q3_one_sum = gamma_checked - shank_angle;
     const double t11 = WG_INDICATOR(q3_one_sum <= -3.141592653589793);
     const double q3_one_turns = WG_INDICATOR(3.141592653589793 < q3_one_sum) - t11;
@@ -225,15 +2124,12 @@ static void mero_leg_param_leg_screws_kernel(const double *WG_RESTRICT param, do
 
 static void mero_leg_param_leg_row_distances_kernel(const double *WG_RESTRICT rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT distance) {
-    const double cos_yaw = WG_COS(rows[0]);
-    const double sin_yaw = WG_SIN(rows[0]);
     const double angle_thigh_shank = rows[1] + rows[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw_2, cos_yaw_2;
+    WG_SINCOS_4(rows[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, rows[1], sin_thigh,
+        cos_thigh, rows[3], sin_yaw_2, cos_yaw_2);
     const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
     const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(rows[1]);
-    const double sin_thigh = WG_SIN(rows[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
     const double yaw_to_tip_inner_z = thigh_to_tip_y - 0.12;
@@ -241,15 +2137,14 @@ static void mero_leg_param_leg_row_distances_kernel(const double *WG_RESTRICT ro
     const double gap_y = WG_FMA(-sin_yaw, thigh_to_tip_x, p[1]);
     const double gap_z = p[2] + yaw_to_tip_inner_z;
     distance[0] = sqrt(WG_FMA(gap_z, gap_z, WG_FMA(gap_y, gap_y, gap_x*gap_x)));
-    const double cos_yaw_2 = WG_COS(rows[3]);
-    const double sin_yaw_2 = WG_SIN(rows[3]);
     const double angle_thigh_shank_2 = rows[4] + rows[5];
-    const double cos_thigh_shank_2 = WG_COS(angle_thigh_shank_2);
-    const double sin_thigh_shank_2 = WG_SIN(angle_thigh_shank_2);
+    const double angle_thigh_shank_3 = rows[7] + rows[8];
+    double sin_thigh_shank_2, cos_thigh_shank_2, sin_thigh_2, cos_thigh_2, sin_yaw_3, cos_yaw_3, sin_thigh_shank_3,
+        cos_thigh_shank_3;
+    WG_SINCOS_4(angle_thigh_shank_2, sin_thigh_shank_2, cos_thigh_shank_2, rows[4], sin_thigh_2, cos_thigh_2,
+        rows[6], sin_yaw_3, cos_yaw_3, angle_thigh_shank_3, sin_thigh_shank_3, cos_thigh_shank_3);
     const double shank_to_tip_x_2 = WG_FMA(param[1], sin_thigh_shank_2, param[0]*cos_thigh_shank_2);
     const double shank_to_tip_y_2 = WG_FMA(-param[0], sin_thigh_shank_2, param[1]*cos_thigh_shank_2);
-    const double cos_thigh_2 = WG_COS(rows[4]);
-    const double sin_thigh_2 = WG_SIN(rows[4]);
     const double thigh_to_tip_x_2 = WG_FMA(0.35, cos_thigh_2, shank_to_tip_x_2);
     const double thigh_to_tip_y_2 = WG_FMA(-0.35, sin_thigh_2, shank_to_tip_y_2);
     const double yaw_to_tip_inner_z_2 = thigh_to_tip_y_2 - 0.12;
@@ -257,15 +2152,13 @@ static void mero_leg_param_leg_row_distances_kernel(const double *WG_RESTRICT ro
     const double gap_y_2 = WG_FMA(-sin_yaw_2, thigh_to_tip_x_2, p[1]);
     const double gap_z_2 = p[2] + yaw_to_tip_inner_z_2;
     distance[1] = sqrt(WG_FMA(gap_z_2, gap_z_2, WG_FMA(gap_y_2, gap_y_2, gap_x_2*gap_x_2)));
-    const double cos_yaw_3 = WG_COS(rows[6]);
-    const double sin_yaw_3 = WG_SIN(rows[6]);
-    const double angle_thigh_shank_3 = rows[7] + rows[8];
-    const double cos_thigh_shank_3 = WG_COS(angle_thigh_shank_3);
-    const double sin_thigh_shank_3 = WG_SIN(angle_thigh_shank_3);
     const double shank_to_tip_x_3 = WG_FMA(param[1], sin_thigh_shank_3, param[0]*cos_thigh_shank_3);
     const double shank_to_tip_y_3 = WG_FMA(-param[0], sin_thigh_shank_3, param[1]*cos_thigh_shank_3);
-    const double cos_thigh_3 = WG_COS(rows[7]);
-    const double sin_thigh_3 = WG_SIN(rows[7]);
+    const double angle_thigh_shank_4 = rows[10] + rows[11];
+    double sin_thigh_3, cos_thigh_3, sin_yaw_4, cos_yaw_4, sin_thigh_shank_4, cos_thigh_shank_4, sin_thigh_4,
+        cos_thigh_4;
+    WG_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, rows[9], sin_yaw_4, cos_yaw_4, angle_thigh_shank_4,
+        sin_thigh_shank_4, cos_thigh_shank_4, rows[10], sin_thigh_4, cos_thigh_4);
     const double thigh_to_tip_x_3 = WG_FMA(0.35, cos_thigh_3, shank_to_tip_x_3);
     const double thigh_to_tip_y_3 = WG_FMA(-0.35, sin_thigh_3, shank_to_tip_y_3);
     const double yaw_to_tip_inner_z_3 = thigh_to_tip_y_3 - 0.12;
@@ -273,15 +2166,8 @@ static void mero_leg_param_leg_row_distances_kernel(const double *WG_RESTRICT ro
     const double gap_y_3 = WG_FMA(-sin_yaw_3, thigh_to_tip_x_3, p[1]);
     const double gap_z_3 = p[2] + yaw_to_tip_inner_z_3;
     distance[2] = sqrt(WG_FMA(gap_z_3, gap_z_3, WG_FMA(gap_y_3, gap_y_3, gap_x_3*gap_x_3)));
-    const double cos_yaw_4 = WG_COS(rows[9]);
-    const double sin_yaw_4 = WG_SIN(rows[9]);
-    const double angle_thigh_shank_4 = rows[10] + rows[11];
-    const double cos_thigh_shank_4 = WG_COS(angle_thigh_shank_4);
-    const double sin_thigh_shank_4 = WG_SIN(angle_thigh_shank_4);
     const double shank_to_tip_x_4 = WG_FMA(param[1], sin_thigh_shank_4, param[0]*cos_thigh_shank_4);
     const double shank_to_tip_y_4 = WG_FMA(-param[0], sin_thigh_shank_4, param[1]*cos_thigh_shank_4);
-    const double cos_thigh_4 = WG_COS(rows[10]);
-    const double sin_thigh_4 = WG_SIN(rows[10]);
     const double thigh_to_tip_x_4 = WG_FMA(0.35, cos_thigh_4, shank_to_tip_x_4);
     const double thigh_to_tip_y_4 = WG_FMA(-0.35, sin_thigh_4, shank_to_tip_y_4);
     const double yaw_to_tip_inner_z_4 = thigh_to_tip_y_4 - 0.12;
@@ -295,16 +2181,13 @@ static void mero_leg_param_leg_acceleration_jacobian_kernel(const double *WG_RES
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
     double *WG_RESTRICT J, double *WG_RESTRICT rest) {
     J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
     J[8] = shank_to_tip_x;
     const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     J[7] = thigh_to_tip_x;
     const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
@@ -354,425 +2237,6 @@ static void mero_leg_param_leg_acceleration_jacobian_kernel(const double *WG_RES
     rest[2] = wanted_z;
 }
 
-void mero_leg_param_leg_foot_position(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT p) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    p[2] = 0.12 - thigh_to_tip_y;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    p[0] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    p[1] = yaw_to_tip_y;
-}
-
-void mero_leg_param_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_position(q + row * 3, param, p + row * 3);
-    }
-}
-
-void mero_leg_param_leg_foot_position_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT p_d_param) {
-    (void)param;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    p_d_param[0] = cos_yaw*cos_thigh_shank;
-    p_d_param[2] = sin_yaw*cos_thigh_shank;
-    p_d_param[5] = -cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    p_d_param[1] = cos_yaw*sin_thigh_shank;
-    p_d_param[3] = sin_yaw*sin_thigh_shank;
-    p_d_param[4] = sin_thigh_shank;
-}
-
-void mero_leg_param_leg_foot_position_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_position_d_param(q + row * 3, param, p_d_param + row * 6);
-    }
-}
-
-void mero_leg_param_leg_foot_rotation(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT R) {
-    (void)param;
-    R[8] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    R[5] = -cos_yaw;
-    const double sin_yaw = WG_SIN(q[0]);
-    R[2] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    R[7] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    R[6] = sin_thigh_shank;
-    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
-    R[0] = frame_thigh_shank_x_x;
-    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
-    R[3] = frame_thigh_shank_x_y;
-    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
-    R[1] = -frame_thigh_shank_y_x;
-    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
-    R[4] = -frame_thigh_shank_y_y;
-}
-
-void mero_leg_param_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT R) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_rotation(q + row * 3, param, R + row * 9);
-    }
-}
-
-void mero_leg_param_leg_foot_rotation_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT R_d_param) {
-    (void)q;
-    (void)param;
-    R_d_param[0] = 0.0;
-    R_d_param[1] = 0.0;
-    R_d_param[2] = 0.0;
-    R_d_param[3] = 0.0;
-    R_d_param[4] = 0.0;
-    R_d_param[5] = 0.0;
-    R_d_param[6] = 0.0;
-    R_d_param[7] = 0.0;
-    R_d_param[8] = 0.0;
-    R_d_param[9] = 0.0;
-    R_d_param[10] = 0.0;
-    R_d_param[11] = 0.0;
-    R_d_param[12] = 0.0;
-    R_d_param[13] = 0.0;
-    R_d_param[14] = 0.0;
-    R_d_param[15] = 0.0;
-    R_d_param[16] = 0.0;
-    R_d_param[17] = 0.0;
-}
-
-void mero_leg_param_leg_foot_rotation_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT R_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_rotation_d_param(q + row * 3, param, R_d_param + row * 18);
-    }
-}
-
-void mero_leg_param_leg_foot_pose(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT T) {
-    T[10] = 0.0;
-    T[12] = 0.0;
-    T[13] = 0.0;
-    T[14] = 0.0;
-    T[15] = 1.0;
-    const double cos_yaw = WG_COS(q[0]);
-    T[6] = -cos_yaw;
-    const double sin_yaw = WG_SIN(q[0]);
-    T[2] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    T[9] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    T[8] = sin_thigh_shank;
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    T[11] = 0.12 - thigh_to_tip_y;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    T[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    T[7] = yaw_to_tip_y;
-    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
-    T[0] = frame_thigh_shank_x_x;
-    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
-    T[4] = frame_thigh_shank_x_y;
-    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
-    T[1] = -frame_thigh_shank_y_x;
-    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
-    T[5] = -frame_thigh_shank_y_y;
-}
-
-void mero_leg_param_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_pose(q + row * 3, param, T + row * 16);
-    }
-}
-
-void mero_leg_param_leg_foot_pose_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT T_d_param) {
-    (void)param;
-    T_d_param[0] = 0.0;
-    T_d_param[1] = 0.0;
-    T_d_param[2] = 0.0;
-    T_d_param[3] = 0.0;
-    T_d_param[4] = 0.0;
-    T_d_param[5] = 0.0;
-    T_d_param[8] = 0.0;
-    T_d_param[9] = 0.0;
-    T_d_param[10] = 0.0;
-    T_d_param[11] = 0.0;
-    T_d_param[12] = 0.0;
-    T_d_param[13] = 0.0;
-    T_d_param[16] = 0.0;
-    T_d_param[17] = 0.0;
-    T_d_param[18] = 0.0;
-    T_d_param[19] = 0.0;
-    T_d_param[20] = 0.0;
-    T_d_param[21] = 0.0;
-    T_d_param[24] = 0.0;
-    T_d_param[25] = 0.0;
-    T_d_param[26] = 0.0;
-    T_d_param[27] = 0.0;
-    T_d_param[28] = 0.0;
-    T_d_param[29] = 0.0;
-    T_d_param[30] = 0.0;
-    T_d_param[31] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    T_d_param[23] = -cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    T_d_param[22] = sin_thigh_shank;
-    const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
-    T_d_param[6] = frame_thigh_shank_x_x;
-    const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
-    T_d_param[14] = frame_thigh_shank_x_y;
-    const double frame_thigh_shank_y_x = cos_yaw*sin_thigh_shank;
-    T_d_param[7] = frame_thigh_shank_y_x;
-    const double frame_thigh_shank_y_y = sin_yaw*sin_thigh_shank;
-    T_d_param[15] = frame_thigh_shank_y_y;
-}
-
-void mero_leg_param_leg_foot_pose_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_pose_d_param(q + row * 3, param, T_d_param + row * 32);
-    }
-}
-
-void mero_leg_param_leg_foot_jacobian(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    J[8] = shank_to_tip_x;
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    J[7] = thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    J[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    J[0] = -yaw_to_tip_y;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    J[1] = J_thigh_x;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    J[4] = J_thigh_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    J[2] = J_shank_x;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    J[5] = J_shank_y;
-}
-
-void mero_leg_param_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_jacobian(q + row * 3, param, J + row * 9);
-    }
-}
-
-void mero_leg_param_leg_foot_jacobian_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT J_d_param) {
-    (void)param;
-    J_d_param[12] = 0.0;
-    J_d_param[13] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    J_d_param[14] = cos_thigh_shank;
-    J_d_param[16] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    J_d_param[15] = sin_thigh_shank;
-    J_d_param[17] = sin_thigh_shank;
-    const double t1 = cos_yaw*cos_thigh_shank;
-    J_d_param[3] = t1;
-    J_d_param[5] = t1;
-    J_d_param[6] = t1;
-    const double t2 = sin_yaw*cos_thigh_shank;
-    J_d_param[0] = -t2;
-    J_d_param[9] = t2;
-    J_d_param[11] = t2;
-    const double t3 = cos_yaw*sin_thigh_shank;
-    J_d_param[7] = t3;
-    const double t4 = -t3;
-    J_d_param[2] = t4;
-    J_d_param[4] = t4;
-    const double t5 = -(sin_yaw*sin_thigh_shank);
-    J_d_param[1] = t5;
-    J_d_param[8] = t5;
-    J_d_param[10] = t5;
-}
-
-void mero_leg_param_leg_foot_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_jacobian_d_param(q + row * 3, param, J_d_param + row * 18);
-    }
-}
-
-void mero_leg_param_leg_foot_position_jacobian(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT p, double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    J[8] = shank_to_tip_x;
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    J[7] = thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    p[2] = 0.12 - thigh_to_tip_y;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    p[0] = yaw_to_tip_x;
-    J[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    p[1] = yaw_to_tip_y;
-    J[0] = -yaw_to_tip_y;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    J[1] = J_thigh_x;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    J[4] = J_thigh_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    J[2] = J_shank_x;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    J[5] = J_shank_y;
-}
-
-void mero_leg_param_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT p, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_position_jacobian(q + row * 3, param, p + row * 3, J + row * 9);
-    }
-}
-
-void mero_leg_param_leg_foot_position_jacobian_d_param(const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param, double *WG_RESTRICT J_d_param) {
-    (void)param;
-    J_d_param[12] = 0.0;
-    J_d_param[13] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    p_d_param[5] = -cos_thigh_shank;
-    J_d_param[14] = cos_thigh_shank;
-    J_d_param[16] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    p_d_param[4] = sin_thigh_shank;
-    J_d_param[15] = sin_thigh_shank;
-    J_d_param[17] = sin_thigh_shank;
-    const double t1 = cos_yaw*cos_thigh_shank;
-    p_d_param[0] = t1;
-    J_d_param[3] = t1;
-    J_d_param[5] = t1;
-    J_d_param[6] = t1;
-    const double t2 = sin_yaw*cos_thigh_shank;
-    p_d_param[2] = t2;
-    J_d_param[0] = -t2;
-    J_d_param[9] = t2;
-    J_d_param[11] = t2;
-    const double t3 = cos_yaw*sin_thigh_shank;
-    p_d_param[1] = t3;
-    J_d_param[7] = t3;
-    const double t4 = -t3;
-    J_d_param[2] = t4;
-    J_d_param[4] = t4;
-    const double t5 = sin_yaw*sin_thigh_shank;
-    p_d_param[3] = t5;
-    const double t6 = -t5;
-    J_d_param[1] = t6;
-    J_d_param[8] = t6;
-    J_d_param[10] = t6;
-}
-
-void mero_leg_param_leg_foot_position_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param, double *WG_RESTRICT J_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_position_jacobian_d_param(q + row * 3, param, p_d_param + row * 6, J_d_param + row * 18);
-    }
-}
-
-void mero_leg_param_leg_foot_spatial_jacobian(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    J[9] = 0.0;
-    J[12] = 0.0;
-    J[15] = 1.0;
-    J[16] = 0.0;
-    J[17] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    J[10] = sin_yaw;
-    J[11] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    J[8] = shank_to_tip_x;
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    J[7] = thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    J[3] = yaw_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    J[0] = -yaw_to_tip_y;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    J[1] = J_thigh_x;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    J[4] = J_thigh_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    J[2] = J_shank_x;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    J[5] = J_shank_y;
-    const double t1 = -cos_yaw;
-    J[13] = t1;
-    J[14] = t1;
-}
-
-void mero_leg_param_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_spatial_jacobian(q + row * 3, param, J + row * 18);
-    }
-}
-
 void mero_leg_param_leg_foot_spatial_jacobian_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J_d_param) {
     (void)param;
@@ -796,14 +2260,12 @@ void mero_leg_param_leg_foot_spatial_jacobian_d_param(const double *WG_RESTRICT 
     J_d_param[33] = 0.0;
     J_d_param[34] = 0.0;
     J_d_param[35] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     J_d_param[14] = cos_thigh_shank;
-    J_d_param[16] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     J_d_param[15] = sin_thigh_shank;
+    J_d_param[16] = cos_thigh_shank;
     J_d_param[17] = sin_thigh_shank;
     const double t1 = cos_yaw*cos_thigh_shank;
     J_d_param[3] = t1;
@@ -831,69 +2293,6 @@ void mero_leg_param_leg_foot_spatial_jacobian_d_param_batch(size_t rows, const d
     }
 }
 
-void mero_leg_param_leg_foot_hessian(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT H) {
-    H[18] = 0.0;
-    H[19] = 0.0;
-    H[20] = 0.0;
-    H[21] = 0.0;
-    H[24] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    H[23] = shank_to_tip_y;
-    H[25] = shank_to_tip_y;
-    H[26] = shank_to_tip_y;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    H[22] = thigh_to_tip_y;
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    H[10] = J_thigh_x;
-    H[12] = J_thigh_x;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    H[11] = J_shank_x;
-    H[15] = J_shank_x;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    const double H_thigh_shank_x = cos_yaw*shank_to_tip_x;
-    const double H_thigh_shank_y = sin_yaw*shank_to_tip_x;
-    const double t1 = -yaw_to_tip_x;
-    H[0] = t1;
-    H[4] = t1;
-    const double t2 = -J_thigh_y;
-    H[1] = t2;
-    H[3] = t2;
-    const double t3 = -J_shank_y;
-    H[2] = t3;
-    H[6] = t3;
-    const double t4 = -H_thigh_shank_x;
-    H[5] = t4;
-    H[7] = t4;
-    H[8] = t4;
-    const double t5 = -yaw_to_tip_y;
-    H[9] = t5;
-    H[13] = t5;
-    const double t6 = -H_thigh_shank_y;
-    H[14] = t6;
-    H[16] = t6;
-    H[17] = t6;
-}
-
-void mero_leg_param_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT H) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_hessian(q + row * 3, param, H + row * 27);
-    }
-}
-
 void mero_leg_param_leg_foot_hessian_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT H_d_param) {
     (void)param;
@@ -907,15 +2306,13 @@ void mero_leg_param_leg_foot_hessian_d_param(const double *WG_RESTRICT q, const 
     H_d_param[43] = 0.0;
     H_d_param[48] = 0.0;
     H_d_param[49] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     H_d_param[45] = cos_thigh_shank;
     H_d_param[47] = cos_thigh_shank;
     H_d_param[51] = cos_thigh_shank;
     H_d_param[53] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double t1 = -sin_thigh_shank;
     H_d_param[44] = t1;
     H_d_param[46] = t1;
@@ -972,367 +2369,6 @@ void mero_leg_param_leg_foot_hessian_d_param_batch(size_t rows, const double *WG
     }
 }
 
-void mero_leg_param_leg_foot_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT v) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    v[2] = WG_FMA(qd[2], shank_to_tip_x, qd[1]*thigh_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    v[0] = WG_FMA(-qd[0], yaw_to_tip_y, WG_FMA(qd[2], J_shank_x, qd[1]*J_thigh_x));
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    v[1] = WG_FMA(qd[2], J_shank_y, WG_FMA(qd[1], J_thigh_y, qd[0]*yaw_to_tip_x));
-}
-
-void mero_leg_param_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT v) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_velocity(q + row * 3, qd + row * 3, param, v + row * 3);
-    }
-}
-
-void mero_leg_param_leg_foot_velocity_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT v_d_param) {
-    (void)param;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    v_d_param[4] = WG_FMA(qd[2], cos_thigh_shank, qd[1]*cos_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    v_d_param[5] = WG_FMA(qd[2], sin_thigh_shank, qd[1]*sin_thigh_shank);
-    const double t1 = cos_yaw*cos_thigh_shank;
-    const double t2 = sin_yaw*cos_thigh_shank;
-    const double t3 = cos_yaw*sin_thigh_shank;
-    v_d_param[0] = -WG_FMA(qd[0], t2, WG_FMA(qd[2], t3, qd[1]*t3));
-    v_d_param[3] = WG_FMA(qd[2], t2, WG_FMA(qd[1], t2, qd[0]*t3));
-    const double t4 = sin_yaw*sin_thigh_shank;
-    v_d_param[1] = WG_FMA(-qd[0], t4, WG_FMA(qd[2], t1, qd[1]*t1));
-    v_d_param[2] = WG_FMA(-qd[2], t4, WG_FMA(-qd[1], t4, qd[0]*t1));
-}
-
-void mero_leg_param_leg_foot_velocity_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT v_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_velocity_d_param(q + row * 3, qd + row * 3, param, v_d_param + row * 6);
-    }
-}
-
-void mero_leg_param_leg_foot_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT a) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
-    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
-    const double bias_yaw_x = qd[0]*flow_yaw_y;
-    const double bias_yaw_y = qd[0]*flow_yaw_x;
-    const double spin_thigh_x = qd[1]*sin_yaw;
-    const double spin_thigh_y = qd[1]*cos_yaw;
-    const double flow_thigh_x = qd[1]*J_thigh_x;
-    const double flow_thigh_y = qd[1]*J_thigh_y;
-    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
-    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
-    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
-    const double flow_shank_x = qd[2]*J_shank_x;
-    const double flow_shank_y = qd[2]*J_shank_y;
-    const double flow_shank_z = qd[2]*shank_to_tip_x;
-    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
-    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
-    const double rates_shank_x = spin_thigh_x + rate_shank_x;
-    const double rates_shank_y = spin_thigh_y + rate_shank_y;
-    const double t1 = WG_FMA(rates_thigh_z, flow_shank_y, bias_thigh_x);
-    const double bias_shank_x = WG_FMA(flow_shank_z, rates_shank_y, t1);
-    const double t2 = WG_FMA(flow_shank_z, rates_shank_x, bias_thigh_y);
-    const double bias_shank_y = WG_FMA(-rates_thigh_z, flow_shank_x, t2);
-    const double t3 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
-    const double bias_shank_z = WG_FMA(flow_shank_y, rates_shank_x, t3);
-    a[2] = bias_shank_z + WG_FMA(qdd[2], shank_to_tip_x, qdd[1]*thigh_to_tip_x);
-    const double t4 = WG_FMA(-qdd[0], yaw_to_tip_y, WG_FMA(qdd[2], J_shank_x, qdd[1]*J_thigh_x));
-    a[0] = t4 - bias_shank_x;
-    const double t5 = WG_FMA(qdd[2], J_shank_y, WG_FMA(qdd[1], J_thigh_y, qdd[0]*yaw_to_tip_x));
-    a[1] = t5 - bias_shank_y;
-}
-
-void mero_leg_param_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
-    double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, param, a + row * 3);
-    }
-}
-
-void mero_leg_param_leg_foot_acceleration_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT a_d_param) {
-    (void)param;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t1 = cos_yaw*cos_thigh_shank;
-    const double t2 = sin_yaw*cos_thigh_shank;
-    const double t3 = cos_yaw*sin_thigh_shank;
-    const double t4 = sin_yaw*sin_thigh_shank;
-    const double spin_thigh_x = qd[1]*sin_yaw;
-    const double spin_thigh_y = qd[1]*cos_yaw;
-    const double t5 = qd[1]*t3;
-    const double t6 = qd[1]*t4;
-    const double t7 = qd[1]*cos_thigh_shank;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double t8 = qd[2]*t3;
-    const double t9 = qd[2]*t4;
-    const double t10 = qd[2]*cos_thigh_shank;
-    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
-    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
-    const double rates_shank_x = spin_thigh_x + rate_shank_x;
-    const double rates_shank_y = spin_thigh_y + rate_shank_y;
-    const double t11 = WG_FMA(-t6, rates_thigh_z, WG_FMA(spin_thigh_y, t7, qd[0]*(qd[0]*t1)));
-    const double t12 = WG_FMA(t5, rates_thigh_z, WG_FMA(spin_thigh_x, t7, qd[0]*(qd[0]*t2)));
-    const double t13 = WG_FMA(t8, rates_shank_y, WG_FMA(spin_thigh_y, t5, spin_thigh_x*t6));
-    const double t14 = WG_FMA(t10, rates_shank_y, WG_FMA(-rates_thigh_z, t9, t11));
-    a_d_param[0] = -(t14 + WG_FMA(qdd[0], t2, WG_FMA(qdd[2], t3, qdd[1]*t3)));
-    const double t15 = WG_FMA(rates_thigh_z, t8, WG_FMA(t10, rates_shank_x, t12));
-    a_d_param[2] = WG_FMA(-qdd[2], t4, WG_FMA(-qdd[1], t4, qdd[0]*t1)) - t15;
-    const double t16 = WG_FMA(qdd[2], cos_thigh_shank, qdd[1]*cos_thigh_shank);
-    a_d_param[4] = t16 - WG_FMA(t9, rates_shank_x, t13);
-    const double t17 = qd[1]*t1;
-    const double t18 = qd[1]*t2;
-    const double t19 = qd[1]*sin_thigh_shank;
-    const double t20 = qd[2]*t1;
-    const double t21 = qd[2]*t2;
-    const double t22 = qd[2]*sin_thigh_shank;
-    const double t23 = WG_FMA(rates_thigh_z, t18, WG_FMA(spin_thigh_y, t19, qd[0]*(qd[0]*t3)));
-    const double t24 = WG_FMA(-rates_thigh_z, t17, WG_FMA(spin_thigh_x, t19, qd[0]*(qd[0]*t4)));
-    const double t25 = WG_FMA(rates_shank_y, t20, WG_FMA(spin_thigh_y, t17, spin_thigh_x*t18));
-    const double t26 = WG_FMA(rates_shank_y, t22, WG_FMA(rates_thigh_z, t21, t23));
-    a_d_param[1] = WG_FMA(-qdd[0], t4, WG_FMA(qdd[2], t1, qdd[1]*t1)) - t26;
-    const double t27 = WG_FMA(-rates_thigh_z, t20, WG_FMA(rates_shank_x, t22, t24));
-    a_d_param[3] = WG_FMA(qdd[2], t2, WG_FMA(qdd[1], t2, qdd[0]*t3)) - t27;
-    const double t28 = WG_FMA(qdd[2], sin_thigh_shank, qdd[1]*sin_thigh_shank);
-    a_d_param[5] = WG_FMA(rates_shank_x, t21, t25) + t28;
-}
-
-void mero_leg_param_leg_foot_acceleration_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
-    double *WG_RESTRICT a_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_acceleration_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, a_d_param + row * 6);
-    }
-}
-
-void mero_leg_param_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT a) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    const double flow_yaw_x = qd[0]*yaw_to_tip_y;
-    const double flow_yaw_y = qd[0]*yaw_to_tip_x;
-    const double bias_yaw_x = qd[0]*flow_yaw_y;
-    const double bias_yaw_y = qd[0]*flow_yaw_x;
-    const double spin_thigh_x = qd[1]*sin_yaw;
-    const double spin_thigh_y = qd[1]*cos_yaw;
-    const double flow_thigh_x = qd[1]*J_thigh_x;
-    const double flow_thigh_y = qd[1]*J_thigh_y;
-    const double flow_thigh_z = qd[1]*thigh_to_tip_x;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_yaw_x));
-    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, WG_FMA(spin_thigh_x, flow_thigh_z, bias_yaw_y));
-    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
-    const double turn_thigh_x = qd[0]*spin_thigh_y;
-    const double turn_thigh_y = qd[0]*spin_thigh_x;
-    const double spin_shank_x = qd[2]*sin_yaw;
-    const double spin_shank_y = qd[2]*cos_yaw;
-    const double flow_shank_x = qd[2]*J_shank_x;
-    const double flow_shank_y = qd[2]*J_shank_y;
-    const double flow_shank_z = qd[2]*shank_to_tip_x;
-    const double rate_shank_x = spin_thigh_x + spin_shank_x;
-    const double rate_shank_y = spin_thigh_y + spin_shank_y;
-    const double rates_shank_x = spin_thigh_x + rate_shank_x;
-    const double rates_shank_y = spin_thigh_y + rate_shank_y;
-    const double t1 = WG_FMA(rates_thigh_z, flow_shank_y, bias_thigh_x);
-    const double bias_shank_x = WG_FMA(flow_shank_z, rates_shank_y, t1);
-    a[0] = -bias_shank_x;
-    const double t2 = WG_FMA(flow_shank_x, rates_shank_y, bias_thigh_z);
-    const double bias_shank_z = WG_FMA(flow_shank_y, rates_shank_x, t2);
-    a[2] = bias_shank_z;
-    const double turn_shank_x = WG_FMA(qd[0], spin_shank_y, turn_thigh_x);
-    a[3] = turn_shank_x;
-    const double turn_shank_y = WG_FMA(qd[0], spin_shank_x, turn_thigh_y);
-    a[4] = turn_shank_y;
-    const double turn_shank_z = WG_FMA(-spin_thigh_x, spin_shank_y, spin_thigh_y*spin_shank_x);
-    a[5] = turn_shank_z;
-    const double t3 = WG_FMA(flow_shank_z, rates_shank_x, bias_thigh_y);
-    a[1] = WG_FMA(rates_thigh_z, flow_shank_x, -t3);
-}
-
-void mero_leg_param_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, param, a + row * 6);
-    }
-}
-
-void mero_leg_param_leg_foot_bias_acceleration_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT a_d_param) {
-    (void)param;
-    a_d_param[6] = 0.0;
-    a_d_param[7] = 0.0;
-    a_d_param[8] = 0.0;
-    a_d_param[9] = 0.0;
-    a_d_param[10] = 0.0;
-    a_d_param[11] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t1 = cos_yaw*cos_thigh_shank;
-    const double t2 = sin_yaw*cos_thigh_shank;
-    const double t3 = cos_yaw*sin_thigh_shank;
-    const double t4 = sin_yaw*sin_thigh_shank;
-    const double spin_thigh_x = qd[1]*sin_yaw;
-    const double spin_thigh_y = qd[1]*cos_yaw;
-    const double t5 = qd[1]*t3;
-    const double t6 = qd[1]*t4;
-    const double t7 = qd[1]*cos_thigh_shank;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double t8 = qd[2]*t3;
-    const double t9 = qd[2]*t4;
-    const double t10 = qd[2]*cos_thigh_shank;
-    const double rate_shank_x = WG_FMA(qd[2], sin_yaw, spin_thigh_x);
-    const double rate_shank_y = WG_FMA(qd[2], cos_yaw, spin_thigh_y);
-    const double rates_shank_x = spin_thigh_x + rate_shank_x;
-    const double rates_shank_y = spin_thigh_y + rate_shank_y;
-    const double t11 = WG_FMA(-t6, rates_thigh_z, WG_FMA(spin_thigh_y, t7, qd[0]*(qd[0]*t1)));
-    a_d_param[0] = -WG_FMA(t10, rates_shank_y, WG_FMA(-rates_thigh_z, t9, t11));
-    const double t12 = WG_FMA(t5, rates_thigh_z, WG_FMA(spin_thigh_x, t7, qd[0]*(qd[0]*t2)));
-    a_d_param[2] = -WG_FMA(rates_thigh_z, t8, WG_FMA(t10, rates_shank_x, t12));
-    const double t13 = WG_FMA(t8, rates_shank_y, WG_FMA(spin_thigh_y, t5, spin_thigh_x*t6));
-    a_d_param[4] = -WG_FMA(t9, rates_shank_x, t13);
-    const double t14 = qd[1]*t1;
-    const double t15 = qd[1]*t2;
-    const double t16 = qd[1]*sin_thigh_shank;
-    const double t17 = qd[2]*t1;
-    const double t18 = qd[2]*t2;
-    const double t19 = qd[2]*sin_thigh_shank;
-    const double t20 = WG_FMA(rates_thigh_z, t15, WG_FMA(spin_thigh_y, t16, qd[0]*(qd[0]*t3)));
-    a_d_param[1] = -WG_FMA(rates_shank_y, t19, WG_FMA(rates_thigh_z, t18, t20));
-    const double t21 = WG_FMA(-rates_thigh_z, t14, WG_FMA(spin_thigh_x, t16, qd[0]*(qd[0]*t4)));
-    a_d_param[3] = WG_FMA(rates_thigh_z, t17, -WG_FMA(rates_shank_x, t19, t21));
-    const double t22 = WG_FMA(rates_shank_y, t17, WG_FMA(spin_thigh_y, t14, spin_thigh_x*t15));
-    a_d_param[5] = WG_FMA(rates_shank_x, t18, t22);
-}
-
-void mero_leg_param_leg_foot_bias_acceleration_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT a_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_bias_acceleration_d_param(q + row * 3, qd + row * 3, param, a_d_param + row * 12);
-    }
-}
-
-void mero_leg_param_leg_foot_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT f,
-    const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
-    const double yaw_to_tip_x = cos_yaw*thigh_to_tip_x;
-    const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
-    tau[0] = WG_FMA(-f[0], yaw_to_tip_y, f[1]*yaw_to_tip_x);
-    const double J_thigh_x = cos_yaw*thigh_to_tip_y;
-    const double J_thigh_y = sin_yaw*thigh_to_tip_y;
-    tau[1] = WG_FMA(f[2], thigh_to_tip_x, WG_FMA(f[1], J_thigh_y, f[0]*J_thigh_x));
-    const double J_shank_x = cos_yaw*shank_to_tip_y;
-    const double J_shank_y = sin_yaw*shank_to_tip_y;
-    tau[2] = WG_FMA(f[2], shank_to_tip_x, WG_FMA(f[1], J_shank_y, f[0]*J_shank_x));
-}
-
-void mero_leg_param_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
-    const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_torque(q + row * 3, f + row * 3, param, tau + row * 3);
-    }
-}
-
-void mero_leg_param_leg_foot_torque_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT f,
-    const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
-    (void)param;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t1 = cos_yaw*cos_thigh_shank;
-    const double t2 = sin_yaw*cos_thigh_shank;
-    tau_d_param[0] = WG_FMA(-f[0], t2, f[1]*t1);
-    const double t3 = cos_yaw*sin_thigh_shank;
-    const double t4 = sin_yaw*sin_thigh_shank;
-    tau_d_param[1] = WG_FMA(-f[0], t4, f[1]*t3);
-    const double t5 = WG_FMA(f[2], cos_thigh_shank, -WG_FMA(f[1], t4, f[0]*t3));
-    tau_d_param[2] = t5;
-    tau_d_param[4] = t5;
-    const double t6 = WG_FMA(f[2], sin_thigh_shank, WG_FMA(f[1], t2, f[0]*t1));
-    tau_d_param[3] = t6;
-    tau_d_param[5] = t6;
-}
-
-void mero_leg_param_leg_foot_torque_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT f, const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_torque_d_param(q + row * 3, f + row * 3, param, tau_d_param + row * 6);
-    }
-}
-
 void mero_leg_param_leg_joint_frames(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT T) {
     T[0] = 1.0;
@@ -1373,22 +2409,19 @@ void mero_leg_param_leg_joint_frames(const double *WG_RESTRICT q, const double *
     T[61] = 0.0;
     T[62] = 0.0;
     T[63] = 1.0;
-    const double cos_yaw = WG_COS(q[0]);
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     T[16] = cos_yaw;
-    const double sin_yaw = WG_SIN(q[0]);
     T[18] = sin_yaw;
     T[20] = sin_yaw;
     T[34] = sin_yaw;
-    T[50] = sin_yaw;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    T[57] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    T[56] = sin_thigh_shank;
-    const double cos_thigh = WG_COS(q[1]);
-    T[41] = cos_thigh;
-    const double sin_thigh = WG_SIN(q[1]);
     T[40] = sin_thigh;
+    T[41] = cos_thigh;
+    T[50] = sin_yaw;
+    T[56] = sin_thigh_shank;
+    T[57] = cos_thigh_shank;
     const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
     T[48] = frame_thigh_shank_x_x;
     const double frame_thigh_shank_x_y = sin_yaw*cos_thigh_shank;
@@ -1558,11 +2591,9 @@ void mero_leg_param_leg_joint_frames_d_param(const double *WG_RESTRICT q, const 
     T_d_param[125] = 0.0;
     T_d_param[126] = 0.0;
     T_d_param[127] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     T_d_param[118] = sin_thigh_shank;
     const double frame_thigh_shank_x_x = cos_yaw*cos_thigh_shank;
     T_d_param[102] = frame_thigh_shank_x_x;
@@ -1719,35 +2750,6 @@ void mero_leg_param_leg_inverse_distance_batch(size_t rows, const double *WG_RES
     }
 }
 
-int32_t mero_leg_param_leg_within_limits(const double *WG_RESTRICT q, const double *WG_RESTRICT param) {
-    (void)param;
-    const int t1 = -1.0471975511965979 <= q[0] && q[0] <= 1.0471975511965979;
-    const int t2 = t1 && (-1.5707963267948966 <= q[1] && q[1] <= 1.5707963267948966);
-    return (int32_t)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
-}
-
-void mero_leg_param_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, int32_t *WG_RESTRICT within) {
-    for (size_t row = 0; row < rows; ++row) {
-        within[row] = mero_leg_param_leg_within_limits(q + row * 3, param);
-    }
-}
-
-void mero_leg_param_leg_within_limits_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    int32_t *WG_RESTRICT within_d_param) {
-    (void)q;
-    (void)param;
-    within_d_param[0] = (int32_t)(0.0);
-    within_d_param[1] = (int32_t)(0.0);
-}
-
-void mero_leg_param_leg_within_limits_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, int32_t *WG_RESTRICT within_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_within_limits_d_param(q + row * 3, param, within_d_param + row * 2);
-    }
-}
-
 int32_t mero_leg_param_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT param, double *WG_RESTRICT qd) {
     double J[9];
@@ -1789,238 +2791,6 @@ size_t mero_leg_param_leg_inverse_acceleration_batch(size_t rows, const double *
     return bad;
 }
 
-void mero_leg_param_leg_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, const double *WG_RESTRICT param,
-    double *WG_RESTRICT tau) {
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
-    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
-    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
-    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t2 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t2 + thigh_field_y_y;
-    const double t3 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t3;
-    const double shank_at_x = WG_FMA(shank_lever_x, thigh_field_x_x, qdd[1]*shank_lever_y);
-    const double shank_at_y = WG_FMA(-shank_lever_y, thigh_field_y_y, WG_FMA(qdd[1], shank_lever_x, 9.80665));
-    const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
-    const double shank_spin_z = qd[1] + qd[2];
-    const double shank_rate = qdd[1] + qdd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double thigh_inertial_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, qdd[0]*thigh_inertia_yy);
-    const double thigh_inertial_moment_z = WG_FMA(qdd[1], 0.020625, t2*thigh_inertia_xy);
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
-    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
-    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
-    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t2 + shank_field_y_y;
-    const double shank_field_y_z = t3*shank_spin_z;
-    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
-    const double shank_heave_z = WG_FMA(shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
-    const double t4 = WG_FMA(shank_rate, shank_inertia_moment_y, shank_at_x*1.1);
-    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, t4);
-    const double t5 = WG_FMA(shank_rate, shank_inertia_moment_x, shank_at_y*1.1);
-    const double shank_inertial_force_y = WG_FMA(-shank_inertia_moment_y, shank_field_y_y, t5);
-    const double t6 = WG_FMA(shank_at_z, 1.1, qdd[0]*shank_inertia_moment_x);
-    const double shank_inertial_force_z = WG_FMA(-shank_inertia_moment_y, shank_field_y_z, t6);
-    const double t7 = WG_FMA(qdd[0], shank_inertia_yy, shank_heave_y);
-    const double shank_inertial_moment_y = WG_FMA(-shank_inertia_xy, shank_field_y_z, t7);
-    const double shank_inertial_moment_z = shank_heave_z + WG_FMA(shank_link_yy_2, shank_rate, t2*shank_inertia_xy);
-    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
-    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
-    const double foot_lever_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double foot_lever_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
-    const double shank_own_force_y = f[2] - shank_inertial_force_y;
-    const double shank_own_force_z = foot_force_yaw_y - shank_inertial_force_z;
-    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, -shank_inertial_moment_y);
-    const double t8 = WG_FMA(foot_force_yaw_x, foot_lever_y, f[2]*foot_lever_x);
-    tau[2] = shank_inertial_moment_z - t8;
-    const double shank_own_moment_z = t8 - shank_inertial_moment_z;
-    const double t9 = WG_FMA(shank_lever_x, shank_own_force_z, thigh_inertial_moment_y);
-    const double thigh_moment_y = shank_own_moment_y + t9;
-    tau[0] = WG_FMA(qdd[0], 0.0035, -thigh_moment_y);
-    const double t10 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
-    tau[1] = WG_FMA(shank_lever_y, shank_own_force_x, -(shank_own_moment_z + t10));
-}
-
-void mero_leg_param_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
-    const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param, tau + row * 3);
-    }
-}
-
-void mero_leg_param_leg_inverse_dynamics_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, const double *WG_RESTRICT param,
-    double *WG_RESTRICT tau_d_param) {
-    const double shank_link_com_x = param[0]*0.5;
-    const double t1 = 0.5*shank_link_com_x;
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
-    const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t4 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t4 + thigh_field_y_y;
-    const double t5 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t5;
-    const double shank_at_x = WG_FMA(shank_lever_x, thigh_field_x_x, qdd[1]*shank_lever_y);
-    const double shank_at_y = WG_FMA(-shank_lever_y, thigh_field_y_y, WG_FMA(qdd[1], shank_lever_x, 9.80665));
-    const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
-    const double shank_spin_z = qd[1] + qd[2];
-    const double shank_rate = qdd[1] + qdd[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t6 = t3*cos_thigh_shank;
-    const double t7 = 0.3*cos_thigh_shank;
-    const double t8 = 0.3*sin_thigh_shank;
-    const double t9 = sin_thigh_shank*t6;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t4 + shank_field_y_y;
-    const double shank_field_y_z = t5*shank_spin_z;
-    const double t10 = WG_FMA(shank_at_y, t7, shank_at_x*t8) + WG_FMA(t3, shank_rate, t4*t9);
-    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
-    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
-    tau_d_param[1] = -(sin_thigh_shank*foot_force_yaw_y);
-    const double t11 = WG_FMA(-t9, shank_field_y_z, WG_FMA(qdd[0], cos_thigh_shank*t6, shank_at_z*t7));
-    const double t12 = WG_FMA(-sin_thigh_shank, foot_force_yaw_x, f[2]*cos_thigh_shank);
-    tau_d_param[4] = t10 - t12;
-    const double t13 = WG_FMA(cos_thigh_shank, foot_force_yaw_y, -t11);
-    tau_d_param[0] = -WG_FMA(shank_lever_x, WG_FMA(-qdd[0], t7, t8*shank_field_y_z), t13);
-    const double t14 = WG_FMA(shank_lever_x, WG_FMA(-shank_rate, t7, t8*shank_field_y_y), t12 - t10);
-    tau_d_param[2] = WG_FMA(shank_lever_y, WG_FMA(t7, shank_field_x_x, shank_rate*t8), -t14);
-    const double t15 = -WG_FMA(cos_thigh_shank, foot_force_yaw_x, f[2]*sin_thigh_shank);
-    tau_d_param[3] = t15;
-    tau_d_param[5] = t15;
-}
-
-void mero_leg_param_leg_inverse_dynamics_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
-    const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_d_param(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param,
-            tau_d_param + row * 6);
-    }
-}
-
-void mero_leg_param_leg_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, const double *WG_RESTRICT param,
-    double *WG_RESTRICT qdd) {
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
-    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
-    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
-    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t2 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t2 + thigh_field_y_y;
-    const double t3 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t3;
-    const double shank_at_x = shank_lever_x*thigh_field_x_x;
-    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
-    const double shank_at_z = shank_lever_y*thigh_field_y_z;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double thigh_inertial_moment_z = t2*thigh_inertia_xy;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
-    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
-    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t2 + shank_field_y_y;
-    const double shank_field_y_z = t3*shank_spin_z;
-    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
-    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
-    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
-    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
-    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
-    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
-    const double shank_inertial_moment_z = WG_FMA(t2, shank_inertia_xy, shank_heave_z);
-    const double foot_force_yaw_x = WG_FMA(f[1], sin_yaw, f[0]*cos_yaw);
-    const double foot_force_yaw_y = WG_FMA(-f[0], sin_yaw, f[1]*cos_yaw);
-    const double foot_lever_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double foot_lever_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double shank_own_force_x = shank_inertial_force_x + foot_force_yaw_x;
-    const double shank_own_force_y = f[2] + shank_inertial_force_y;
-    const double shank_own_force_z = shank_inertial_force_z + foot_force_yaw_y;
-    const double shank_own_moment_y = WG_FMA(foot_force_yaw_y, foot_lever_x, shank_inertial_moment_y);
-    const double shank_own_moment_z = WG_FMA(foot_force_yaw_x, foot_lever_y, f[2]*foot_lever_x) - shank_inertial_moment_z;
-    const double t4 = WG_FMA(shank_lever_x, shank_own_force_z, shank_own_moment_y);
-    const double thigh_moment_y = WG_FMA(-thigh_field_y_z, thigh_inertia_xy, t4);
-    const double t5 = WG_FMA(shank_lever_x, shank_own_force_y, thigh_inertial_moment_z);
-    const double thigh_moment_z = WG_FMA(-shank_lever_y, shank_own_force_x, shank_own_moment_z + t5);
-    const double thigh_inertia_spun_y_2 = sin_thigh*0.021625;
-    const double thigh_inertia_rest_2 = WG_FMA(sin_thigh, thigh_inertia_spun_y_2, -0.021625);
-    const double shank_inertia_spun_y_2 = shank_kept_yy*sin_thigh_shank;
-    const double shank_inertia_rest_2 = WG_FMA(sin_thigh_shank, shank_inertia_spun_y_2, -shank_kept_yy);
-    const double t6 = 1.1*(shank_lever_x*shank_lever_x);
-    const double t7 = shank_inertia_moment_x*(2.0*shank_lever_x);
-    const double thigh_composite_yy = thigh_inertia_rest_2 + (t6 + t7) - shank_inertia_rest_2;
-    const double t8 = WG_FMA(1.1, shank_lever_y*shank_lever_y, t7 + (shank_link_yy_2 + t6));
-    const double thigh_composite_zz = WG_FMA(shank_inertia_moment_y, 2.0*shank_lever_y, t8) - 0.020625;
-    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
-    const double t9 = WG_FMA(shank_lever_x, shank_inertia_moment_x, shank_link_yy_2);
-    const double M_shank_on_shank_moment_z = WG_FMA(shank_lever_y, shank_inertia_moment_y, t9);
-    const double reciprocal_2 = 1.0/shank_link_yy_2;
-    const double L_2_1 = M_shank_on_shank_moment_z*reciprocal_2;
-    const double D_1_1 = WG_FMA(M_shank_on_shank_moment_z, L_2_1, -thigh_composite_zz);
-    const double reciprocal_1 = 1.0/D_1_1;
-    const double reciprocal_0 = 1.0/yaw_borne_zz;
-    const double halfway_2 = tau[2] + shank_own_moment_z;
-    const double halfway_1 = WG_FMA(-L_2_1, halfway_2, tau[1] + thigh_moment_z);
-    const double halfway_0 = tau[0] + thigh_moment_y;
-    const double solution_0 = reciprocal_0*halfway_0;
-    qdd[0] = solution_0;
-    const double solution_1 = reciprocal_1*halfway_1;
-    qdd[1] = -solution_1;
-    const double solution_2 = WG_FMA(L_2_1, solution_1, reciprocal_2*halfway_2);
-    qdd[2] = solution_2;
-}
-
-void mero_leg_param_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
-    const double *WG_RESTRICT param, double *WG_RESTRICT qdd) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param, qdd + row * 3);
-    }
-}
-
 void mero_leg_param_leg_forward_dynamics_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT tau, const double *WG_RESTRICT f, const double *WG_RESTRICT param,
     double *WG_RESTRICT qdd_d_param) {
@@ -2035,10 +2805,9 @@ void mero_leg_param_leg_forward_dynamics_d_param(const double *WG_RESTRICT q, co
     const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
     const double shank_kept_yy = shank_link_yy_2 - 0.0005;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_yaw, cos_yaw, sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank,
+        cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double t5 = qd[0]*qd[0];
@@ -2053,8 +2822,6 @@ void mero_leg_param_leg_forward_dynamics_d_param(const double *WG_RESTRICT q, co
     const double thigh_inertia_spun_y = cos_thigh*0.021625;
     const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
     const double thigh_inertial_moment_z = t5*thigh_inertia_xy;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
     const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
     const double t7 = 0.3*cos_thigh_shank;
@@ -2141,505 +2908,6 @@ void mero_leg_param_leg_forward_dynamics_d_param_batch(size_t rows, const double
     }
 }
 
-void mero_leg_param_leg_mass_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT M) {
-    M[1] = 0.0;
-    M[2] = 0.0;
-    M[3] = 0.0;
-    M[6] = 0.0;
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
-    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
-    M[8] = shank_link_yy_2;
-    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
-    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_inertia_spun_y = sin_thigh*0.021625;
-    const double thigh_inertia_rest = WG_FMA(sin_thigh, thigh_inertia_spun_y, -0.021625);
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = shank_kept_yy*sin_thigh_shank;
-    const double shank_inertia_rest = WG_FMA(sin_thigh_shank, shank_inertia_spun_y, -shank_kept_yy);
-    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
-    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t2 = shank_lever_x*(2.0*shank_inertia_moment_x);
-    const double t3 = 1.1*(shank_lever_x*shank_lever_x);
-    const double thigh_composite_yy = t3 + (thigh_inertia_rest + t2) - shank_inertia_rest;
-    const double t4 = t3 + WG_FMA(shank_lever_y, 2.0*shank_inertia_moment_y, shank_link_yy_2 + t2);
-    const double thigh_composite_zz = WG_FMA(1.1, shank_lever_y*shank_lever_y, t4) - 0.020625;
-    M[4] = thigh_composite_zz;
-    const double yaw_borne_zz = thigh_composite_yy + 0.0035;
-    M[0] = yaw_borne_zz;
-    const double t5 = WG_FMA(shank_inertia_moment_x, shank_lever_x, shank_link_yy_2);
-    const double M_shank_on_shank_moment_z = WG_FMA(shank_inertia_moment_y, shank_lever_y, t5);
-    M[5] = M_shank_on_shank_moment_z;
-    M[7] = M_shank_on_shank_moment_z;
-}
-
-void mero_leg_param_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_mass_matrix(q + row * 3, param, M + row * 9);
-    }
-}
-
-void mero_leg_param_leg_mass_matrix_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT M_d_param) {
-    M_d_param[1] = 0.0;
-    M_d_param[2] = 0.0;
-    M_d_param[3] = 0.0;
-    M_d_param[4] = 0.0;
-    M_d_param[5] = 0.0;
-    M_d_param[6] = 0.0;
-    M_d_param[7] = 0.0;
-    M_d_param[9] = 0.0;
-    M_d_param[11] = 0.0;
-    M_d_param[12] = 0.0;
-    M_d_param[13] = 0.0;
-    M_d_param[15] = 0.0;
-    M_d_param[17] = 0.0;
-    const double shank_link_com_x = param[0]*0.5;
-    const double t1 = 0.5*shank_link_com_x;
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
-    const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
-    M_d_param[16] = t3;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t4 = 0.3*cos_thigh_shank;
-    const double t5 = 0.3*sin_thigh_shank;
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t6 = shank_lever_x*(2.0*t4);
-    M_d_param[0] = t6 - WG_FMA(sin_thigh_shank, t3*sin_thigh_shank, -t3);
-    M_d_param[8] = WG_FMA(shank_lever_y, 2.0*t5, t3 + t6);
-    const double t7 = WG_FMA(t5, shank_lever_y, WG_FMA(t4, shank_lever_x, t3));
-    M_d_param[10] = t7;
-    M_d_param[14] = t7;
-}
-
-void mero_leg_param_leg_mass_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT M_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_mass_matrix_d_param(q + row * 3, param, M_d_param + row * 18);
-    }
-}
-
-void mero_leg_param_leg_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT h) {
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
-    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
-    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
-    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t2 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t2 + thigh_field_y_y;
-    const double t3 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t3;
-    const double shank_at_x = shank_lever_x*thigh_field_x_x;
-    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
-    const double shank_at_z = shank_lever_y*thigh_field_y_z;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
-    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
-    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t2 + shank_field_y_y;
-    const double shank_field_y_z = t3*shank_spin_z;
-    const double shank_heave_y = shank_at_z*shank_inertia_moment_x;
-    const double shank_heave_z = WG_FMA(-shank_at_y, shank_inertia_moment_x, shank_at_x*shank_inertia_moment_y);
-    const double shank_inertial_force_x = WG_FMA(shank_inertia_moment_x, shank_field_x_x, shank_at_x*1.1);
-    const double shank_inertial_force_y = WG_FMA(shank_inertia_moment_y, shank_field_y_y, shank_at_y*1.1);
-    const double shank_inertial_force_z = WG_FMA(shank_inertia_moment_y, shank_field_y_z, shank_at_z*1.1);
-    const double shank_inertial_moment_y = WG_FMA(shank_inertia_xy, shank_field_y_z, shank_heave_y);
-    const double shank_inertial_moment_z = WG_FMA(t2, shank_inertia_xy, shank_heave_z);
-    h[2] = shank_inertial_moment_z;
-    const double t4 = WG_FMA(shank_lever_y, shank_inertial_force_x, shank_inertial_moment_z);
-    const double thigh_moment_z = WG_FMA(-t2, thigh_inertia_xy, WG_FMA(-shank_lever_x, shank_inertial_force_y, t4));
-    h[1] = thigh_moment_z;
-    const double t5 = WG_FMA(shank_lever_x, shank_inertial_force_z, shank_inertial_moment_y);
-    h[0] = WG_FMA(thigh_field_y_z, thigh_inertia_xy, -t5);
-}
-
-void mero_leg_param_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_bias(q + row * 3, qd + row * 3, param, h + row * 3);
-    }
-}
-
-void mero_leg_param_leg_bias_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT h_d_param) {
-    h_d_param[1] = 0.0;
-    h_d_param[3] = 0.0;
-    h_d_param[5] = 0.0;
-    const double shank_link_com_x = param[0]*0.5;
-    const double t1 = 0.5*shank_link_com_x;
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double t3 = qd[0]*qd[0];
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = t3 + thigh_field_y_y;
-    const double t4 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t4;
-    const double shank_at_x = shank_lever_x*thigh_field_x_x;
-    const double shank_at_y = WG_FMA(shank_lever_y, thigh_field_y_y, -9.80665);
-    const double shank_at_z = shank_lever_y*thigh_field_y_z;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t5 = 0.3*cos_thigh_shank;
-    const double t6 = 0.3*sin_thigh_shank;
-    const double t7 = (WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2)*cos_thigh_shank;
-    const double t8 = sin_thigh_shank*t7;
-    const double shank_field_y_y = shank_spin_z*shank_spin_z;
-    const double shank_field_x_x = t3 + shank_field_y_y;
-    const double shank_field_y_z = t4*shank_spin_z;
-    const double t9 = WG_FMA(t3, t8, WG_FMA(-shank_at_y, t5, shank_at_x*t6));
-    h_d_param[4] = t9;
-    const double t10 = WG_FMA(t8, shank_field_y_z, shank_at_z*t5);
-    h_d_param[0] = -WG_FMA(shank_lever_x, t6*shank_field_y_z, t10);
-    const double t11 = WG_FMA(shank_lever_y, t5*shank_field_x_x, t9);
-    h_d_param[2] = WG_FMA(-shank_lever_x, t6*shank_field_y_y, t11);
-}
-
-void mero_leg_param_leg_bias_d_param_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT h_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_bias_d_param(q + row * 3, qd + row * 3, param, h_d_param + row * 6);
-    }
-}
-
-void mero_leg_param_leg_gravity_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT g) {
-    g[0] = 0.0;
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_moment_x_2 = WG_FMA(-shank_link_com_x, 0.6, param[0]*0.6);
-    const double weight_moment_x = shank_link_moment_x_2*9.80665;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double shank_inertia_moment_x = weight_moment_x*cos_thigh_shank;
-    g[2] = shank_inertia_moment_x;
-    const double thigh_moment_z = WG_FMA(shank_lever_x, 10.787315, shank_inertia_moment_x);
-    g[1] = thigh_moment_z;
-}
-
-void mero_leg_param_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT g) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_gravity_torque(q + row * 3, param, g + row * 3);
-    }
-}
-
-void mero_leg_param_leg_gravity_torque_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT g_d_param) {
-    (void)param;
-    g_d_param[0] = 0.0;
-    g_d_param[1] = 0.0;
-    g_d_param[3] = 0.0;
-    g_d_param[5] = 0.0;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double t1 = 2.941995*cos_thigh_shank;
-    g_d_param[2] = t1;
-    g_d_param[4] = t1;
-}
-
-void mero_leg_param_leg_gravity_torque_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT g_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_gravity_torque_d_param(q + row * 3, param, g_d_param + row * 6);
-    }
-}
-
-void mero_leg_param_leg_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT C) {
-    C[8] = 0.0;
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
-    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
-    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
-    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
-    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
-    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
-    const double shank_inertia_xy = sin_thigh_shank*shank_inertia_spun_y;
-    const double thigh_field_x_x_d_qd_yaw = qd[0]*2.0;
-    const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
-    const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
-    const double shank_at_z_d_qd_yaw = shank_lever_y*thigh_field_y_z_d_qd_yaw;
-    const double thigh_inertial_moment_z_d_qd_yaw = thigh_inertia_xy*thigh_field_x_x_d_qd_yaw;
-    const double shank_field_y_z_d_qd_yaw = 2.0*shank_spin_z;
-    const double shank_heave_y_d_qd_yaw = shank_inertia_moment_x*shank_at_z_d_qd_yaw;
-    const double shank_inertial_force_x_d_qd_yaw = WG_FMA(shank_at_x_d_qd_yaw, 1.1, shank_inertia_moment_x*thigh_field_x_x_d_qd_yaw);
-    const double shank_inertial_force_y_d_qd_shank = shank_inertia_moment_y*shank_field_y_z_d_qd_yaw;
-    const double shank_inertial_force_z_d_qd_yaw = WG_FMA(shank_at_z_d_qd_yaw, 1.1, shank_inertial_force_y_d_qd_shank);
-    const double shank_inertial_moment_y_d_qd_yaw = WG_FMA(shank_inertia_xy, shank_field_y_z_d_qd_yaw, shank_heave_y_d_qd_yaw);
-    const double shank_inertial_moment_y_d_qd_shank = shank_inertia_xy*thigh_field_x_x_d_qd_yaw;
-    const double shank_inertial_moment_z_d_qd_yaw = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_yaw, shank_inertial_moment_y_d_qd_shank);
-    C[6] = 0.5*shank_inertial_moment_z_d_qd_yaw;
-    const double t2 = shank_lever_x*shank_inertial_force_z_d_qd_yaw;
-    const double t3 = shank_inertial_moment_y_d_qd_yaw + t2;
-    const double thigh_moment_y_d_qd_yaw = WG_FMA(-thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, t3);
-    C[0] = -(0.5*thigh_moment_y_d_qd_yaw);
-    const double t4 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_yaw, shank_inertial_moment_z_d_qd_yaw);
-    const double thigh_moment_z_d_qd_yaw = t4 - thigh_inertial_moment_z_d_qd_yaw;
-    C[3] = 0.5*thigh_moment_z_d_qd_yaw;
-    const double shank_at_x_d_qd_thigh = shank_lever_x*thigh_field_y_z_d_qd_yaw;
-    const double shank_at_z_d_qd_thigh = shank_lever_y*thigh_field_x_x_d_qd_yaw;
-    const double shank_heave_z_d_qd_thigh = WG_FMA(shank_inertia_moment_y, shank_at_x_d_qd_thigh, -shank_heave_y_d_qd_yaw);
-    C[7] = 0.5*shank_heave_z_d_qd_thigh;
-    const double shank_inertial_force_x_d_qd_shank = shank_inertia_moment_x*shank_field_y_z_d_qd_yaw;
-    const double shank_inertial_force_x_d_qd_thigh = WG_FMA(1.1, shank_at_x_d_qd_thigh, shank_inertial_force_x_d_qd_shank);
-    const double shank_inertial_force_z_d_qd_shank = shank_inertia_moment_y*thigh_field_x_x_d_qd_yaw;
-    const double shank_inertial_force_z_d_qd_thigh = WG_FMA(1.1, shank_at_z_d_qd_thigh, shank_inertial_force_z_d_qd_shank);
-    const double shank_inertial_moment_y_d_qd_thigh = WG_FMA(shank_inertia_moment_x, shank_at_z_d_qd_thigh, shank_inertial_moment_y_d_qd_shank);
-    const double t5 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
-    const double thigh_moment_y_d_qd_thigh = t5 - thigh_inertial_moment_z_d_qd_yaw;
-    C[1] = -(0.5*thigh_moment_y_d_qd_thigh);
-    const double t6 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_thigh, shank_heave_z_d_qd_thigh);
-    const double thigh_moment_z_d_qd_thigh = t6 - t2;
-    C[4] = 0.5*thigh_moment_z_d_qd_thigh;
-    const double thigh_moment_y_d_qd_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_shank, shank_inertial_moment_y_d_qd_shank);
-    C[2] = -(0.5*thigh_moment_y_d_qd_shank);
-    const double t7 = shank_lever_y*shank_inertial_force_x_d_qd_shank;
-    const double thigh_moment_z_d_qd_shank = WG_FMA(-shank_lever_x, shank_inertial_force_y_d_qd_shank, t7);
-    C[5] = 0.5*thigh_moment_z_d_qd_shank;
-}
-
-void mero_leg_param_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT C) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_coriolis_matrix(q + row * 3, qd + row * 3, param, C + row * 9);
-    }
-}
-
-void mero_leg_param_leg_coriolis_matrix_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT C_d_param) {
-    C_d_param[1] = 0.0;
-    C_d_param[3] = 0.0;
-    C_d_param[5] = 0.0;
-    C_d_param[7] = 0.0;
-    C_d_param[9] = 0.0;
-    C_d_param[11] = 0.0;
-    C_d_param[13] = 0.0;
-    C_d_param[15] = 0.0;
-    C_d_param[16] = 0.0;
-    C_d_param[17] = 0.0;
-    const double shank_link_com_x = param[0]*0.5;
-    const double t1 = 0.5*shank_link_com_x;
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t3 = 0.3*cos_thigh_shank;
-    const double t4 = 0.3*sin_thigh_shank;
-    const double t5 = (WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2)*cos_thigh_shank;
-    const double t6 = sin_thigh_shank*t5;
-    const double thigh_field_x_x_d_qd_yaw = qd[0]*2.0;
-    const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
-    const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
-    const double shank_at_z_d_qd_yaw = shank_lever_y*thigh_field_y_z_d_qd_yaw;
-    const double shank_field_y_z_d_qd_yaw = 2.0*shank_spin_z;
-    const double t7 = t3*shank_at_z_d_qd_yaw;
-    const double t8 = t6*thigh_field_x_x_d_qd_yaw;
-    const double t9 = WG_FMA(t4, shank_at_x_d_qd_yaw, t8);
-    C_d_param[6] = 0.5*WG_FMA(shank_lever_y, t3*thigh_field_x_x_d_qd_yaw, t9);
-    C_d_param[12] = 0.5*t9;
-    const double t10 = shank_lever_x*(t4*shank_field_y_z_d_qd_yaw);
-    C_d_param[0] = -(0.5*(WG_FMA(t6, shank_field_y_z_d_qd_yaw, t7) + t10));
-    const double shank_at_x_d_qd_thigh = shank_lever_x*thigh_field_y_z_d_qd_yaw;
-    const double shank_at_z_d_qd_thigh = shank_lever_y*thigh_field_x_x_d_qd_yaw;
-    const double t11 = WG_FMA(t4, shank_at_x_d_qd_thigh, -t7);
-    C_d_param[14] = 0.5*t11;
-    const double t12 = shank_lever_x*(t4*thigh_field_x_x_d_qd_yaw);
-    C_d_param[2] = -(0.5*(WG_FMA(t3, shank_at_z_d_qd_thigh, t8) + t12));
-    C_d_param[4] = -(0.5*(t8 + t12));
-    const double t13 = shank_lever_y*(t3*shank_field_y_z_d_qd_yaw);
-    C_d_param[8] = 0.5*(t11 + t13 - t10);
-    C_d_param[10] = 0.5*(t13 - t10);
-}
-
-void mero_leg_param_leg_coriolis_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT C_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_coriolis_matrix_d_param(q + row * 3, qd + row * 3, param, C_d_param + row * 18);
-    }
-}
-
-void mero_leg_param_leg_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT T) {
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_yy = WG_FMA(0.6, shank_link_com_x*shank_link_com_x, 0.008);
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t1 = WG_FMA(0.6, param[0]*param[0], shank_link_yy);
-    const double shank_link_yy_2 = WG_FMA(-shank_link_moment_x, param[0]*2.0, t1);
-    const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
-    const double shank_kept_yy = shank_link_yy_2 - 0.0005;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double shank_velocity_before_x = qd[1]*shank_lever_y;
-    const double shank_velocity_before_y = qd[1]*shank_lever_x;
-    const double shank_velocity_before_z = qd[0]*shank_lever_x;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double yaw_momentum_moment_z = qd[0]*0.0035;
-    const double thigh_inertia_spun_y = cos_thigh*0.021625;
-    const double thigh_inertia_yy = cos_thigh*thigh_inertia_spun_y;
-    const double thigh_momentum_moment_y = qd[0]*thigh_inertia_yy;
-    const double thigh_momentum_moment_z = qd[1]*0.020625;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
-    const double shank_inertia_yy = cos_thigh_shank*shank_inertia_spun_y;
-    const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
-    const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
-    const double shank_momentum_force_x = WG_FMA(shank_spin_z, shank_inertia_moment_y, shank_velocity_before_x*1.1);
-    const double shank_momentum_force_y = WG_FMA(shank_spin_z, shank_inertia_moment_x, shank_velocity_before_y*1.1);
-    const double shank_momentum_force_z = WG_FMA(shank_velocity_before_z, 1.1, qd[0]*shank_inertia_moment_x);
-    const double shank_momentum_moment_y = WG_FMA(shank_velocity_before_z, shank_inertia_moment_x, qd[0]*shank_inertia_yy);
-    const double t2 = shank_link_yy_2*shank_spin_z;
-    const double t3 = WG_FMA(shank_velocity_before_x, shank_inertia_moment_y, t2);
-    const double shank_momentum_moment_z = WG_FMA(shank_velocity_before_y, shank_inertia_moment_x, t3);
-    const double yaw_energy = qd[0]*yaw_momentum_moment_z;
-    const double thigh_energy = WG_FMA(qd[1], thigh_momentum_moment_z, qd[0]*thigh_momentum_moment_y);
-    const double t4 = qd[0]*shank_momentum_moment_y;
-    const double t5 = WG_FMA(shank_velocity_before_x, shank_momentum_force_x, t4);
-    const double t6 = WG_FMA(shank_velocity_before_y, shank_momentum_force_y, t5);
-    const double t7 = WG_FMA(shank_velocity_before_z, shank_momentum_force_z, t6);
-    const double shank_energy = WG_FMA(shank_spin_z, shank_momentum_moment_z, t7);
-    *T = WG_FMA(-0.5, thigh_energy, WG_FMA(0.5, shank_energy, 0.5*yaw_energy));
-}
-
-void mero_leg_param_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_kinetic_energy(q + row * 3, qd + row * 3, param, T + row);
-    }
-}
-
-void mero_leg_param_leg_kinetic_energy_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
-    T_d_param[1] = 0.0;
-    const double shank_link_com_x = param[0]*0.5;
-    const double t1 = 0.5*shank_link_com_x;
-    const double shank_link_moment_x = shank_link_com_x*0.6;
-    const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
-    const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_x = cos_thigh*0.35;
-    const double shank_lever_y = sin_thigh*0.35;
-    const double shank_velocity_before_x = qd[1]*shank_lever_y;
-    const double shank_velocity_before_y = qd[1]*shank_lever_x;
-    const double shank_velocity_before_z = qd[0]*shank_lever_x;
-    const double shank_spin_z = qd[1] + qd[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double t4 = 0.3*cos_thigh_shank;
-    const double t5 = 0.3*sin_thigh_shank;
-    const double t6 = WG_FMA(shank_velocity_before_x, t5, t3*shank_spin_z);
-    const double t7 = WG_FMA(shank_velocity_before_z, t4, qd[0]*(cos_thigh_shank*(t3*cos_thigh_shank)));
-    const double t8 = WG_FMA(shank_velocity_before_x, shank_spin_z*t5, qd[0]*t7);
-    const double t9 = WG_FMA(shank_velocity_before_y, shank_spin_z*t4, t8);
-    const double t10 = WG_FMA(shank_velocity_before_z, qd[0]*t4, t9);
-    T_d_param[0] = 0.5*WG_FMA(shank_spin_z, WG_FMA(shank_velocity_before_y, t4, t6), t10);
-}
-
-void mero_leg_param_leg_kinetic_energy_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_kinetic_energy_d_param(q + row * 3, qd + row * 3, param, T_d_param + row * 2);
-    }
-}
-
-void mero_leg_param_leg_potential_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT U) {
-    const double shank_link_com_x = param[0]*0.5;
-    const double shank_link_moment_x_2 = WG_FMA(-shank_link_com_x, 0.6, param[0]*0.6);
-    const double angle_thigh_shank = q[1] + q[2];
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    const double shank_moment_own_y = shank_link_moment_x_2*sin_thigh_shank;
-    const double sin_thigh = WG_SIN(q[1]);
-    const double shank_lever_y = sin_thigh*0.35;
-    const double thigh_moment_y = WG_FMA(shank_lever_y, 1.1, shank_moment_own_y);
-    const double moment_z = thigh_moment_y + 0.336;
-    *U = moment_z*9.80665;
-}
-
-void mero_leg_param_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT U) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_potential_energy(q + row * 3, param, U + row);
-    }
-}
-
-void mero_leg_param_leg_potential_energy_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT U_d_param) {
-    (void)param;
-    U_d_param[1] = 0.0;
-    const double angle_thigh_shank = q[1] + q[2];
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
-    U_d_param[0] = 0.3*sin_thigh_shank*9.80665;
-}
-
-void mero_leg_param_leg_potential_energy_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT U_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_potential_energy_d_param(q + row * 3, param, U_d_param + row * 2);
-    }
-}
-
 void mero_leg_param_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_q,
     double *WG_RESTRICT tau_d_qd) {
@@ -2655,8 +2923,8 @@ void mero_leg_param_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q
     const double shank_link_moment_x_2 = WG_FMA(param[0], 0.6, -shank_link_moment_x);
     const double shank_kept_yy = shank_link_yy_2 - 0.0005;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double t2 = qd[0]*qd[0];
@@ -2673,8 +2941,6 @@ void mero_leg_param_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q
     const double shank_rate = qdd[1] + qdd[2];
     const double thigh_inertia_spun_y = cos_thigh*0.021625;
     const double thigh_inertia_xy = sin_thigh*thigh_inertia_spun_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_inertia_spun_y = shank_kept_yy*cos_thigh_shank;
     const double shank_inertia_moment_x = shank_link_moment_x_2*cos_thigh_shank;
     const double shank_inertia_moment_y = shank_link_moment_x_2*sin_thigh_shank;
@@ -2733,8 +2999,6 @@ void mero_leg_param_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q
     const double shank_inertial_moment_y_d_q_shank = shank_heave_x + t15;
     const double shank_inertial_moment_z_d_q_shank = t16 + shank_heave_z_d_q_shank;
     tau_d_q[8] = shank_inertial_moment_z_d_q_shank;
-    const double thigh_moment_y_d_q_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_q_shank, shank_inertial_moment_y_d_q_shank);
-    tau_d_q[2] = -thigh_moment_y_d_q_shank;
     const double t24 = shank_lever_x*shank_inertial_force_y_d_q_shank;
     const double thigh_field_y_z_d_qd_yaw = qd[1]*2.0;
     const double shank_at_x_d_qd_yaw = shank_lever_x*thigh_field_x_x_d_qd_yaw;
@@ -2765,17 +3029,19 @@ void mero_leg_param_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q
     const double t27 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_qd_thigh, shank_heave_z_d_qd_thigh);
     const double thigh_moment_z_d_qd_thigh = t27 - t25;
     tau_d_qd[4] = thigh_moment_z_d_qd_thigh;
-    const double thigh_moment_y_d_qd_shank = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_shank, shank_inertial_moment_y_d_qd_shank);
-    tau_d_qd[2] = -thigh_moment_y_d_qd_shank;
     const double t28 = shank_lever_y*shank_inertial_force_x_d_qd_shank;
     const double thigh_moment_z_d_qd_shank = WG_FMA(-shank_lever_x, shank_inertial_force_y_d_qd_shank, t28);
     tau_d_qd[5] = thigh_moment_z_d_qd_shank;
-    const double t29 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_q_shank, t24);
-    tau_d_q[5] = shank_inertial_moment_z_d_q_shank - t29;
-    const double t30 = shank_inertial_moment_y_d_qd_yaw + t25;
-    tau_d_qd[0] = WG_FMA(thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, -t30);
-    const double t31 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
-    tau_d_qd[1] = thigh_inertial_moment_z_d_qd_yaw - t31;
+    const double t29 = -shank_lever_x;
+    tau_d_q[2] = WG_FMA(t29, shank_inertial_force_z_d_q_shank, -shank_inertial_moment_y_d_q_shank);
+    const double t30 = WG_FMA(shank_lever_y, shank_inertial_force_x_d_q_shank, t24);
+    tau_d_q[5] = shank_inertial_moment_z_d_q_shank - t30;
+    const double t31 = shank_inertial_moment_y_d_qd_yaw + t25;
+    tau_d_qd[0] = WG_FMA(thigh_inertia_xy, thigh_field_y_z_d_qd_yaw, -t31);
+    const double t32 = WG_FMA(shank_lever_x, shank_inertial_force_z_d_qd_thigh, shank_inertial_moment_y_d_qd_thigh);
+    tau_d_qd[1] = thigh_inertial_moment_z_d_qd_yaw - t32;
+    const double t33 = -shank_lever_x;
+    tau_d_qd[2] = WG_FMA(t33, shank_inertial_force_z_d_qd_shank, -shank_inertial_moment_y_d_qd_shank);
 }
 
 void mero_leg_param_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
@@ -2818,8 +3084,8 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_d_param(const double *WG_RE
     const double t2 = WG_FMA(shank_link_moment_x, 2.0, 0.3*(param[0]*2.0));
     const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double t4 = qd[0]*qd[0];
@@ -2834,8 +3100,6 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_d_param(const double *WG_RE
     const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
     const double shank_spin_z = qd[1] + qd[2];
     const double shank_rate = qdd[1] + qdd[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double t7 = t3*cos_thigh_shank;
     const double t8 = 0.3*cos_thigh_shank;
     const double t9 = 0.3*sin_thigh_shank;
@@ -2944,8 +3208,8 @@ void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_
     Y[78] = 0.0;
     Y[79] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -2979,6 +3243,7 @@ void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_
     const double thigh_own_field_y_z = WG_FMA(thigh_spin_y, t2, thigh_pole_y);
     const double thigh_own_field_z_z = t1 + t3;
     const double thigh_frame_at_x = WG_FMA(-0.35, thigh_own_field_x_x, thigh_at_own_x);
+    Y[42] = WG_FMA(-0.35, thigh_own_field_y_y, -thigh_frame_at_x);
     const double t4 = 0.35*thigh_own_field_x_y;
     const double thigh_frame_at_y = WG_FMA(cos_thigh, 9.80665, t4);
     const double thigh_frame_at_z = 0.35*thigh_own_field_x_z;
@@ -2994,8 +3259,6 @@ void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_
     Y[11] = -thigh_mx_moment_y;
     const double thigh_my_own_moment_y = 0.35*thigh_own_field_y_z;
     Y[12] = WG_FMA(-cos_thigh, thigh_my_own_moment_y, sin_thigh*thigh_frame_at_z);
-    const double thigh_my_own_moment_z = WG_FMA(0.35, thigh_own_field_y_y, thigh_frame_at_x);
-    Y[42] = -thigh_my_own_moment_z;
     const double thigh_mz_own_moment_y = WG_FMA(0.35, thigh_own_field_z_z, thigh_frame_at_x);
     const double thigh_mz_own_moment_z = 0.35*thigh_pole_y;
     Y[43] = -thigh_mz_own_moment_z;
@@ -3022,8 +3285,6 @@ void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_
     const double thigh_yz_inertial_moment_x = thigh_field_y_y - t1;
     const double thigh_yz_moment_y = WG_FMA(-sin_thigh, thigh_yz_inertial_moment_x, cos_thigh*thigh_own_field_y_x);
     Y[19] = thigh_yz_moment_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_spin_x = qd[0]*sin_thigh_shank;
     const double shank_spin_y = qd[0]*cos_thigh_shank;
     const double shank_pole_x = qdd[0]*cos_thigh_shank;
@@ -3085,8 +3346,7 @@ void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_
     const double shank_my_force_x = WG_FMA(-sin_thigh_shank, shank_own_field_y_y, t18);
     const double shank_my_force_y = WG_FMA(sin_thigh_shank, shank_own_field_y_x, cos_thigh_shank*shank_own_field_y_y);
     const double shank_my_moment_y = WG_FMA(sin_thigh_shank, shank_frame_at_z, cos_thigh_shank*shank_my_own_moment_y);
-    const double Y_shank_my_on_shank_moment_y = WG_FMA(shank_lever_x, shank_own_field_y_z, shank_my_moment_y);
-    Y[22] = -Y_shank_my_on_shank_moment_y;
+    Y[22] = WG_FMA(-shank_lever_x, shank_own_field_y_z, -shank_my_moment_y);
     const double shank_mz_own_moment_y = WG_FMA(param[0], shank_own_field_z_z, -shank_frame_at_x);
     const double shank_mz_own_moment_z = param[0]*shank_pole_y;
     Y[83] = -shank_mz_own_moment_z;
@@ -3304,8 +3564,8 @@ void mero_leg_param_leg_regressor_d_param(const double *WG_RESTRICT q, const dou
     Y_d_param[178] = 0.0;
     Y_d_param[179] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -3316,13 +3576,11 @@ void mero_leg_param_leg_regressor_d_param(const double *WG_RESTRICT q, const dou
     const double shank_at_z = WG_FMA(-shank_lever_y, thigh_field_y_z, qdd[0]*shank_lever_x);
     const double shank_spin_z = qd[1] + qd[2];
     const double shank_rate = qdd[1] + qdd[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_spin_x = qd[0]*sin_thigh_shank;
     const double shank_spin_y = qd[0]*cos_thigh_shank;
     const double shank_pole_x = qdd[0]*cos_thigh_shank;
     const double shank_pole_y = qdd[0]*sin_thigh_shank;
-    const double shank_at_own_y = WG_FMA(shank_at_y, cos_thigh_shank, shank_at_x*sin_thigh_shank);
+    const double shank_at_own_y = WG_FMA(cos_thigh_shank, shank_at_y, sin_thigh_shank*shank_at_x);
     const double t1 = shank_spin_z*shank_spin_z;
     const double t2 = shank_spin_y*shank_spin_y;
     const double shank_own_field_x_x = t1 + t2;
@@ -3354,14 +3612,14 @@ void mero_leg_param_leg_regressor_d_param(const double *WG_RESTRICT q, const dou
     const double t9 = shank_own_field_x_y + shank_own_field_x_y;
     Y_d_param[102] = t9;
     Y_d_param[162] = t9;
-    const double shank_xy_moment_y = WG_FMA(sin_thigh_shank, shank_own_field_x_z, cos_thigh_shank*shank_own_field_y_z);
-    Y_d_param[44] = -shank_xy_moment_y;
-    const double t10 = shank_own_field_x_x - shank_own_field_y_y;
-    Y_d_param[104] = t10;
-    Y_d_param[164] = t10;
-    const double t11 = -shank_pole_y;
-    Y_d_param[106] = t11;
-    Y_d_param[166] = t11;
+    const double t10 = cos_thigh_shank*shank_own_field_y_z;
+    Y_d_param[44] = WG_FMA(-sin_thigh_shank, shank_own_field_x_z, -t10);
+    const double t11 = shank_own_field_x_x - shank_own_field_y_y;
+    Y_d_param[104] = t11;
+    Y_d_param[164] = t11;
+    const double t12 = -shank_pole_y;
+    Y_d_param[106] = t12;
+    Y_d_param[166] = t12;
 }
 
 void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RESTRICT q,
@@ -3410,8 +3668,8 @@ void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const doubl
     const double shank_kept_yy = shank_link_yy_2 - 0.0005;
     p[10] = shank_kept_yy;
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     const double shank_lever_x = cos_thigh*0.35;
     const double shank_lever_y = sin_thigh*0.35;
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -3460,8 +3718,6 @@ void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const doubl
     const double thigh_yz_inertial_moment_x = thigh_field_y_y - t5;
     const double thigh_yz_moment_y = WG_FMA(-sin_thigh, thigh_yz_inertial_moment_x, cos_thigh*thigh_own_field_y_x);
     Y[7] = thigh_yz_moment_y;
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     const double shank_spin_x = qd[0]*sin_thigh_shank;
     const double shank_spin_y = qd[0]*cos_thigh_shank;
     const double shank_pole_x = qdd[0]*cos_thigh_shank;
@@ -3491,6 +3747,7 @@ void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const doubl
     const double shank_mx_force_x = WG_FMA(cos_thigh_shank, shank_own_field_x_x, t10);
     const double shank_mx_force_y = WG_FMA(-sin_thigh_shank, shank_own_field_x_x, cos_thigh_shank*shank_own_field_x_y);
     const double shank_mx_moment_x = shank_at_z*sin_thigh_shank;
+    Y[9] = WG_FMA(-shank_lever_x, shank_own_field_y_z, -shank_mx_moment_x);
     const double shank_mx_moment_y = shank_at_z*cos_thigh_shank;
     const double Y_shank_mx_on_shank_moment_y = WG_FMA(shank_lever_x, shank_own_field_x_z, shank_mx_moment_y);
     Y[8] = Y_shank_mx_on_shank_moment_y;
@@ -3500,8 +3757,6 @@ void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const doubl
     const double t12 = cos_thigh_shank*shank_own_field_y_x;
     const double shank_my_force_x = WG_FMA(-sin_thigh_shank, shank_own_field_y_y, t12);
     const double shank_my_force_y = WG_FMA(sin_thigh_shank, shank_own_field_y_x, cos_thigh_shank*shank_own_field_y_y);
-    const double Y_shank_my_on_shank_moment_y = WG_FMA(shank_lever_x, shank_own_field_y_z, shank_mx_moment_x);
-    Y[9] = -Y_shank_my_on_shank_moment_y;
     const double t13 = WG_FMA(shank_lever_y, shank_my_force_x, shank_at_own_x);
     const double Y_shank_my_on_shank_moment_z = WG_FMA(-shank_lever_x, shank_my_force_y, t13);
     Y[24] = Y_shank_my_on_shank_moment_z;
@@ -3750,15 +4005,12 @@ void mero_leg_param_platform_poses_d_param_batch(size_t rows, const double *WG_R
 
 void mero_leg_param_foot_positions(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
     const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
     p[2] = 0.12 - thigh_to_tip_y;
@@ -3778,17 +4030,15 @@ void mero_leg_param_foot_positions_batch(size_t rows, const double *WG_RESTRICT 
 void mero_leg_param_foot_positions_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p_d_param) {
     (void)param;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     p_d_param[0] = cos_yaw*cos_thigh_shank;
-    p_d_param[2] = sin_yaw*cos_thigh_shank;
-    p_d_param[5] = -cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     p_d_param[1] = cos_yaw*sin_thigh_shank;
+    p_d_param[2] = sin_yaw*cos_thigh_shank;
     p_d_param[3] = sin_yaw*sin_thigh_shank;
     p_d_param[4] = sin_thigh_shank;
+    p_d_param[5] = -cos_thigh_shank;
 }
 
 void mero_leg_param_foot_positions_d_param_batch(size_t rows, const double *WG_RESTRICT q,
@@ -3801,16 +4051,13 @@ void mero_leg_param_foot_positions_d_param_batch(size_t rows, const double *WG_R
 void mero_leg_param_foot_jacobians(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J) {
     J[6] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
+    WG_SINCOS_3(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh,
+        cos_thigh);
     const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
     J[8] = shank_to_tip_x;
     const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
     J[7] = thigh_to_tip_x;
     const double thigh_to_tip_y = WG_FMA(-sin_thigh, 0.35, shank_to_tip_y);
@@ -3840,14 +4087,12 @@ void mero_leg_param_foot_jacobians_d_param(const double *WG_RESTRICT q, const do
     (void)param;
     J_d_param[12] = 0.0;
     J_d_param[13] = 0.0;
-    const double cos_yaw = WG_COS(q[0]);
-    const double sin_yaw = WG_SIN(q[0]);
     const double angle_thigh_shank = q[1] + q[2];
-    const double cos_thigh_shank = WG_COS(angle_thigh_shank);
+    double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
+    WG_SINCOS_2(q[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank);
     J_d_param[14] = cos_thigh_shank;
-    J_d_param[16] = cos_thigh_shank;
-    const double sin_thigh_shank = WG_SIN(angle_thigh_shank);
     J_d_param[15] = sin_thigh_shank;
+    J_d_param[16] = cos_thigh_shank;
     J_d_param[17] = sin_thigh_shank;
     const double t1 = cos_yaw*cos_thigh_shank;
     J_d_param[3] = t1;
@@ -3881,17 +4126,14 @@ void mero_leg_param_com(const double *WG_RESTRICT base_pose, const double *WG_RE
     const double leg_shank_link_moment_x = leg_shank_link_com_x*0.6;
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[1], sin_leg_thigh, cos_leg_thigh,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_thigh_moment_x = WG_FMA(-leg_shank_link_moment_x_2, cos_leg_thigh_shank, leg_shank_lever_x*1.1);
     const double leg_thigh_moment_y = WG_FMA(-leg_shank_link_moment_x_2, sin_leg_thigh_shank, leg_shank_lever_y*1.1);
     const double leg_yaw_borne_z = leg_thigh_moment_y + 0.336;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double leg_yaw_moment_own_x = leg_thigh_moment_x*cos_leg_yaw;
     const double leg_yaw_moment_own_y = leg_thigh_moment_x*sin_leg_yaw;
     const double centre_x = leg_yaw_moment_own_x*0.06756756756756757;
@@ -3922,17 +4164,15 @@ void mero_leg_param_com_d_param(const double *WG_RESTRICT base_pose, const doubl
     c_d_param[3] = 0.0;
     c_d_param[5] = 0.0;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_2(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[0], sin_leg_yaw, cos_leg_yaw);
     const double t1 = -0.3*cos_leg_thigh_shank;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
-    const double t2 = t1*cos_leg_yaw*0.06756756756756757;
-    const double t3 = t1*sin_leg_yaw*0.06756756756756757;
+    const double t2 = cos_leg_yaw*t1*0.06756756756756757;
+    const double t3 = sin_leg_yaw*t1*0.06756756756756757;
     const double t4 = -0.3*sin_leg_thigh_shank*0.06756756756756757;
-    c_d_param[0] = -WG_FMA(base_pose[2], t4, WG_FMA(base_pose[1], t3, base_pose[0]*t2));
-    c_d_param[2] = -WG_FMA(base_pose[6], t4, WG_FMA(base_pose[5], t3, base_pose[4]*t2));
-    c_d_param[4] = -WG_FMA(base_pose[10], t4, WG_FMA(base_pose[9], t3, base_pose[8]*t2));
+    c_d_param[0] = WG_FMA(-base_pose[2], t4, -WG_FMA(base_pose[1], t3, base_pose[0]*t2));
+    c_d_param[2] = WG_FMA(-base_pose[6], t4, -WG_FMA(base_pose[5], t3, base_pose[4]*t2));
+    c_d_param[4] = WG_FMA(-base_pose[10], t4, -WG_FMA(base_pose[9], t3, base_pose[8]*t2));
 }
 
 void mero_leg_param_com_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
@@ -3957,19 +4197,16 @@ void mero_leg_param_com_jacobian(const double *WG_RESTRICT base_pose, const doub
     const double leg_shank_link_moment_x = leg_shank_link_com_x*0.6;
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[1], sin_leg_thigh, cos_leg_thigh,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_shank_moment_own_x = leg_shank_link_moment_x_2*cos_leg_thigh_shank;
     const double leg_shank_moment_own_y = leg_shank_link_moment_x_2*sin_leg_thigh_shank;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_thigh_moment_x = WG_FMA(leg_shank_lever_x, 1.1, -leg_shank_moment_own_x);
     const double leg_thigh_moment_y = WG_FMA(leg_shank_lever_y, 1.1, -leg_shank_moment_own_y);
     const double leg_yaw_borne_z = leg_thigh_moment_y + 0.336;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double leg_yaw_moment_own_x = leg_thigh_moment_x*cos_leg_yaw;
     const double leg_yaw_moment_own_y = leg_thigh_moment_x*sin_leg_yaw;
     const double centre_x = leg_yaw_moment_own_x*0.06756756756756757;
@@ -4058,13 +4295,11 @@ void mero_leg_param_com_jacobian_d_param(const double *WG_RESTRICT base_pose, co
     J_d_param[51] = 0.0;
     J_d_param[53] = 0.0;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_2(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[0], sin_leg_yaw, cos_leg_yaw);
     const double t1 = -0.3*cos_leg_thigh_shank;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
-    const double t2 = t1*cos_leg_yaw*0.06756756756756757;
-    const double t3 = t1*sin_leg_yaw*0.06756756756756757;
+    const double t2 = cos_leg_yaw*t1*0.06756756756756757;
+    const double t3 = sin_leg_yaw*t1*0.06756756756756757;
     const double t4 = -0.3*sin_leg_thigh_shank*0.06756756756756757;
     J_d_param[6] = WG_FMA(-base_pose[2], t3, base_pose[1]*t4);
     J_d_param[8] = WG_FMA(-base_pose[0], t4, base_pose[2]*t2);
@@ -4122,20 +4357,17 @@ void mero_leg_param_centroidal_momentum_matrix(const double *WG_RESTRICT base_po
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double leg_shank_kept_yy = leg_shank_link_yy_2 - 0.0005;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[1], sin_leg_thigh, cos_leg_thigh,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_shank_moment_own_x = leg_shank_link_moment_x_2*cos_leg_thigh_shank;
     const double leg_shank_moment_own_y = leg_shank_link_moment_x_2*sin_leg_thigh_shank;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t2 = leg_shank_lever_x*1.1;
     const double leg_thigh_moment_x = t2 - leg_shank_moment_own_x;
     const double leg_thigh_moment_y = WG_FMA(leg_shank_lever_y, 1.1, -leg_shank_moment_own_y);
     const double leg_yaw_borne_z = leg_thigh_moment_y + 0.336;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double leg_yaw_moment_own_x = leg_thigh_moment_x*cos_leg_yaw;
     const double leg_yaw_moment_own_y = leg_thigh_moment_x*sin_leg_yaw;
     const double centre_x = leg_yaw_moment_own_x*0.06756756756756757;
@@ -4427,25 +4659,22 @@ void mero_leg_param_centroidal_momentum_matrix_d_param(const double *WG_RESTRICT
     const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank, q[1], sin_leg_thigh, cos_leg_thigh,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_shank_moment_own_x = leg_shank_link_moment_x_2*cos_leg_thigh_shank;
     const double t4 = -0.3*cos_leg_thigh_shank;
     const double leg_shank_moment_own_y = leg_shank_link_moment_x_2*sin_leg_thigh_shank;
     const double t5 = -0.3*sin_leg_thigh_shank;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_thigh_moment_x = WG_FMA(leg_shank_lever_x, 1.1, -leg_shank_moment_own_x);
     const double leg_thigh_moment_y = WG_FMA(leg_shank_lever_y, 1.1, -leg_shank_moment_own_y);
     const double leg_yaw_borne_z = leg_thigh_moment_y + 0.336;
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
-    const double leg_yaw_moment_own_x = leg_thigh_moment_x*cos_leg_yaw;
-    const double t6 = t4*cos_leg_yaw;
-    const double leg_yaw_moment_own_y = leg_thigh_moment_x*sin_leg_yaw;
-    const double t7 = t4*sin_leg_yaw;
+    const double leg_yaw_moment_own_x = cos_leg_yaw*leg_thigh_moment_x;
+    const double t6 = cos_leg_yaw*t4;
+    const double leg_yaw_moment_own_y = sin_leg_yaw*leg_thigh_moment_x;
+    const double t7 = sin_leg_yaw*t4;
     const double centre_x = leg_yaw_moment_own_x*0.06756756756756757;
     const double t8 = t6*0.06756756756756757;
     const double centre_y = leg_yaw_moment_own_y*0.06756756756756757;
@@ -4631,14 +4860,13 @@ void mero_leg_param_centroidal_inertia(const double *WG_RESTRICT base_pose, cons
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double leg_shank_kept_yy = leg_shank_link_yy_2 - 0.0005;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
+    double sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_thigh_inertia_spun_y = sin_leg_thigh*0.021625;
     const double leg_thigh_inertia_xx = sin_leg_thigh*leg_thigh_inertia_spun_y;
     const double leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625;
     const double leg_thigh_inertia_xy = cos_leg_thigh*leg_thigh_inertia_spun_y;
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = leg_shank_kept_yy*sin_leg_thigh_shank;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy;
@@ -4660,8 +4888,6 @@ void mero_leg_param_centroidal_inertia(const double *WG_RESTRICT base_pose, cons
     const double leg_thigh_composite_xy = WG_FMA(-leg_shank_lever_y, t6, t9);
     const double leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - t6;
     const double leg_thigh_composite_moment_y = WG_FMA(-leg_shank_lever_y, 1.1, leg_shank_inertia_moment_y);
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double t10 = leg_thigh_composite_moment_y*0.24;
     const double leg_yaw_borne_xx = leg_thigh_composite_xx + t10 - 0.04032;
     const double leg_yaw_borne_yy = leg_thigh_composite_zz + t10 - 0.03882;
@@ -4764,10 +4990,9 @@ void mero_leg_param_centroidal_inertia_d_param(const double *WG_RESTRICT base_po
     const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double t4 = t3*sin_leg_thigh_shank;
     const double t5 = sin_leg_thigh_shank*t4;
     const double leg_shank_inertia_moment_x = leg_shank_link_moment_x_2*cos_leg_thigh_shank;
@@ -4782,8 +5007,6 @@ void mero_leg_param_centroidal_inertia_d_param(const double *WG_RESTRICT base_po
     const double t11 = WG_FMA(t7, leg_shank_lever_x, t6*leg_shank_lever_y);
     const double leg_thigh_composite_moment_x = WG_FMA(-leg_shank_lever_x, 1.1, leg_shank_inertia_moment_x);
     const double leg_thigh_composite_moment_y = WG_FMA(-leg_shank_lever_y, 1.1, leg_shank_inertia_moment_y);
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double t12 = t7*0.24;
     const double t13 = t9 - t5 + t12;
     const double t14 = t9 + t10 - t3 + t12;
@@ -4792,10 +5015,10 @@ void mero_leg_param_centroidal_inertia_d_param(const double *WG_RESTRICT base_po
     const double t16 = cos_leg_yaw*t13;
     const double t17 = sin_leg_yaw*t14;
     const double t18 = WG_FMA(sin_leg_yaw, t17, cos_leg_yaw*t16);
-    const double leg_yaw_whole_moment_x = leg_thigh_composite_moment_x*cos_leg_yaw;
-    const double t19 = t6*cos_leg_yaw;
-    const double leg_yaw_whole_moment_y = leg_thigh_composite_moment_x*sin_leg_yaw;
-    const double t20 = t6*sin_leg_yaw;
+    const double leg_yaw_whole_moment_x = cos_leg_yaw*leg_thigh_composite_moment_x;
+    const double t19 = cos_leg_yaw*t6;
+    const double leg_yaw_whole_moment_y = sin_leg_yaw*leg_thigh_composite_moment_x;
+    const double t20 = sin_leg_yaw*t6;
     const double centre_x = leg_yaw_whole_moment_x*0.06756756756756757;
     const double t21 = t19*0.06756756756756757;
     const double centre_y = leg_yaw_whole_moment_y*0.06756756756756757;
@@ -4866,8 +5089,9 @@ void mero_leg_param_momentum(const double *WG_RESTRICT base_pose, const double *
     const double leg_shank_kept_yy = leg_shank_link_yy_2 - 0.0005;
     const double leg_yaw_spin_z = v[5] + v[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_own_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_own_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_velocity_own_x = WG_FMA(v[1], sin_leg_yaw, v[0]*cos_leg_yaw);
@@ -4875,8 +5099,6 @@ void mero_leg_param_momentum(const double *WG_RESTRICT base_pose, const double *
     const double leg_thigh_velocity_before_x = WG_FMA(leg_yaw_spin_own_y, 0.12, leg_yaw_velocity_own_x);
     const double leg_thigh_velocity_before_y = WG_FMA(leg_yaw_spin_own_x, 0.12, -leg_yaw_velocity_own_y);
     const double leg_thigh_spin_z = leg_yaw_spin_own_y - v[7];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_shank_velocity_before_x = WG_FMA(leg_thigh_spin_z, leg_shank_lever_y, leg_thigh_velocity_before_x);
@@ -4893,8 +5115,6 @@ void mero_leg_param_momentum(const double *WG_RESTRICT base_pose, const double *
     const double leg_thigh_momentum_moment_x = WG_FMA(-leg_yaw_spin_z, leg_thigh_inertia_xy, t3);
     const double t4 = leg_yaw_spin_z*leg_thigh_inertia_rest;
     const double leg_thigh_momentum_moment_y = WG_FMA(leg_yaw_spin_own_x, leg_thigh_inertia_xy, t4);
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = leg_shank_kept_yy*sin_leg_thigh_shank;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy;
@@ -4990,8 +5210,9 @@ void mero_leg_param_momentum_d_param(const double *WG_RESTRICT base_pose, const 
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double leg_yaw_spin_z = v[5] + v[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_own_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_own_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_velocity_own_x = WG_FMA(v[1], sin_leg_yaw, v[0]*cos_leg_yaw);
@@ -4999,8 +5220,6 @@ void mero_leg_param_momentum_d_param(const double *WG_RESTRICT base_pose, const 
     const double leg_thigh_velocity_before_x = WG_FMA(leg_yaw_spin_own_y, 0.12, leg_yaw_velocity_own_x);
     const double leg_thigh_velocity_before_y = WG_FMA(leg_yaw_spin_own_x, 0.12, -leg_yaw_velocity_own_y);
     const double leg_thigh_spin_z = leg_yaw_spin_own_y - v[7];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double leg_shank_velocity_before_x = WG_FMA(leg_thigh_spin_z, leg_shank_lever_y, leg_thigh_velocity_before_x);
@@ -5008,8 +5227,6 @@ void mero_leg_param_momentum_d_param(const double *WG_RESTRICT base_pose, const 
     const double t4 = WG_FMA(leg_yaw_spin_own_x, leg_shank_lever_y, leg_thigh_velocity_before_y);
     const double leg_shank_velocity_before_z = WG_FMA(-leg_yaw_spin_z, leg_shank_lever_x, t4);
     const double leg_shank_spin_z = leg_thigh_spin_z - v[8];
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double t5 = t3*sin_leg_thigh_shank;
     const double t6 = sin_leg_thigh_shank*t5;
     const double leg_shank_inertia_moment_x = leg_shank_link_moment_x_2*cos_leg_thigh_shank;
@@ -5099,8 +5316,9 @@ void mero_leg_param_momentum_rate(const double *WG_RESTRICT base_pose, const dou
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -5122,8 +5340,6 @@ void mero_leg_param_momentum_rate(const double *WG_RESTRICT base_pose, const dou
     const double leg_thigh_pole_y = t4 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t6 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -5160,8 +5376,6 @@ void mero_leg_param_momentum_rate(const double *WG_RESTRICT base_pose, const dou
     const double t17 = t3 - t6;
     const double t18 = t5*(leg_thigh_inertia_xx + leg_thigh_inertia_rest);
     const double leg_thigh_inertial_moment_z = WG_FMA(-leg_thigh_rate, 0.020625, WG_FMA(leg_thigh_inertia_xy, t17, t18));
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = leg_shank_kept_yy*sin_leg_thigh_shank;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy;
@@ -5284,8 +5498,9 @@ void mero_leg_param_momentum_rate_d_param(const double *WG_RESTRICT base_pose, c
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -5306,8 +5521,6 @@ void mero_leg_param_momentum_rate_d_param(const double *WG_RESTRICT base_pose, c
     const double leg_thigh_pole_y = t6 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t8 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -5327,8 +5540,6 @@ void mero_leg_param_momentum_rate_d_param(const double *WG_RESTRICT base_pose, c
     const double leg_shank_at_z = WG_FMA(-leg_shank_lever_x, leg_thigh_field_x_z, t13);
     const double leg_shank_spin_z = leg_thigh_spin_z - v[8];
     const double leg_shank_rate = a[8] + leg_thigh_rate;
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double t14 = t3*sin_leg_thigh_shank;
     const double t15 = sin_leg_thigh_shank*t14;
     const double t16 = t15 - t3;
@@ -5428,8 +5639,9 @@ void mero_leg_param_demanded_wrench(const double *WG_RESTRICT base_pose, const d
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -5451,8 +5663,6 @@ void mero_leg_param_demanded_wrench(const double *WG_RESTRICT base_pose, const d
     const double leg_thigh_pole_y = t4 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t6 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -5489,8 +5699,6 @@ void mero_leg_param_demanded_wrench(const double *WG_RESTRICT base_pose, const d
     const double t17 = t3 - t6;
     const double t18 = t5*(leg_thigh_inertia_xx + leg_thigh_inertia_rest);
     const double leg_thigh_inertial_moment_z = WG_FMA(-leg_thigh_rate, 0.020625, WG_FMA(leg_thigh_inertia_xy, t17, t18));
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = leg_shank_kept_yy*sin_leg_thigh_shank;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy;
@@ -5601,8 +5809,9 @@ void mero_leg_param_demanded_wrench_d_param(const double *WG_RESTRICT base_pose,
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -5623,8 +5832,6 @@ void mero_leg_param_demanded_wrench_d_param(const double *WG_RESTRICT base_pose,
     const double leg_thigh_pole_y = t6 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t8 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -5644,8 +5851,6 @@ void mero_leg_param_demanded_wrench_d_param(const double *WG_RESTRICT base_pose,
     const double leg_shank_at_z = WG_FMA(-leg_shank_lever_x, leg_thigh_field_x_z, t13);
     const double leg_shank_spin_z = leg_thigh_spin_z - v[8];
     const double leg_shank_rate = a[8] + leg_thigh_rate;
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double t14 = t3*sin_leg_thigh_shank;
     const double t15 = sin_leg_thigh_shank*t14;
     const double t16 = t15 - t3;
@@ -5737,14 +5942,13 @@ void mero_leg_param_floating_mass_matrix(const double *WG_RESTRICT base_pose, co
     const double leg_shank_link_moment_x_2 = WG_FMA(-param[0], 0.6, leg_shank_link_moment_x);
     const double leg_shank_kept_yy = leg_shank_link_yy_2 - 0.0005;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
+    double sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double leg_thigh_inertia_spun_y = sin_leg_thigh*0.021625;
     const double leg_thigh_inertia_xx = sin_leg_thigh*leg_thigh_inertia_spun_y;
     const double leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625;
     const double leg_thigh_inertia_xy = cos_leg_thigh*leg_thigh_inertia_spun_y;
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = leg_shank_kept_yy*sin_leg_thigh_shank;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy;
@@ -5768,8 +5972,6 @@ void mero_leg_param_floating_mass_matrix(const double *WG_RESTRICT base_pose, co
     const double leg_thigh_composite_xy = WG_FMA(-leg_shank_lever_y, t7, t10);
     const double leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - t7;
     const double leg_thigh_composite_moment_y = WG_FMA(-leg_shank_lever_y, 1.1, leg_shank_inertia_moment_y);
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double t11 = leg_thigh_composite_moment_y*0.24;
     const double leg_yaw_borne_xx = leg_thigh_composite_xx + t11 - 0.04032;
     const double leg_yaw_borne_yy = leg_thigh_composite_zz + t11 - 0.03882;
@@ -5987,10 +6189,9 @@ void mero_leg_param_floating_mass_matrix_d_param(const double *WG_RESTRICT base_
     const double t3 = WG_FMA(0.6, param[0] + param[0], 0.6*(t1 + t1)) - t2;
     M_d_param[160] = t3;
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
+    double sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_yaw, cos_leg_yaw;
+    WG_SINCOS_3(q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank, sin_leg_thigh_shank, cos_leg_thigh_shank,
+        q[0], sin_leg_yaw, cos_leg_yaw);
     const double t4 = t3*sin_leg_thigh_shank;
     const double t5 = sin_leg_thigh_shank*t4;
     const double t6 = -0.3*cos_leg_thigh_shank;
@@ -6005,8 +6206,6 @@ void mero_leg_param_floating_mass_matrix_d_param(const double *WG_RESTRICT base_
     M_d_param[140] = t3 - t10;
     const double t11 = t10 - t3;
     const double t12 = WG_FMA(t7, leg_shank_lever_x, t6*leg_shank_lever_y);
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
     const double t13 = t7*0.24;
     const double t14 = t8 - t5 + t13;
     const double t15 = t11 + t13;
@@ -6016,10 +6215,10 @@ void mero_leg_param_floating_mass_matrix_d_param(const double *WG_RESTRICT base_
     const double t19 = WG_FMA(sin_leg_yaw, t18, cos_leg_yaw*t17);
     M_d_param[60] = -t19;
     M_d_param[80] = t19 - (t14 + t15);
-    const double t20 = t6*cos_leg_yaw;
+    const double t20 = cos_leg_yaw*t6;
     M_d_param[44] = t20;
     M_d_param[76] = t20;
-    const double t21 = t6*sin_leg_yaw;
+    const double t21 = sin_leg_yaw*t6;
     M_d_param[10] = t21;
     M_d_param[12] = t21;
     M_d_param[90] = t21;
@@ -6039,12 +6238,12 @@ void mero_leg_param_floating_mass_matrix_d_param(const double *WG_RESTRICT base_
     M_d_param[78] = t24;
     const double t25 = t7*0.12;
     const double t26 = t11 + t25;
-    const double t27 = t7*cos_leg_yaw;
+    const double t27 = cos_leg_yaw*t7;
     M_d_param[14] = t27;
     M_d_param[16] = t27;
     M_d_param[126] = t27;
     M_d_param[144] = t27;
-    const double t28 = t7*sin_leg_yaw;
+    const double t28 = sin_leg_yaw*t7;
     M_d_param[32] = t28;
     M_d_param[34] = t28;
     M_d_param[128] = t28;
@@ -6122,8 +6321,9 @@ void mero_leg_param_floating_inverse_dynamics(const double *WG_RESTRICT base_pos
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -6145,8 +6345,6 @@ void mero_leg_param_floating_inverse_dynamics(const double *WG_RESTRICT base_pos
     const double leg_thigh_pole_y = t7 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t9 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -6183,8 +6381,6 @@ void mero_leg_param_floating_inverse_dynamics(const double *WG_RESTRICT base_pos
     const double t20 = t6 - t9;
     const double t21 = t8*(leg_thigh_inertia_xx + leg_thigh_inertia_rest);
     const double leg_thigh_inertial_moment_z = WG_FMA(-leg_thigh_rate, 0.020625, WG_FMA(leg_thigh_inertia_xy, t20, t21));
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double leg_shank_inertia_spun_y = leg_shank_kept_yy*sin_leg_thigh_shank;
     const double leg_shank_inertia_xx = sin_leg_thigh_shank*leg_shank_inertia_spun_y;
     const double leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy;
@@ -6301,8 +6497,9 @@ void mero_leg_param_floating_inverse_dynamics_d_param(const double *WG_RESTRICT 
     const double leg_yaw_spin_z = v[5] + v[6];
     const double leg_yaw_rate = a[5] + a[6];
     const double angle_leg_thigh_shank = q[1] + q[2];
-    const double cos_leg_yaw = WG_COS(q[0]);
-    const double sin_leg_yaw = WG_SIN(q[0]);
+    double sin_leg_yaw, cos_leg_yaw, sin_leg_thigh, cos_leg_thigh, sin_leg_thigh_shank, cos_leg_thigh_shank;
+    WG_SINCOS_3(q[0], sin_leg_yaw, cos_leg_yaw, q[1], sin_leg_thigh, cos_leg_thigh, angle_leg_thigh_shank,
+        sin_leg_thigh_shank, cos_leg_thigh_shank);
     const double leg_yaw_spin_x = WG_FMA(v[4], sin_leg_yaw, v[3]*cos_leg_yaw);
     const double leg_yaw_spin_y = WG_FMA(-v[3], sin_leg_yaw, v[4]*cos_leg_yaw);
     const double leg_yaw_pole_x = WG_FMA(-base_pole_y, sin_leg_yaw, base_pole_x*cos_leg_yaw);
@@ -6323,8 +6520,6 @@ void mero_leg_param_floating_inverse_dynamics_d_param(const double *WG_RESTRICT 
     const double leg_thigh_pole_y = t9 + leg_thigh_rates_before_x;
     const double leg_thigh_spin_z = leg_yaw_spin_y - v[7];
     const double leg_thigh_rate = a[7] - leg_thigh_rates_before_z;
-    const double cos_leg_thigh = WG_COS(q[1]);
-    const double sin_leg_thigh = WG_SIN(q[1]);
     const double leg_shank_lever_x = cos_leg_thigh*0.35;
     const double leg_shank_lever_y = sin_leg_thigh*0.35;
     const double t11 = leg_yaw_spin_z*leg_yaw_spin_z;
@@ -6344,8 +6539,6 @@ void mero_leg_param_floating_inverse_dynamics_d_param(const double *WG_RESTRICT 
     const double leg_shank_at_z = WG_FMA(-leg_shank_lever_x, leg_thigh_field_x_z, t16);
     const double leg_shank_spin_z = leg_thigh_spin_z - v[8];
     const double leg_shank_rate = a[8] + leg_thigh_rate;
-    const double cos_leg_thigh_shank = WG_COS(angle_leg_thigh_shank);
-    const double sin_leg_thigh_shank = WG_SIN(angle_leg_thigh_shank);
     const double t17 = t3*sin_leg_thigh_shank;
     const double t18 = sin_leg_thigh_shank*t17;
     const double t19 = t18 - t3;
@@ -6382,19 +6575,19 @@ void mero_leg_param_floating_inverse_dynamics_d_param(const double *WG_RESTRICT 
     const double t37 = WG_FMA(force_on_leg_z, cos_leg_thigh_shank, t36);
     tau_d_param[16] = t35 - t37;
     const double t38 = WG_FMA(leg_shank_at_z, t21, WG_FMA(t22, leg_shank_field_x_z, t29)) - t32;
-    const double t39 = t34 - WG_FMA(-t19, leg_shank_field_x_z, WG_FMA(leg_shank_at_z, t20, t30));
-    const double t40 = WG_FMA(leg_shank_lever_y, t24, WG_FMA(leg_shank_lever_x, t26 - t25, t37 - t35));
-    tau_d_param[14] = -t40;
-    const double t41 = WG_FMA(0.12, t27, -WG_FMA(-leg_shank_lever_y, t27, t38));
-    const double t42 = WG_FMA(0.12, t24, t40);
-    tau_d_param[6] = WG_FMA(-sin_leg_yaw, t42, cos_leg_yaw*t41);
-    tau_d_param[8] = WG_FMA(sin_leg_yaw, t41, cos_leg_yaw*t42);
-    const double t43 = -WG_FMA(leg_shank_lever_x, t27, t39);
+    const double t39 = WG_FMA(leg_shank_lever_y, t24, WG_FMA(leg_shank_lever_x, t26 - t25, t37 - t35));
+    tau_d_param[14] = -t39;
+    const double t40 = WG_FMA(0.12, t27, -WG_FMA(-leg_shank_lever_y, t27, t38));
+    const double t41 = WG_FMA(0.12, t24, t39);
+    tau_d_param[6] = WG_FMA(-sin_leg_yaw, t41, cos_leg_yaw*t40);
+    tau_d_param[8] = WG_FMA(sin_leg_yaw, t40, cos_leg_yaw*t41);
+    const double t42 = t34 - WG_FMA(-t19, leg_shank_field_x_z, WG_FMA(leg_shank_at_z, t20, t30));
+    const double t43 = WG_FMA(-leg_shank_lever_x, t27, -t42);
     tau_d_param[10] = t43;
     tau_d_param[12] = t43;
     const double t44 = force_on_leg_z*sin_leg_thigh_shank;
     const double t45 = WG_FMA(cos_leg_thigh_shank, foot_force_leg_yaw_x, t44);
-    tau_d_param[7] = -WG_FMA(sin_leg_yaw, t45, cos_leg_yaw*t34);
+    tau_d_param[7] = WG_FMA(-sin_leg_yaw, t45, -(cos_leg_yaw*t34));
     tau_d_param[9] = WG_FMA(-sin_leg_yaw, t34, cos_leg_yaw*t45);
     const double t46 = -t45;
     tau_d_param[15] = t46;
@@ -6409,3 +6602,471 @@ void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const d
             foot_forces + row * 3, param, tau_d_param + row * 18);
     }
 }
+
+#if defined(WALKGEN_BLOCKS)
+#define WALKGEN_ROWS 2
+#include "walkgen_lanes.h"
+#include "mero_leg_param.c"
+#undef WALKGEN_ROWS
+#endif
+
+void mero_leg_param_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(p, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_position_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_position(q + row * 3, param, p + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_position_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(p_d_param, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_position_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_position_d_param(q + row * 3, param, p_d_param + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT R) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(R, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_rotation_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_rotation(q + row * 3, param, R + row * 9);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_rotation_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT R_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(R_d_param, 18)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_rotation_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_rotation_d_param(q + row * 3, param, R_d_param + row * 18);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(T, 16)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_pose_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_pose(q + row * 3, param, T + row * 16);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_pose_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(T_d_param, 32)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_pose_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_pose_d_param(q + row * 3, param, T_d_param + row * 32);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_jacobian(q + row * 3, param, J + row * 9);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(J_d_param, 18)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_jacobian_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_jacobian_d_param(q + row * 3, param, J_d_param + row * 18);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT p, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(p, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_position_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_position_jacobian(q + row * 3, param, p + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_position_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param, double *WG_RESTRICT J_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(p_d_param, 6),
+        WG_DENSE(J_d_param, 18)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_position_jacobian_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_position_jacobian_d_param(q + row * 3, param, p_d_param + row * 6, J_d_param + row * 18);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(J, 18)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_spatial_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_spatial_jacobian(q + row * 3, param, J + row * 18);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT H) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(H, 27)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_hessian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_hessian(q + row * 3, param, H + row * 27);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT v) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(v, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_velocity_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_velocity(q + row * 3, qd + row * 3, param, v + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_velocity_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT v_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(v_d_param, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_velocity_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_velocity_d_param(q + row * 3, qd + row * 3, param, v_d_param + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
+    double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_SHARED(param, 2),
+        WG_DENSE(a, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, param, a + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_acceleration_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
+    double *WG_RESTRICT a_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_SHARED(param, 2),
+        WG_DENSE(a_d_param, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_acceleration_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_acceleration_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, a_d_param + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(a, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_bias_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_bias_acceleration(q + row * 3, qd + row * 3, param, a + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_bias_acceleration_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT a_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(a_d_param,
+        12)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_bias_acceleration_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_bias_acceleration_d_param(q + row * 3, qd + row * 3, param, a_d_param + row * 12);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT f,
+    const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(f, 3), WG_SHARED(param, 2), WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_torque(q + row * 3, f + row * 3, param, tau + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_foot_torque_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT f, const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(f, 3), WG_SHARED(param, 2), WG_DENSE(tau_d_param,
+        6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_foot_torque_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_torque_d_param(q + row * 3, f + row * 3, param, tau_d_param + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, int32_t *WG_RESTRICT within) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE_STATUS(within, 1)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_within_limits_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        within[row] = mero_leg_param_leg_within_limits(q + row * 3, param);
+    }
+#endif
+}
+
+void mero_leg_param_leg_within_limits_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, int32_t *WG_RESTRICT within_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE_STATUS(within_d_param, 2)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_within_limits_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_within_limits_d_param(q + row * 3, param, within_d_param + row * 2);
+    }
+#endif
+}
+
+void mero_leg_param_leg_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
+    const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(f, 3),
+        WG_SHARED(param, 2), WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_inverse_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param, tau + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_inverse_dynamics_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
+    const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(f, 3),
+        WG_SHARED(param, 2), WG_DENSE(tau_d_param, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_inverse_dynamics_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_inverse_dynamics_d_param(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, param,
+            tau_d_param + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
+    const double *WG_RESTRICT param, double *WG_RESTRICT qdd) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(tau, 3), WG_DENSE(f, 3),
+        WG_SHARED(param, 2), WG_DENSE(qdd, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_forward_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param, qdd + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT M) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(M, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_mass_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_mass_matrix(q + row * 3, param, M + row * 9);
+    }
+#endif
+}
+
+void mero_leg_param_leg_mass_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT M_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(M_d_param, 18)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_mass_matrix_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_mass_matrix_d_param(q + row * 3, param, M_d_param + row * 18);
+    }
+#endif
+}
+
+void mero_leg_param_leg_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT h) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(h, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_bias_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_bias(q + row * 3, qd + row * 3, param, h + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_bias_d_param_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT param, double *WG_RESTRICT h_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(h_d_param, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_bias_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_bias_d_param(q + row * 3, qd + row * 3, param, h_d_param + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT g) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(g, 3)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_gravity_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_gravity_torque(q + row * 3, param, g + row * 3);
+    }
+#endif
+}
+
+void mero_leg_param_leg_gravity_torque_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT g_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(g_d_param, 6)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_gravity_torque_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_gravity_torque_d_param(q + row * 3, param, g_d_param + row * 6);
+    }
+#endif
+}
+
+void mero_leg_param_leg_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT C) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(C, 9)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_coriolis_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_coriolis_matrix(q + row * 3, qd + row * 3, param, C + row * 9);
+    }
+#endif
+}
+
+void mero_leg_param_leg_coriolis_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT C_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(C_d_param,
+        18)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_coriolis_matrix_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_coriolis_matrix_d_param(q + row * 3, qd + row * 3, param, C_d_param + row * 18);
+    }
+#endif
+}
+
+void mero_leg_param_leg_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(T, 1)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_kinetic_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_kinetic_energy(q + row * 3, qd + row * 3, param, T + row);
+    }
+#endif
+}
+
+void mero_leg_param_leg_kinetic_energy_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_SHARED(param, 2), WG_DENSE(T_d_param, 2)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_kinetic_energy_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_kinetic_energy_d_param(q + row * 3, qd + row * 3, param, T_d_param + row * 2);
+    }
+#endif
+}
+
+void mero_leg_param_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT U) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(U, 1)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_potential_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_potential_energy(q + row * 3, param, U + row);
+    }
+#endif
+}
+
+void mero_leg_param_leg_potential_energy_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT U_d_param) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE(U_d_param, 2)};
+    (void)WG_NAME(wg_batch)(&mero_leg_param_leg_potential_energy_d_param_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_potential_energy_d_param(q + row * 3, param, U_d_param + row * 2);
+    }
+#endif
+}
+
+#endif

@@ -244,7 +244,7 @@ void mero_leg_param_leg_foot_acceleration_d_param_batch(size_t rows, const doubl
 
 /* Jdot qd of the spatial Jacobian, linear then angular.
  * q [3] rad, qd [3] rad/s, param [2] as declared -> a [6] m/s^2 and rad/s^2
- * 57 operations (at most 392 bytes of locals).
+ * 57 operations (at most 384 bytes of locals).
  * Source: H_ij = D_min(i,j) D_max(i,j) p
  */
 void mero_leg_param_leg_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -304,7 +304,7 @@ void mero_leg_param_leg_joint_frames_d_param_batch(size_t rows, const double *WG
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m, param [2] as declared -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 152 operations (support routines not counted; at most 648 bytes of
+ * Returns the number of entries with status OK. 152 operations (support routines not counted; at most 632 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -315,7 +315,7 @@ size_t mero_leg_param_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch, param [2] as declared -> q [3] rad, status
- * Returns the status. 131 operations (support routines not counted; at most 520 bytes of locals).
+ * Returns the status. 131 operations (support routines not counted; at most 512 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_leg_param_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch,
@@ -327,7 +327,7 @@ size_t mero_leg_param_leg_inverse_branch_batch(size_t rows, const double *WG_RES
 /* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
  *   chosen.
  * p [3] m, q_seed [3] rad, param [2] as declared -> q [3] rad, status
- * Returns the status. 152 operations (support routines not counted; at most 760 bytes of locals).
+ * Returns the status. 152 operations (support routines not counted; at most 744 bytes of locals).
  * Source: as inverse
  */
 int32_t mero_leg_param_leg_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -338,7 +338,7 @@ size_t mero_leg_param_leg_inverse_near_batch(size_t rows, const double *WG_RESTR
 
 /* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
  * p [3] m, param [2] as declared -> q [3] rad, status
- * Returns the status. 154 operations (support routines not counted; at most 976 bytes of locals).
+ * Returns the status. 154 operations (support routines not counted; at most 960 bytes of locals).
  * Source: as inverse
  */
 int32_t mero_leg_param_leg_inverse_admissible(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -348,7 +348,7 @@ size_t mero_leg_param_leg_inverse_admissible_batch(size_t rows, const double *WG
 
 /* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
  * p [3] m, param [2] as declared -> distance [4] m
- * 236 operations (support routines not counted; at most 760 bytes of locals).
+ * 236 operations (support routines not counted; at most 744 bytes of locals).
  * Source: as inverse
  */
 void mero_leg_param_leg_inverse_distance(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -490,7 +490,7 @@ void mero_leg_param_leg_bias_d_param_batch(size_t rows, const double *WG_RESTRIC
 
 /* Joint efforts that hold the leg; the platform is held, gravity is the spec's in the platform's axes.
  * q [3] rad, param [2] as declared -> g [3] N m
- * 10 operations (at most 72 bytes of locals).
+ * 10 operations (at most 88 bytes of locals).
  * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
  */
 void mero_leg_param_leg_gravity_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -550,7 +550,7 @@ void mero_leg_param_leg_kinetic_energy_d_param_batch(size_t rows, const double *
 
 /* Potential energy of gravity, 0 for masses at the platform's origin; gravity is the spec's in the platform's axes.
  * q [3] rad, param [2] as declared -> U J
- * 11 operations (at most 72 bytes of locals).
+ * 11 operations (at most 88 bytes of locals).
  * Source: U = - m g . c
  */
 void mero_leg_param_leg_potential_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -598,7 +598,7 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_batch(size_t rows, 
 /* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
  *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
  * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, param [2] as declared -> Y [3, 30] effort per unit of the parameter
- * 167 operations (at most 1056 bytes of locals).
+ * 167 operations (at most 1040 bytes of locals).
  * Source: recursive Newton-Euler of unit parameters
  */
 void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -623,7 +623,7 @@ void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RE
  *   links.
  * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2, param [2] as declared -> Y [3, 15] effort per unit of the parameter, p
  *   [15] kg, kg m and kg m^2
- * 109 operations (at most 704 bytes of locals).
+ * 109 operations (at most 696 bytes of locals).
  * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
  */
 void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,

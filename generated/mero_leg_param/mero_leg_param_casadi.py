@@ -43,6 +43,7 @@ def _leg_inverse_closed():
     shank_x = shank_origin_x - 0.35
     shank_length = ca.sqrt(shank_x * shank_x + param[1] * param[1])
     shank_angle = ca.atan2(-param[1], shank_x)
+    yaw_plus_angle = ca.atan2(p[1], p[0])
     offset_z = p[2] - 0.12
     radius2 = p[1] * p[1] + p[0] * p[0]
     epsilon = 2.220446049250313e-16
@@ -53,7 +54,6 @@ def _leg_inverse_closed():
     radius = ca.sqrt(radius2)
     t2 = radius2 <= touching2
     rho = ca.if_else(t2, 0.0, radius)
-    yaw_plus_angle = ca.atan2(p[1], p[0])
     knee_scale = 1.4285714285714286 / shank_length
     t3 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
     t4 = t3 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
@@ -107,22 +107,20 @@ def _leg_inverse_closed():
     t20 = -q3_plus_minus_sum
     t21 = ca.if_else(t20 <= -3.141592653589793, 1.0, 0.0)
     q3_plus_minus_turns = ca.if_else(3.141592653589793 < t20, 1.0, 0.0) - t21
-    q3_plus_minus_wrapped = 6.283185307179586 * q3_plus_minus_turns + q3_plus_minus_sum
     q2_minus_plus_sum = q2_plus_minus_sum - 3.141592653589793
     t22 = 3.141592653589793 - q2_plus_minus_sum
     t23 = ca.if_else(t22 <= -3.141592653589793, 1.0, 0.0)
     q2_minus_plus_turns = ca.if_else(3.141592653589793 < t22, 1.0, 0.0) - t23
-    q2_minus_plus_wrapped = 6.283185307179586 * q2_minus_plus_turns + q2_minus_plus_sum
     q2_minus_minus_sum = 3.141592653589793 + thigh_offset_plus - lift_plus_checked
     t24 = ca.if_else(q2_minus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q2_minus_minus_turns = ca.if_else(3.141592653589793 < q2_minus_minus_sum, 1.0, 0.0) - t24
     q2_minus_minus_wrapped = q2_minus_minus_sum - 6.283185307179586 * q2_minus_minus_turns
-    t25 = -q3_plus_minus_wrapped
+    t25 = -6.283185307179586 * q3_plus_minus_turns - q3_plus_minus_sum
     q = _rows(4, 3, [
         yaw_plus_checked, ca.if_else(t8, taint, q2_plus_plus_wrapped), q3_plus_plus_wrapped, yaw_plus_checked,
         ca.if_else(t8, taint, q2_plus_minus_wrapped), t25, yaw_minus_checked,
-        ca.if_else(t8, taint, -q2_minus_plus_wrapped), q3_plus_plus_wrapped, yaw_minus_checked,
-        ca.if_else(t8, taint, q2_minus_minus_wrapped), t25,
+        ca.if_else(t8, taint, -6.283185307179586 * q2_minus_plus_turns - q2_minus_plus_sum),
+        q3_plus_plus_wrapped, yaw_minus_checked, ca.if_else(t8, taint, q2_minus_minus_wrapped), t25,
     ])
     status = _column([
         ca.if_else(t10, 2.0, ca.if_else(t11, 1.0, t12)),
@@ -146,63 +144,63 @@ def _row_nearest_4_rrr():
     q_seed = ca.SX.sym("q_seed", 3, 1)
     misses = ca.if_else(ca.logic_or(states[0] == 1.0, states[0] == 2.0), 1.0, 0.0)
     t1 = q_seed[0] - rows[0, 0]
-    t2 = ca.sin(t1)
-    t3 = ca.cos(t1)
-    t4 = ca.atan2(-t2, t3)
-    t5 = q_seed[1] - rows[0, 1]
-    t6 = ca.sin(t5)
-    t7 = ca.cos(t5)
-    t8 = ca.atan2(-t6, t7)
-    t9 = q_seed[2] - rows[0, 2]
-    t10 = ca.sin(t9)
-    t11 = ca.cos(t9)
-    t12 = ca.atan2(-t10, t11)
+    t2 = q_seed[1] - rows[0, 1]
+    t3 = q_seed[2] - rows[0, 2]
+    t4 = q_seed[0] - rows[1, 0]
+    t5 = ca.sin(t1)
+    t6 = ca.cos(t1)
+    t7 = ca.sin(t2)
+    t8 = ca.cos(t2)
+    t9 = ca.sin(t3)
+    t10 = ca.cos(t3)
+    t11 = ca.sin(t4)
+    t12 = ca.cos(t4)
+    t13 = ca.atan2(-t5, t6)
+    t14 = ca.atan2(-t7, t8)
+    t15 = ca.atan2(-t9, t10)
+    t16 = ca.atan2(-t11, t12)
     misses_2 = ca.if_else(ca.logic_or(states[1] == 1.0, states[1] == 2.0), 1.0, 0.0)
-    t13 = q_seed[0] - rows[1, 0]
-    t14 = ca.sin(t13)
-    t15 = ca.cos(t13)
-    t16 = ca.atan2(-t14, t15)
     t17 = q_seed[1] - rows[1, 1]
-    t18 = ca.sin(t17)
-    t19 = ca.cos(t17)
-    t20 = ca.atan2(-t18, t19)
-    t21 = q_seed[2] - rows[1, 2]
-    t22 = ca.sin(t21)
-    t23 = ca.cos(t21)
-    t24 = ca.atan2(-t22, t23)
+    t18 = q_seed[2] - rows[1, 2]
+    t19 = q_seed[0] - rows[2, 0]
+    t20 = q_seed[1] - rows[2, 1]
+    t21 = ca.sin(t17)
+    t22 = ca.cos(t17)
+    t23 = ca.sin(t18)
+    t24 = ca.cos(t18)
+    t25 = ca.sin(t19)
+    t26 = ca.cos(t19)
+    t27 = ca.sin(t20)
+    t28 = ca.cos(t20)
+    t29 = ca.atan2(-t21, t22)
+    t30 = ca.atan2(-t23, t24)
+    t31 = ca.atan2(-t25, t26)
+    t32 = ca.atan2(-t27, t28)
     misses_3 = ca.if_else(ca.logic_or(states[2] == 1.0, states[2] == 2.0), 1.0, 0.0)
-    t25 = q_seed[0] - rows[2, 0]
-    t26 = ca.sin(t25)
-    t27 = ca.cos(t25)
-    t28 = ca.atan2(-t26, t27)
-    t29 = q_seed[1] - rows[2, 1]
-    t30 = ca.sin(t29)
-    t31 = ca.cos(t29)
-    t32 = ca.atan2(-t30, t31)
     t33 = q_seed[2] - rows[2, 2]
-    t34 = ca.sin(t33)
-    t35 = ca.cos(t33)
-    t36 = ca.atan2(-t34, t35)
+    t34 = q_seed[0] - rows[3, 0]
+    t35 = q_seed[1] - rows[3, 1]
+    t36 = q_seed[2] - rows[3, 2]
+    t37 = ca.sin(t33)
+    t38 = ca.cos(t33)
+    t39 = ca.sin(t34)
+    t40 = ca.cos(t34)
+    t41 = ca.sin(t35)
+    t42 = ca.cos(t35)
+    t43 = ca.sin(t36)
+    t44 = ca.cos(t36)
+    t45 = ca.atan2(-t37, t38)
+    t46 = ca.atan2(-t39, t40)
+    t47 = ca.atan2(-t41, t42)
+    t48 = ca.atan2(-t43, t44)
     misses_4 = ca.if_else(ca.logic_or(states[3] == 1.0, states[3] == 2.0), 1.0, 0.0)
-    t37 = q_seed[0] - rows[3, 0]
-    t38 = ca.sin(t37)
-    t39 = ca.cos(t37)
-    t40 = ca.atan2(-t38, t39)
-    t41 = q_seed[1] - rows[3, 1]
-    t42 = ca.sin(t41)
-    t43 = ca.cos(t41)
-    t44 = ca.atan2(-t42, t43)
-    t45 = q_seed[2] - rows[3, 2]
-    t46 = ca.sin(t45)
-    t47 = ca.cos(t45)
-    t48 = ca.atan2(-t46, t47)
     t49 = ca.if_else(_finite(q_seed[0]), 0.0, float("nan"))
     t50 = t49 + ca.if_else(_finite(q_seed[1]), 0.0, float("nan"))
     taint = ca.if_else(_finite(q_seed[2]), 0.0, float("nan")) + t50
-    apart = t12 * t12 + (t8 * t8 + t4 * t4)
-    apart_2 = t24 * t24 + (t20 * t20 + t16 * t16)
-    apart_3 = t36 * t36 + (t32 * t32 + t28 * t28)
-    apart_4 = t48 * t48 + (t44 * t44 + t40 * t40)
+    apart = t15 * t15 + (t14 * t14 + t13 * t13)
+    apart_2 = t30 * t30 + (t29 * t29 + t16 * t16)
+    apart_3 = t45 * t45 + (t32 * t32 + t31 * t31)
+    apart_4 = t48 * t48 + (t47 * t47 + t46 * t46)
     t51 = ca.logic_or(misses_2 < misses, ca.logic_and(misses_2 == misses, apart_2 < apart))
     wins = ca.if_else(t51, 1.0, 0.0)
     t52 = 0.0 < wins
@@ -246,60 +244,60 @@ def _leg_row_distances():
     rows = ca.SX.sym("rows", 4, 3)
     p = ca.SX.sym("p", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = rows[0, 1] + rows[0, 2]
     cos_yaw = ca.cos(rows[0, 0])
     sin_yaw = ca.sin(rows[0, 0])
-    angle_thigh_shank = rows[0, 1] + rows[0, 2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(rows[0, 1])
     sin_thigh = ca.sin(rows[0, 1])
+    cos_yaw_2 = ca.cos(rows[1, 0])
+    sin_yaw_2 = ca.sin(rows[1, 0])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_inner_z = thigh_to_tip_y - 0.12
     gap_x = p[0] - cos_yaw * thigh_to_tip_x
     gap_y = p[1] - sin_yaw * thigh_to_tip_x
     gap_z = p[2] + yaw_to_tip_inner_z
-    cos_yaw_2 = ca.cos(rows[1, 0])
-    sin_yaw_2 = ca.sin(rows[1, 0])
     angle_thigh_shank_2 = rows[1, 1] + rows[1, 2]
+    angle_thigh_shank_3 = rows[2, 1] + rows[2, 2]
     cos_thigh_shank_2 = ca.cos(angle_thigh_shank_2)
     sin_thigh_shank_2 = ca.sin(angle_thigh_shank_2)
-    shank_to_tip_x_2 = param[1] * sin_thigh_shank_2 + param[0] * cos_thigh_shank_2
-    shank_to_tip_y_2 = param[1] * cos_thigh_shank_2 - param[0] * sin_thigh_shank_2
     cos_thigh_2 = ca.cos(rows[1, 1])
     sin_thigh_2 = ca.sin(rows[1, 1])
+    cos_yaw_3 = ca.cos(rows[2, 0])
+    sin_yaw_3 = ca.sin(rows[2, 0])
+    cos_thigh_shank_3 = ca.cos(angle_thigh_shank_3)
+    sin_thigh_shank_3 = ca.sin(angle_thigh_shank_3)
+    shank_to_tip_x_2 = param[1] * sin_thigh_shank_2 + param[0] * cos_thigh_shank_2
+    shank_to_tip_y_2 = param[1] * cos_thigh_shank_2 - param[0] * sin_thigh_shank_2
     thigh_to_tip_x_2 = 0.35 * cos_thigh_2 + shank_to_tip_x_2
     thigh_to_tip_y_2 = shank_to_tip_y_2 - 0.35 * sin_thigh_2
     yaw_to_tip_inner_z_2 = thigh_to_tip_y_2 - 0.12
     gap_x_2 = p[0] - cos_yaw_2 * thigh_to_tip_x_2
     gap_y_2 = p[1] - sin_yaw_2 * thigh_to_tip_x_2
     gap_z_2 = p[2] + yaw_to_tip_inner_z_2
-    cos_yaw_3 = ca.cos(rows[2, 0])
-    sin_yaw_3 = ca.sin(rows[2, 0])
-    angle_thigh_shank_3 = rows[2, 1] + rows[2, 2]
-    cos_thigh_shank_3 = ca.cos(angle_thigh_shank_3)
-    sin_thigh_shank_3 = ca.sin(angle_thigh_shank_3)
     shank_to_tip_x_3 = param[1] * sin_thigh_shank_3 + param[0] * cos_thigh_shank_3
     shank_to_tip_y_3 = param[1] * cos_thigh_shank_3 - param[0] * sin_thigh_shank_3
+    angle_thigh_shank_4 = rows[3, 1] + rows[3, 2]
     cos_thigh_3 = ca.cos(rows[2, 1])
     sin_thigh_3 = ca.sin(rows[2, 1])
+    cos_yaw_4 = ca.cos(rows[3, 0])
+    sin_yaw_4 = ca.sin(rows[3, 0])
+    cos_thigh_shank_4 = ca.cos(angle_thigh_shank_4)
+    sin_thigh_shank_4 = ca.sin(angle_thigh_shank_4)
+    cos_thigh_4 = ca.cos(rows[3, 1])
+    sin_thigh_4 = ca.sin(rows[3, 1])
     thigh_to_tip_x_3 = 0.35 * cos_thigh_3 + shank_to_tip_x_3
     thigh_to_tip_y_3 = shank_to_tip_y_3 - 0.35 * sin_thigh_3
     yaw_to_tip_inner_z_3 = thigh_to_tip_y_3 - 0.12
     gap_x_3 = p[0] - cos_yaw_3 * thigh_to_tip_x_3
     gap_y_3 = p[1] - sin_yaw_3 * thigh_to_tip_x_3
     gap_z_3 = p[2] + yaw_to_tip_inner_z_3
-    cos_yaw_4 = ca.cos(rows[3, 0])
-    sin_yaw_4 = ca.sin(rows[3, 0])
-    angle_thigh_shank_4 = rows[3, 1] + rows[3, 2]
-    cos_thigh_shank_4 = ca.cos(angle_thigh_shank_4)
-    sin_thigh_shank_4 = ca.sin(angle_thigh_shank_4)
     shank_to_tip_x_4 = param[1] * sin_thigh_shank_4 + param[0] * cos_thigh_shank_4
     shank_to_tip_y_4 = param[1] * cos_thigh_shank_4 - param[0] * sin_thigh_shank_4
-    cos_thigh_4 = ca.cos(rows[3, 1])
-    sin_thigh_4 = ca.sin(rows[3, 1])
     thigh_to_tip_x_4 = 0.35 * cos_thigh_4 + shank_to_tip_x_4
     thigh_to_tip_y_4 = shank_to_tip_y_4 - 0.35 * sin_thigh_4
     yaw_to_tip_inner_z_4 = thigh_to_tip_y_4 - 0.12
@@ -326,15 +324,15 @@ def leg_foot_position():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -351,9 +349,9 @@ def leg_foot_position_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     p_d_param = _rows(3, 2, [
@@ -373,9 +371,9 @@ def leg_foot_rotation():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -413,15 +411,15 @@ def leg_foot_pose():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -446,9 +444,9 @@ def leg_foot_pose_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -473,15 +471,15 @@ def leg_foot_jacobian():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -505,9 +503,9 @@ def leg_foot_jacobian_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -532,15 +530,15 @@ def leg_foot_position_jacobian():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -567,9 +565,9 @@ def leg_foot_position_jacobian_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -598,15 +596,15 @@ def leg_foot_spatial_jacobian():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -631,9 +629,9 @@ def leg_foot_spatial_jacobian_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -660,15 +658,15 @@ def leg_foot_hessian():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -700,9 +698,9 @@ def leg_foot_hessian_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = -sin_thigh_shank
@@ -731,15 +729,15 @@ def leg_foot_velocity():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -765,9 +763,9 @@ def leg_foot_velocity_d_param():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -775,7 +773,7 @@ def leg_foot_velocity_d_param():
     t3 = cos_yaw * sin_thigh_shank
     t4 = sin_yaw * sin_thigh_shank
     v_d_param = _rows(3, 2, [
-        -(qd[0] * t2 + (qd[2] * t3 + qd[1] * t3)), qd[2] * t1 + qd[1] * t1 - qd[0] * t4,
+        -qd[0] * t2 - (qd[2] * t3 + qd[1] * t3), qd[2] * t1 + qd[1] * t1 - qd[0] * t4,
         qd[0] * t1 - qd[1] * t4 - qd[2] * t4, qd[2] * t2 + (qd[1] * t2 + qd[0] * t3),
         qd[2] * cos_thigh_shank + qd[1] * cos_thigh_shank, qd[2] * sin_thigh_shank + qd[1] * sin_thigh_shank,
     ])
@@ -795,15 +793,15 @@ def leg_foot_acceleration():
     qd = ca.SX.sym("qd", 3, 1)
     qdd = ca.SX.sym("qdd", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -855,9 +853,9 @@ def leg_foot_acceleration_d_param():
     qd = ca.SX.sym("qd", 3, 1)
     qdd = ca.SX.sym("qdd", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -914,15 +912,15 @@ def leg_foot_bias_acceleration():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -955,14 +953,14 @@ def leg_foot_bias_acceleration():
     rate_shank_y = spin_thigh_y + spin_shank_y
     rates_shank_x = spin_thigh_x + rate_shank_x
     rates_shank_y = spin_thigh_y + rate_shank_y
-    bias_shank_x = flow_shank_z * rates_shank_y + (rates_thigh_z * flow_shank_y + bias_thigh_x)
     bias_shank_z = flow_shank_y * rates_shank_x + (flow_shank_x * rates_shank_y + bias_thigh_z)
     turn_shank_x = qd[0] * spin_shank_y + turn_thigh_x
     turn_shank_y = qd[0] * spin_shank_x + turn_thigh_y
     turn_shank_z = spin_thigh_y * spin_shank_x - spin_thigh_x * spin_shank_y
     a = _column([
-        -bias_shank_x, rates_thigh_z * flow_shank_x - (flow_shank_z * rates_shank_x + bias_thigh_y),
-        bias_shank_z, turn_shank_x, turn_shank_y, turn_shank_z,
+        -flow_shank_z * rates_shank_y - (rates_thigh_z * flow_shank_y + bias_thigh_x),
+        rates_thigh_z * flow_shank_x - (flow_shank_z * rates_shank_x + bias_thigh_y), bias_shank_z,
+        turn_shank_x, turn_shank_y, turn_shank_z,
     ])
     return ca.Function(
         "mero_leg_param_leg_foot_bias_acceleration", [q, qd, param], [a], ["q", "qd", "param"], ["a"],
@@ -978,9 +976,9 @@ def leg_foot_bias_acceleration_d_param():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -1000,23 +998,22 @@ def leg_foot_bias_acceleration_d_param():
     rate_shank_y = qd[2] * cos_yaw + spin_thigh_y
     rates_shank_x = spin_thigh_x + rate_shank_x
     rates_shank_y = spin_thigh_y + rate_shank_y
-    t11 = spin_thigh_y * t7 + qd[0] * (qd[0] * t1) - t6 * rates_thigh_z - rates_thigh_z * t9
-    t12 = t5 * rates_thigh_z + (spin_thigh_x * t7 + qd[0] * (qd[0] * t2))
-    t13 = t9 * rates_shank_x + (t8 * rates_shank_y + (spin_thigh_y * t5 + spin_thigh_x * t6))
-    t14 = qd[1] * t1
-    t15 = qd[1] * t2
-    t16 = qd[1] * sin_thigh_shank
-    t17 = qd[2] * t1
-    t18 = qd[2] * t2
-    t19 = qd[2] * sin_thigh_shank
-    t20 = rates_thigh_z * t15 + (spin_thigh_y * t16 + qd[0] * (qd[0] * t3))
-    t21 = spin_thigh_x * t16 + qd[0] * (qd[0] * t4) - rates_thigh_z * t14
-    t22 = rates_shank_y * t17 + (spin_thigh_y * t14 + spin_thigh_x * t15)
+    t11 = t5 * rates_thigh_z + (spin_thigh_x * t7 + qd[0] * (qd[0] * t2))
+    t12 = spin_thigh_y * t7 + qd[0] * (qd[0] * t1) - t6 * rates_thigh_z - rates_thigh_z * t9
+    t13 = qd[1] * t1
+    t14 = qd[1] * t2
+    t15 = qd[1] * sin_thigh_shank
+    t16 = qd[2] * t1
+    t17 = qd[2] * t2
+    t18 = qd[2] * sin_thigh_shank
+    t19 = rates_thigh_z * t14 + (spin_thigh_y * t15 + qd[0] * (qd[0] * t3))
+    t20 = spin_thigh_x * t15 + qd[0] * (qd[0] * t4) - rates_thigh_z * t13
+    t21 = rates_shank_y * t16 + (spin_thigh_y * t13 + spin_thigh_x * t14)
     a_d_param = _rows(6, 2, [
-        -(t10 * rates_shank_y + t11), -(rates_shank_y * t19 + (rates_thigh_z * t18 + t20)),
-        -(rates_thigh_z * t8 + (t10 * rates_shank_x + t12)),
-        rates_thigh_z * t17 - (rates_shank_x * t19 + t21), -t13, rates_shank_x * t18 + t22, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0,
+        -t10 * rates_shank_y - t12, -rates_shank_y * t18 - (rates_thigh_z * t17 + t19),
+        -rates_thigh_z * t8 - (t10 * rates_shank_x + t11), rates_thigh_z * t16 - (rates_shank_x * t18 + t20),
+        -t9 * rates_shank_x - (t8 * rates_shank_y + (spin_thigh_y * t5 + spin_thigh_x * t6)),
+        rates_shank_x * t17 + t21, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return ca.Function(
         "mero_leg_param_leg_foot_bias_acceleration_d_param", [q, qd, param], [a_d_param],
@@ -1033,15 +1030,15 @@ def leg_foot_torque():
     q = ca.SX.sym("q", 3, 1)
     f = ca.SX.sym("f", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1067,9 +1064,9 @@ def leg_foot_torque_d_param():
     q = ca.SX.sym("q", 3, 1)
     f = ca.SX.sym("f", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -1093,9 +1090,9 @@ def leg_joint_frames():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     cos_thigh = ca.cos(q[1])
@@ -1134,9 +1131,9 @@ def leg_joint_frames_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -1179,65 +1176,65 @@ def leg_inverse_branch():
     shank_origin_x = param[0] + 0.35
     shank_x = shank_origin_x - 0.35
     shank_length = ca.sqrt(shank_x * shank_x + param[1] * param[1])
-    shank_angle = ca.atan2(-param[1], shank_x)
-    t1 = 2.0 * ca.if_else(2.0 <= branch, 1.0, 0.0)
-    rho_sign = t1 - 1.0
-    t2 = 2.0 * ca.if_else(ca.logic_or(branch == 1.0, branch == 3.0), 1.0, 0.0)
-    knee_sign = t2 - 1.0
+    knee_scale = 1.4285714285714286 / shank_length
     offset_z = p[2] - 0.12
     radius2 = p[1] * p[1] + p[0] * p[0]
-    epsilon = 2.220446049250313e-16
-    t3 = epsilon * 8.0
-    tolerance = ca.if_else(1e-12 < t3, t3, 1e-12)
-    longest = 0.35 + shank_length
-    touching2 = longest * longest * (tolerance * tolerance)
-    radius = ca.sqrt(radius2)
-    t4 = radius2 <= touching2
-    rho = ca.if_else(t4, 0.0, radius)
-    rho_signed = rho_sign * rho
     distance2_plus = offset_z * offset_z + radius2
     bones = ca.fabs(shank_length - 0.35)
+    knee_plus = knee_scale * (distance2_plus - bones * bones)
+    longest = 0.35 + shank_length
+    epsilon = 2.220446049250313e-16
+    t1 = epsilon * 8.0
+    tolerance = ca.if_else(1e-12 < t1, t1, 1e-12)
+    touching2 = longest * longest * (tolerance * tolerance)
+    t2 = distance2_plus <= touching2
+    t3 = ca.if_else(ca.logic_or(knee_plus < 0.0, t2), 0.0, knee_plus)
+    knee_plus_clamped = ca.if_else(2.0 < knee_plus, 2.0, t3)
+    knee_cos_plus = knee_plus_clamped - 1.0
+    t4 = 2.0 * ca.if_else(2.0 <= branch, 1.0, 0.0)
+    rho_sign = t4 - 1.0
+    t5 = 2.0 * ca.if_else(ca.logic_or(branch == 1.0, branch == 3.0), 1.0, 0.0)
+    knee_sign = t5 - 1.0
+    knee_sin_plus = ca.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
+    knee_sin = knee_sign * knee_sin_plus
+    radius = ca.sqrt(radius2)
+    t6 = radius2 <= touching2
+    rho = ca.if_else(t6, 0.0, radius)
+    rho_signed = rho_sign * rho
+    across = shank_length * knee_sin
+    along = shank_length * knee_cos_plus + 0.35
+    shank_angle = ca.atan2(-param[1], shank_x)
+    yaw_one_angle = ca.atan2(-(p[1] * rho_sign), -(p[0] * rho_sign))
+    gamma = ca.atan2(-knee_sin, knee_cos_plus)
+    t7 = -rho_signed * along - offset_z * across
+    thigh = ca.atan2(offset_z * along - rho_signed * across, t7)
     slack = tolerance * (2.0 * longest)
     outer2 = longest * (longest + slack)
     inner2 = bones * (bones - slack)
-    knee_scale = 1.4285714285714286 / shank_length
-    knee_plus = knee_scale * (distance2_plus - bones * bones)
-    t5 = distance2_plus <= touching2
-    t6 = ca.if_else(ca.logic_or(knee_plus < 0.0, t5), 0.0, knee_plus)
-    knee_plus_clamped = ca.if_else(2.0 < knee_plus, 2.0, t6)
-    knee_sin_plus = ca.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
-    knee_cos_plus = knee_plus_clamped - 1.0
-    knee_sin = knee_sign * knee_sin_plus
-    along = shank_length * knee_cos_plus + 0.35
-    across = shank_length * knee_sin
-    thigh_cos = rho_signed * along + offset_z * across
-    t7 = ca.logic_and(0.0 <= branch, branch <= 3.0)
-    t8 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
-    t9 = t8 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
-    t10 = ca.if_else(t7, 0.0, ca.sqrt(-(branch * branch + 1.0)))
-    t11 = t10 + (ca.if_else(_finite(p[2]), 0.0, float("nan")) + t9)
-    t12 = ca.if_else(_finite(param[0]), 0.0, float("nan")) + t11
-    t13 = ca.if_else(_finite(param[1]), 0.0, float("nan")) + t12
-    taint = ca.if_else(_finite(knee_scale), 0.0, float("nan")) + t13
-    t14 = ca.logic_and(knee_sin_plus == 0.0, 1.0 - t2 < 0.0)
-    t15 = ca.logic_or(t14, ca.logic_and(rho == 0.0, 1.0 - t1 < 0.0))
-    t16 = ca.if_else(t15, 6.0, ca.if_else(ca.logic_or(t4, t5), 3.0, 0.0))
-    t17 = ca.if_else(ca.logic_or(outer2 < distance2_plus, distance2_plus < inner2), 1.0, t16)
-    state = ca.if_else(ca.logic_not(_finite(taint)), 2.0, t17)
-    yaw_one_angle = ca.atan2(-(p[1] * rho_sign), -(p[0] * rho_sign))
-    gamma = ca.atan2(-knee_sin, knee_cos_plus)
-    thigh = ca.atan2(offset_z * along - rho_signed * across, -thigh_cos)
+    t8 = ca.logic_and(0.0 <= branch, branch <= 3.0)
+    t9 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
+    t10 = t9 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
+    t11 = ca.if_else(t8, 0.0, ca.sqrt(-branch * branch - 1.0))
+    t12 = t11 + (ca.if_else(_finite(p[2]), 0.0, float("nan")) + t10)
+    t13 = ca.if_else(_finite(param[0]), 0.0, float("nan")) + t12
+    t14 = ca.if_else(_finite(param[1]), 0.0, float("nan")) + t13
+    taint = ca.if_else(_finite(knee_scale), 0.0, float("nan")) + t14
+    t15 = ca.logic_and(knee_sin_plus == 0.0, 1.0 - t5 < 0.0)
+    t16 = ca.logic_or(t15, ca.logic_and(rho == 0.0, 1.0 - t4 < 0.0))
+    t17 = ca.if_else(t16, 6.0, ca.if_else(ca.logic_or(t6, t2), 3.0, 0.0))
+    t18 = ca.if_else(ca.logic_or(outer2 < distance2_plus, distance2_plus < inner2), 1.0, t17)
+    state = ca.if_else(ca.logic_not(_finite(taint)), 2.0, t18)
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
-    yaw_one = ca.if_else(t4, 0.0, yaw_one_half_open)
+    yaw_one = ca.if_else(t6, 0.0, yaw_one_half_open)
     yaw_one_checked = taint + yaw_one
     gamma_checked = taint + gamma
     thigh_checked = taint + thigh
     q2_half_open = ca.if_else(thigh_checked <= -3.141592653589793, 3.141592653589793, thigh_checked)
     q3_one_sum = gamma_checked - shank_angle
-    t18 = ca.if_else(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
-    q3_one_turns = ca.if_else(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t18
+    t19 = ca.if_else(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
+    q3_one_turns = ca.if_else(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t19
     q3_one_wrapped = q3_one_sum - q3_one_turns * 6.283185307179586
-    q = _column([yaw_one_checked, ca.if_else(t5, taint, q2_half_open), q3_one_wrapped])
+    q = _column([yaw_one_checked, ca.if_else(t2, taint, q2_half_open), q3_one_wrapped])
     status = _column([state])
     return ca.Function(
         "mero_leg_param_leg_inverse_branch", [p, branch, param], [q, status], ["p", "branch", "param"],
@@ -1319,15 +1316,15 @@ def leg_inverse_velocity():
     q = ca.SX.sym("q", 3, 1)
     v = ca.SX.sym("v", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1429,15 +1426,15 @@ def leg_inverse_acceleration():
     qd = ca.SX.sym("qd", 3, 1)
     a = ca.SX.sym("a", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1579,6 +1576,8 @@ def leg_inverse_dynamics():
     sin_yaw = ca.sin(q[0])
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -1596,8 +1595,6 @@ def leg_inverse_dynamics():
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_y = qdd[0] * thigh_inertia_yy - thigh_field_y_z * thigh_inertia_xy
     thigh_inertial_moment_z = qdd[1] * 0.020625 + t1 * thigh_inertia_xy
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
@@ -1659,6 +1656,8 @@ def leg_inverse_dynamics_d_param():
     sin_yaw = ca.sin(q[0])
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t4 = qd[0] * qd[0]
@@ -1671,8 +1670,6 @@ def leg_inverse_dynamics_d_param():
     shank_at_z = qdd[0] * shank_lever_x - shank_lever_y * thigh_field_y_z
     shank_spin_z = qd[1] + qd[2]
     shank_rate = qdd[1] + qdd[2]
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     t6 = t3 * cos_thigh_shank
     t7 = 0.3 * cos_thigh_shank
     t8 = 0.3 * sin_thigh_shank
@@ -1687,9 +1684,9 @@ def leg_inverse_dynamics_d_param():
     t12 = f[2] * cos_thigh_shank - sin_thigh_shank * foot_force_yaw_x
     t13 = cos_thigh_shank * foot_force_yaw_y - t11
     t14 = shank_lever_x * (t8 * shank_field_y_y - shank_rate * t7) + (t12 - t10)
-    t15 = -(cos_thigh_shank * foot_force_yaw_x + f[2] * sin_thigh_shank)
+    t15 = -cos_thigh_shank * foot_force_yaw_x - f[2] * sin_thigh_shank
     tau_d_param = _rows(3, 2, [
-        -(shank_lever_x * (t8 * shank_field_y_z - qdd[0] * t7) + t13), -(sin_thigh_shank * foot_force_yaw_y),
+        -shank_lever_x * (t8 * shank_field_y_z - qdd[0] * t7) - t13, -(sin_thigh_shank * foot_force_yaw_y),
         shank_lever_y * (t7 * shank_field_x_x + shank_rate * t8) - t14, t15, t10 - t12, t15,
     ])
     return ca.Function(
@@ -1722,6 +1719,8 @@ def leg_forward_dynamics():
     sin_yaw = ca.sin(q[0])
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -1736,8 +1735,6 @@ def leg_forward_dynamics():
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_z = t1 * thigh_inertia_xy
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -1821,6 +1818,8 @@ def leg_forward_dynamics_d_param():
     sin_yaw = ca.sin(q[0])
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t5 = qd[0] * qd[0]
@@ -1835,8 +1834,6 @@ def leg_forward_dynamics_d_param():
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_z = t5 * thigh_inertia_xy
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     t7 = 0.3 * cos_thigh_shank
@@ -1934,10 +1931,10 @@ def leg_mass_matrix():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
-    thigh_inertia_spun_y = sin_thigh * 0.021625
-    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
+    thigh_inertia_spun_y = sin_thigh * 0.021625
+    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     shank_inertia_spun_y = shank_kept_yy * sin_thigh_shank
     shank_inertia_rest = sin_thigh_shank * shank_inertia_spun_y - shank_kept_yy
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
@@ -2011,6 +2008,8 @@ def leg_bias():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -2024,8 +2023,6 @@ def leg_bias():
     shank_spin_z = qd[1] + qd[2]
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -2063,6 +2060,8 @@ def leg_bias_d_param():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t3 = qd[0] * qd[0]
@@ -2074,8 +2073,6 @@ def leg_bias_d_param():
     shank_at_y = shank_lever_y * thigh_field_y_y - 9.80665
     shank_at_z = shank_lever_y * thigh_field_y_z
     shank_spin_z = qd[1] + qd[2]
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     t5 = 0.3 * cos_thigh_shank
     t6 = 0.3 * sin_thigh_shank
     t7 = (0.6 * (param[0] + param[0]) + 0.6 * (t1 + t1) - t2) * cos_thigh_shank
@@ -2085,7 +2082,7 @@ def leg_bias_d_param():
     shank_field_y_z = t4 * shank_spin_z
     t9 = t3 * t8 + (shank_at_x * t6 - shank_at_y * t5)
     h_d_param = _rows(3, 2, [
-        -(shank_lever_x * (t6 * shank_field_y_z) + (t8 * shank_field_y_z + shank_at_z * t5)), 0.0,
+        -shank_lever_x * (t6 * shank_field_y_z) - (t8 * shank_field_y_z + shank_at_z * t5), 0.0,
         shank_lever_y * (t5 * shank_field_x_x) + t9 - shank_lever_x * (t6 * shank_field_y_y), 0.0, t9, 0.0,
     ])
     return ca.Function(
@@ -2106,8 +2103,8 @@ def leg_gravity_torque():
     weight_moment_x = shank_link_moment_x_2 * 9.80665
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
-    shank_lever_x = cos_thigh * 0.35
     cos_thigh_shank = ca.cos(angle_thigh_shank)
+    shank_lever_x = cos_thigh * 0.35
     shank_inertia_moment_x = weight_moment_x * cos_thigh_shank
     thigh_moment_z = shank_lever_x * 10.787315 + shank_inertia_moment_x
     g = _column([0.0, thigh_moment_z, shank_inertia_moment_x])
@@ -2149,13 +2146,13 @@ def leg_coriolis_matrix():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_spin_z = qd[1] + qd[2]
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -2216,11 +2213,11 @@ def leg_coriolis_matrix_d_param():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_spin_z = qd[1] + qd[2]
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     t3 = 0.3 * cos_thigh_shank
     t4 = 0.3 * sin_thigh_shank
     t5 = (0.6 * (param[0] + param[0]) + 0.6 * (t1 + t1) - t2) * cos_thigh_shank
@@ -2269,6 +2266,8 @@ def leg_kinetic_energy():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_velocity_before_x = qd[1] * shank_lever_y
@@ -2280,8 +2279,6 @@ def leg_kinetic_energy():
     thigh_inertia_yy = cos_thigh * thigh_inertia_spun_y
     thigh_momentum_moment_y = qd[0] * thigh_inertia_yy
     thigh_momentum_moment_z = qd[1] * 0.020625
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
@@ -2319,14 +2316,14 @@ def leg_kinetic_energy_d_param():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_velocity_before_x = qd[1] * shank_lever_y
     shank_velocity_before_y = qd[1] * shank_lever_x
     shank_velocity_before_z = qd[0] * shank_lever_x
     shank_spin_z = qd[1] + qd[2]
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     t4 = 0.3 * cos_thigh_shank
     t5 = 0.3 * sin_thigh_shank
     t6 = shank_velocity_before_z * t4 + qd[0] * (cos_thigh_shank * (t3 * cos_thigh_shank))
@@ -2353,8 +2350,8 @@ def leg_potential_energy():
     shank_link_moment_x_2 = param[0] * 0.6 - shank_link_com_x * 0.6
     angle_thigh_shank = q[1] + q[2]
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_moment_own_y = shank_link_moment_x_2 * sin_thigh_shank
     sin_thigh = ca.sin(q[1])
+    shank_moment_own_y = shank_link_moment_x_2 * sin_thigh_shank
     shank_lever_y = sin_thigh * 0.35
     thigh_moment_y = shank_lever_y * 1.1 + shank_moment_own_y
     moment_z = thigh_moment_y + 0.336
@@ -2399,6 +2396,8 @@ def leg_inverse_dynamics_derivatives():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd[0] * qd[0]
@@ -2415,8 +2414,6 @@ def leg_inverse_dynamics_derivatives():
     shank_rate = qdd[1] + qdd[2]
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -2467,7 +2464,6 @@ def leg_inverse_dynamics_derivatives():
     shank_inertial_force_x_d_q_shank = t11 - t5
     shank_inertial_moment_y_d_q_shank = shank_heave_x + t12
     shank_inertial_moment_z_d_q_shank = t13 + shank_heave_z_d_q_shank
-    thigh_moment_y_d_q_shank = shank_lever_x * shank_inertial_force_z_d_q_shank + shank_inertial_moment_y_d_q_shank
     t19 = shank_lever_x * shank_inertial_force_y_d_q_shank
     thigh_field_y_z_d_qd_yaw = qd[1] * 2.0
     shank_at_x_d_qd_yaw = shank_lever_x * thigh_field_x_x_d_qd_yaw
@@ -2493,22 +2489,25 @@ def leg_inverse_dynamics_derivatives():
     shank_inertial_force_z_d_qd_thigh = 1.1 * shank_at_z_d_qd_thigh + shank_inertial_force_z_d_qd_shank
     shank_inertial_moment_y_d_qd_thigh = shank_inertia_moment_x * shank_at_z_d_qd_thigh + shank_inertial_moment_y_d_qd_shank
     thigh_moment_z_d_qd_thigh = shank_lever_y * shank_inertial_force_x_d_qd_thigh + shank_heave_z_d_qd_thigh - t20
-    thigh_moment_y_d_qd_shank = shank_lever_x * shank_inertial_force_z_d_qd_shank + shank_inertial_moment_y_d_qd_shank
     t22 = shank_lever_y * shank_inertial_force_x_d_qd_shank
     thigh_moment_z_d_qd_shank = t22 - shank_lever_x * shank_inertial_force_y_d_qd_shank
     t23 = shank_inertial_moment_y_d_q_thigh + (shank_lever_y * shank_inertial_force_z + t14)
-    t24 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
-    t25 = shank_inertial_moment_y_d_qd_yaw + t20
-    t26 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t24 = -shank_lever_x
+    t25 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
+    t26 = shank_inertial_moment_y_d_qd_yaw + t20
+    t27 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t28 = -shank_lever_x
     tau_d_q = _rows(3, 3, [
-        0.0, thigh_inertial_moment_y_d_q_thigh - t23, -thigh_moment_y_d_q_shank, 0.0,
-        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t24, 0.0,
+        0.0, thigh_inertial_moment_y_d_q_thigh - t23,
+        t24 * shank_inertial_force_z_d_q_shank - shank_inertial_moment_y_d_q_shank, 0.0,
+        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t25, 0.0,
         shank_inertial_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank,
     ])
     tau_d_qd = _rows(3, 3, [
-        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t25, thigh_inertial_moment_z_d_qd_yaw - t26,
-        -thigh_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw, thigh_moment_z_d_qd_thigh,
-        thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw, shank_heave_z_d_qd_thigh, 0.0,
+        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t26, thigh_inertial_moment_z_d_qd_yaw - t27,
+        t28 * shank_inertial_force_z_d_qd_shank - shank_inertial_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw,
+        thigh_moment_z_d_qd_thigh, thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw,
+        shank_heave_z_d_qd_thigh, 0.0,
     ])
     return ca.Function(
         "mero_leg_param_leg_inverse_dynamics_derivatives", [q, qd, qdd, param], [tau_d_q, tau_d_qd],
@@ -2535,6 +2534,8 @@ def leg_inverse_dynamics_derivatives_d_param():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t4 = qd[0] * qd[0]
@@ -2549,8 +2550,6 @@ def leg_inverse_dynamics_derivatives_d_param():
     shank_at_z = qdd[0] * shank_lever_x - shank_lever_y * thigh_field_y_z
     shank_spin_z = qd[1] + qd[2]
     shank_rate = qdd[1] + qdd[2]
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     t7 = t3 * cos_thigh_shank
     t8 = 0.3 * cos_thigh_shank
     t9 = 0.3 * sin_thigh_shank
@@ -2621,6 +2620,8 @@ def leg_regressor():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd[1] * qd[1]
@@ -2658,7 +2659,6 @@ def leg_regressor():
     thigh_mx_own_moment_z = t4 + thigh_frame_at_y
     thigh_mx_moment_y = cos_thigh * thigh_mx_own_moment_y
     thigh_my_own_moment_y = 0.35 * thigh_own_field_y_z
-    thigh_my_own_moment_z = 0.35 * thigh_own_field_y_y + thigh_frame_at_x
     thigh_mz_own_moment_y = 0.35 * thigh_own_field_z_z + thigh_frame_at_x
     thigh_mz_own_moment_z = 0.35 * thigh_pole_y
     thigh_mz_moment_y = cos_thigh * thigh_mz_own_moment_y - sin_thigh * thigh_frame_at_y
@@ -2676,8 +2676,6 @@ def leg_regressor():
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t1
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_spin_x = qd[0] * sin_thigh_shank
     shank_spin_y = qd[0] * cos_thigh_shank
     shank_pole_x = qdd[0] * cos_thigh_shank
@@ -2726,7 +2724,6 @@ def leg_regressor():
     shank_my_force_x = t18 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
     shank_my_moment_y = sin_thigh_shank * shank_frame_at_z + cos_thigh_shank * shank_my_own_moment_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_my_moment_y
     shank_mz_own_moment_y = param[0] * shank_own_field_z_z - shank_frame_at_x
     shank_mz_own_moment_z = param[0] * shank_pole_y
     shank_mz_force_x = sin_thigh_shank * shank_pole_y + cos_thigh_shank * shank_pole_x
@@ -2755,10 +2752,11 @@ def leg_regressor():
         sin_thigh * thigh_frame_at_z - cos_thigh * thigh_my_own_moment_y, thigh_mz_moment_y,
         thigh_xx_moment_y, thigh_yy_moment_y, t6 - t5, thigh_xy_moment_y, thigh_xz_moment_y,
         thigh_yz_moment_y, Y_shank_m_on_shank_moment_y, Y_shank_mx_on_shank_moment_y,
-        -Y_shank_my_on_shank_moment_y, Y_shank_mz_on_shank_moment_y, shank_xx_moment_y, shank_yy_moment_y,
-        t21 - t20, shank_xy_moment_y, t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
-        -thigh_my_own_moment_z, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
+        -shank_lever_x * shank_own_field_y_z - shank_my_moment_y, Y_shank_mz_on_shank_moment_y,
+        shank_xx_moment_y, shank_yy_moment_y, t21 - t20, shank_xy_moment_y,
+        t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
+        -0.35 * thigh_own_field_y_y - thigh_frame_at_x, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
         thigh_xx_inertial_moment_z, qdd[1], thigh_xy_inertial_moment_z, thigh_pole_y, thigh_pole_x,
         Y_shank_m_on_shank_moment_z, Y_shank_mx_on_shank_moment_z, shank_lever_y * shank_my_force_x - t22,
         -Y_shank_mz_on_shank_moment_z, t23, shank_xx_inertial_moment_z, shank_rate,
@@ -2786,6 +2784,8 @@ def leg_regressor_d_param():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd[1] * qd[1]
@@ -2796,13 +2796,11 @@ def leg_regressor_d_param():
     shank_at_z = qdd[0] * shank_lever_x - shank_lever_y * thigh_field_y_z
     shank_spin_z = qd[1] + qd[2]
     shank_rate = qdd[1] + qdd[2]
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_spin_x = qd[0] * sin_thigh_shank
     shank_spin_y = qd[0] * cos_thigh_shank
     shank_pole_x = qdd[0] * cos_thigh_shank
     shank_pole_y = qdd[0] * sin_thigh_shank
-    shank_at_own_y = shank_at_y * cos_thigh_shank + shank_at_x * sin_thigh_shank
+    shank_at_own_y = cos_thigh_shank * shank_at_y + sin_thigh_shank * shank_at_x
     t1 = shank_spin_z * shank_spin_z
     t2 = shank_spin_y * shank_spin_y
     shank_own_field_x_x = t1 + t2
@@ -2827,21 +2825,21 @@ def leg_regressor_d_param():
     t8 = shank_lever_y * shank_mx_force_x + shank_lever_x * shank_mx_force_y
     Y_shank_mx_on_shank_moment_z = shank_mx_own_moment_z + t8
     t9 = shank_own_field_x_y + shank_own_field_x_y
-    shank_xy_moment_y = sin_thigh_shank * shank_own_field_x_z + cos_thigh_shank * shank_own_field_y_z
     t10 = shank_own_field_x_x - shank_own_field_y_y
     t11 = -shank_pole_y
     Y_d_param = _rows(3, 60, [
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         Y_shank_mx_on_shank_moment_y, 0.0, cos_thigh_shank * (shank_own_field_x_z + shank_own_field_x_z), 0.0,
-        -shank_xy_moment_y, 0.0, cos_thigh_shank * (shank_own_field_z_z - shank_own_field_x_x) - t7, 0.0, 0.0,
+        -sin_thigh_shank * shank_own_field_x_z - cos_thigh_shank * shank_own_field_y_z, 0.0,
+        cos_thigh_shank * (shank_own_field_z_z - shank_own_field_x_x) - t7, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, Y_shank_mx_on_shank_moment_z, 0.0, t9, 0.0,
-        t10, 0.0, t11, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, Y_shank_mx_on_shank_moment_z, 0.0, t9, 0.0, t10, 0.0, t11, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, shank_mx_own_moment_z,
-        0.0, t9, 0.0, t10, 0.0, t11, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, shank_mx_own_moment_z, 0.0, t9, 0.0, t10, 0.0,
+        t11, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return ca.Function(
         "mero_leg_param_leg_regressor_d_param", [q, qd, qdd, param], [Y_d_param], ["q", "qd", "qdd", "param"],
@@ -2871,6 +2869,8 @@ def leg_base_parameters():
     angle_thigh_shank = q[1] + q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_shank = ca.cos(angle_thigh_shank)
+    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd[1] * qd[1]
@@ -2906,8 +2906,6 @@ def leg_base_parameters():
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t4
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = ca.cos(angle_thigh_shank)
-    sin_thigh_shank = ca.sin(angle_thigh_shank)
     shank_spin_x = qd[0] * sin_thigh_shank
     shank_spin_y = qd[0] * cos_thigh_shank
     shank_pole_x = qdd[0] * cos_thigh_shank
@@ -2936,7 +2934,6 @@ def leg_base_parameters():
     t11 = cos_thigh_shank * shank_own_field_y_x
     shank_my_force_x = t11 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_mx_moment_x
     Y_shank_my_on_shank_moment_z = shank_lever_y * shank_my_force_x + shank_at_own_x - shank_lever_x * shank_my_force_y
     shank_yy_inertial_moment_x = shank_spin_z * shank_spin_y
     shank_zz_inertial_moment_y = shank_spin_z * shank_spin_x
@@ -2950,8 +2947,9 @@ def leg_base_parameters():
     shank_yz_moment_y = sin_thigh_shank * shank_yz_inertial_moment_x + t11
     Y = _rows(3, 15, [
         qdd[0], 0.0, 0.0, thigh_yy_moment_y, t2 - cos_thigh * thigh_zz_inertial_moment_y, thigh_xy_moment_y,
-        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y, -Y_shank_my_on_shank_moment_y,
-        shank_yy_moment_y, t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
+        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y,
+        -shank_lever_x * shank_own_field_y_z - shank_mx_moment_x, shank_yy_moment_y,
+        t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
         t9 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, thigh_at_own_y,
         -thigh_at_own_x, thigh_yy_inertial_moment_z, qdd[1], thigh_xy_inertial_moment_z, thigh_pole_y,
         thigh_pole_x, Y_shank_mx_on_shank_moment_z, Y_shank_my_on_shank_moment_z, shank_yy_inertial_moment_z,
@@ -3039,15 +3037,15 @@ def foot_positions():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -3064,9 +3062,9 @@ def foot_positions_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     p_d_param = _rows(1, 6, [
@@ -3086,15 +3084,15 @@ def foot_jacobians():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
-    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
-    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    shank_to_tip_x = param[1] * sin_thigh_shank + param[0] * cos_thigh_shank
+    shank_to_tip_y = param[1] * cos_thigh_shank - param[0] * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -3118,9 +3116,9 @@ def foot_jacobians_d_param():
     """
     q = ca.SX.sym("q", 3, 1)
     param = ca.SX.sym("param", 2, 1)
+    angle_thigh_shank = q[1] + q[2]
     cos_yaw = ca.cos(q[0])
     sin_yaw = ca.sin(q[0])
-    angle_thigh_shank = q[1] + q[2]
     cos_thigh_shank = ca.cos(angle_thigh_shank)
     sin_thigh_shank = ca.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -3154,13 +3152,13 @@ def com():
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 - leg_shank_link_moment_x_2 * cos_leg_thigh_shank
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -3190,16 +3188,16 @@ def com_d_param():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
-    t1 = -0.3 * cos_leg_thigh_shank
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
-    t2 = t1 * cos_leg_yaw * 0.06756756756756757
-    t3 = t1 * sin_leg_yaw * 0.06756756756756757
+    t1 = -0.3 * cos_leg_thigh_shank
+    t2 = cos_leg_yaw * t1 * 0.06756756756756757
+    t3 = sin_leg_yaw * t1 * 0.06756756756756757
     t4 = -0.3 * sin_leg_thigh_shank * 0.06756756756756757
     c_d_param = _rows(3, 2, [
-        -(base_pose[0, 2] * t4 + (base_pose[0, 1] * t3 + base_pose[0, 0] * t2)), 0.0,
-        -(base_pose[1, 2] * t4 + (base_pose[1, 1] * t3 + base_pose[1, 0] * t2)), 0.0,
-        -(base_pose[2, 2] * t4 + (base_pose[2, 1] * t3 + base_pose[2, 0] * t2)), 0.0,
+        -base_pose[0, 2] * t4 - (base_pose[0, 1] * t3 + base_pose[0, 0] * t2), 0.0,
+        -base_pose[1, 2] * t4 - (base_pose[1, 1] * t3 + base_pose[1, 0] * t2), 0.0,
+        -base_pose[2, 2] * t4 - (base_pose[2, 1] * t3 + base_pose[2, 0] * t2), 0.0,
     ])
     return ca.Function(
         "mero_leg_param_com_d_param", [base_pose, q, param], [c_d_param], ["base_pose", "q", "param"],
@@ -3223,17 +3221,17 @@ def com_jacobian():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
-    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
+    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
+    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 - leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -3282,11 +3280,11 @@ def com_jacobian_d_param():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
-    t1 = -0.3 * cos_leg_thigh_shank
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
-    t2 = t1 * cos_leg_yaw * 0.06756756756756757
-    t3 = t1 * sin_leg_yaw * 0.06756756756756757
+    t1 = -0.3 * cos_leg_thigh_shank
+    t2 = cos_leg_yaw * t1 * 0.06756756756756757
+    t3 = sin_leg_yaw * t1 * 0.06756756756756757
     t4 = -0.3 * sin_leg_thigh_shank * 0.06756756756756757
     leg_yaw_frame_x_x = base_pose[0, 1] * sin_leg_yaw + base_pose[0, 0] * cos_leg_yaw
     leg_yaw_frame_x_y = base_pose[1, 1] * sin_leg_yaw + base_pose[1, 0] * cos_leg_yaw
@@ -3333,18 +3331,18 @@ def centroidal_momentum_matrix():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
-    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
+    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
+    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t2 = leg_shank_lever_x * 1.1
     leg_thigh_moment_x = t2 - leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -3534,23 +3532,23 @@ def centroidal_momentum_matrix_d_param():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
     t4 = -0.3 * cos_leg_thigh_shank
     leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     t5 = -0.3 * sin_leg_thigh_shank
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 - leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
-    leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
-    t6 = t4 * cos_leg_yaw
-    leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
-    t7 = t4 * sin_leg_yaw
+    leg_yaw_moment_own_x = cos_leg_yaw * leg_thigh_moment_x
+    t6 = cos_leg_yaw * t4
+    leg_yaw_moment_own_y = sin_leg_yaw * leg_thigh_moment_x
+    t7 = sin_leg_yaw * t4
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
     t8 = t6 * 0.06756756756756757
     centre_y = leg_yaw_moment_own_y * 0.06756756756756757
@@ -3725,12 +3723,14 @@ def centroidal_inertia():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -3751,8 +3751,6 @@ def centroidal_inertia():
     leg_thigh_composite_xy = t8 - cos_leg_thigh_shank * leg_shank_inertia_spun_y - leg_shank_lever_y * t6
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - t6
     leg_thigh_composite_moment_y = leg_shank_inertia_moment_y - leg_shank_lever_y * 1.1
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     t9 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = leg_thigh_composite_xx + t9 - 0.04032
     leg_yaw_borne_yy = leg_thigh_composite_zz + t9 - 0.03882
@@ -3848,6 +3846,8 @@ def centroidal_inertia_d_param():
     sin_leg_thigh = ca.sin(q[1])
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     t4 = t3 * sin_leg_thigh_shank
     t5 = sin_leg_thigh_shank * t4
     leg_shank_inertia_moment_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
@@ -3861,8 +3861,6 @@ def centroidal_inertia_d_param():
     t10 = leg_shank_lever_x * (2.0 * t6)
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - leg_shank_lever_x * 1.1
     leg_thigh_composite_moment_y = leg_shank_inertia_moment_y - leg_shank_lever_y * 1.1
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     t11 = t7 * 0.24
     t12 = t9 - t5 + t11
     t13 = t9 + t10 - t3 + t11
@@ -3872,10 +3870,10 @@ def centroidal_inertia_d_param():
     t16 = cos_leg_yaw * t12
     t17 = sin_leg_yaw * t13
     t18 = sin_leg_yaw * t17 + cos_leg_yaw * t16
-    leg_yaw_whole_moment_x = leg_thigh_composite_moment_x * cos_leg_yaw
-    t19 = t6 * cos_leg_yaw
-    leg_yaw_whole_moment_y = leg_thigh_composite_moment_x * sin_leg_yaw
-    t20 = t6 * sin_leg_yaw
+    leg_yaw_whole_moment_x = cos_leg_yaw * leg_thigh_composite_moment_x
+    t19 = cos_leg_yaw * t6
+    leg_yaw_whole_moment_y = sin_leg_yaw * leg_thigh_composite_moment_x
+    t20 = sin_leg_yaw * t6
     centre_x = leg_yaw_whole_moment_x * 0.06756756756756757
     t21 = t19 * 0.06756756756756757
     centre_y = leg_yaw_whole_moment_y * 0.06756756756756757
@@ -3951,6 +3949,10 @@ def momentum():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_own_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_own_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_velocity_own_x = v[1] * sin_leg_yaw + v[0] * cos_leg_yaw
@@ -3958,8 +3960,6 @@ def momentum():
     leg_thigh_velocity_before_x = leg_yaw_spin_own_y * 0.12 + leg_yaw_velocity_own_x
     leg_thigh_velocity_before_y = leg_yaw_spin_own_x * 0.12 - leg_yaw_velocity_own_y
     leg_thigh_spin_z = leg_yaw_spin_own_y - v[7]
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_shank_velocity_before_x = leg_thigh_spin_z * leg_shank_lever_y + leg_thigh_velocity_before_x
@@ -3974,8 +3974,6 @@ def momentum():
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_momentum_moment_x = leg_yaw_spin_own_x * leg_thigh_inertia_xx - leg_yaw_spin_z * leg_thigh_inertia_xy
     leg_thigh_momentum_moment_y = leg_yaw_spin_own_x * leg_thigh_inertia_xy + leg_yaw_spin_z * leg_thigh_inertia_rest
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4069,6 +4067,10 @@ def momentum_d_param():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_own_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_own_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_velocity_own_x = v[1] * sin_leg_yaw + v[0] * cos_leg_yaw
@@ -4076,8 +4078,6 @@ def momentum_d_param():
     leg_thigh_velocity_before_x = leg_yaw_spin_own_y * 0.12 + leg_yaw_velocity_own_x
     leg_thigh_velocity_before_y = leg_yaw_spin_own_x * 0.12 - leg_yaw_velocity_own_y
     leg_thigh_spin_z = leg_yaw_spin_own_y - v[7]
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_shank_velocity_before_x = leg_thigh_spin_z * leg_shank_lever_y + leg_thigh_velocity_before_x
@@ -4085,8 +4085,6 @@ def momentum_d_param():
     t4 = leg_yaw_spin_own_x * leg_shank_lever_y + leg_thigh_velocity_before_y
     leg_shank_velocity_before_z = t4 - leg_yaw_spin_z * leg_shank_lever_x
     leg_shank_spin_z = leg_thigh_spin_z - v[8]
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     t5 = t3 * sin_leg_thigh_shank
     t6 = sin_leg_thigh_shank * t5
     leg_shank_inertia_moment_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
@@ -4181,6 +4179,10 @@ def momentum_rate():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4202,8 +4204,6 @@ def momentum_rate():
     leg_thigh_pole_y = t4 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t6 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4240,8 +4240,6 @@ def momentum_rate():
     t17 = t3 - t6
     t18 = leg_thigh_inertia_xy * t17 + t5 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t18 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4361,6 +4359,10 @@ def momentum_rate_d_param():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4381,8 +4383,6 @@ def momentum_rate_d_param():
     leg_thigh_pole_y = t6 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t8 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4402,8 +4402,6 @@ def momentum_rate_d_param():
     leg_shank_at_z = t13 - leg_shank_lever_x * leg_thigh_field_x_z
     leg_shank_spin_z = leg_thigh_spin_z - v[8]
     leg_shank_rate = a[8] + leg_thigh_rate
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     t14 = t3 * sin_leg_thigh_shank
     t15 = sin_leg_thigh_shank * t14
     t16 = t15 - t3
@@ -4510,6 +4508,10 @@ def demanded_wrench():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4531,8 +4533,6 @@ def demanded_wrench():
     leg_thigh_pole_y = t4 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t6 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4569,8 +4569,6 @@ def demanded_wrench():
     t17 = t3 - t6
     t18 = leg_thigh_inertia_xy * t17 + t5 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t18 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4680,6 +4678,10 @@ def demanded_wrench_d_param():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4700,8 +4702,6 @@ def demanded_wrench_d_param():
     leg_thigh_pole_y = t6 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t8 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4721,8 +4721,6 @@ def demanded_wrench_d_param():
     leg_shank_at_z = t13 - leg_shank_lever_x * leg_thigh_field_x_z
     leg_shank_spin_z = leg_thigh_spin_z - v[8]
     leg_shank_rate = a[8] + leg_thigh_rate
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     t14 = t3 * sin_leg_thigh_shank
     t15 = sin_leg_thigh_shank * t14
     t16 = t15 - t3
@@ -4788,12 +4786,14 @@ def floating_mass_matrix():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_thigh = ca.cos(q[1])
     sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4815,8 +4815,6 @@ def floating_mass_matrix():
     leg_thigh_composite_xy = t9 - cos_leg_thigh_shank * leg_shank_inertia_spun_y - leg_shank_lever_y * t7
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - t7
     leg_thigh_composite_moment_y = leg_shank_inertia_moment_y - leg_shank_lever_y * 1.1
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     t10 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = leg_thigh_composite_xx + t10 - 0.04032
     leg_yaw_borne_yy = leg_thigh_composite_zz + t10 - 0.03882
@@ -4892,6 +4890,8 @@ def floating_mass_matrix_d_param():
     sin_leg_thigh = ca.sin(q[1])
     cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = ca.cos(q[0])
+    sin_leg_yaw = ca.sin(q[0])
     t4 = t3 * sin_leg_thigh_shank
     t5 = sin_leg_thigh_shank * t4
     t6 = -0.3 * cos_leg_thigh_shank
@@ -4902,8 +4902,6 @@ def floating_mass_matrix_d_param():
     t9 = leg_shank_lever_x * (2.0 * t6)
     t10 = t8 + t9
     t11 = t10 - t3
-    cos_leg_yaw = ca.cos(q[0])
-    sin_leg_yaw = ca.sin(q[0])
     t12 = t7 * 0.24
     t13 = t8 - t5 + t12
     t14 = t11 + t12
@@ -4912,15 +4910,15 @@ def floating_mass_matrix_d_param():
     t17 = cos_leg_yaw * t13
     t18 = sin_leg_yaw * t14
     t19 = sin_leg_yaw * t18 + cos_leg_yaw * t17
-    t20 = t6 * cos_leg_yaw
-    t21 = t6 * sin_leg_yaw
+    t20 = cos_leg_yaw * t6
+    t21 = sin_leg_yaw * t6
     t22 = cos_leg_yaw * t16
     t23 = sin_leg_yaw * t16
     t24 = cos_leg_yaw * t18 - sin_leg_yaw * t17
     t25 = t7 * 0.12
     t26 = t11 + t25
-    t27 = t7 * cos_leg_yaw
-    t28 = t7 * sin_leg_yaw
+    t27 = cos_leg_yaw * t7
+    t28 = sin_leg_yaw * t7
     t29 = cos_leg_yaw * t26
     t30 = t7 * leg_shank_lever_y + t6 * leg_shank_lever_x
     t31 = t25 + (t30 - t3)
@@ -4989,6 +4987,10 @@ def floating_inverse_dynamics():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -5010,8 +5012,6 @@ def floating_inverse_dynamics():
     leg_thigh_pole_y = t7 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t9 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -5048,8 +5048,6 @@ def floating_inverse_dynamics():
     t20 = t6 - t9
     t21 = leg_thigh_inertia_xy * t20 + t8 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t21 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -5165,6 +5163,10 @@ def floating_inverse_dynamics_d_param():
     angle_leg_thigh_shank = q[1] + q[2]
     cos_leg_yaw = ca.cos(q[0])
     sin_leg_yaw = ca.sin(q[0])
+    cos_leg_thigh = ca.cos(q[1])
+    sin_leg_thigh = ca.sin(q[1])
+    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v[4] * sin_leg_yaw + v[3] * cos_leg_yaw
     leg_yaw_spin_y = v[4] * cos_leg_yaw - v[3] * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -5185,8 +5187,6 @@ def floating_inverse_dynamics_d_param():
     leg_thigh_pole_y = t9 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v[7]
     leg_thigh_rate = a[7] - leg_thigh_rates_before_z
-    cos_leg_thigh = ca.cos(q[1])
-    sin_leg_thigh = ca.sin(q[1])
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t11 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -5206,8 +5206,6 @@ def floating_inverse_dynamics_d_param():
     leg_shank_at_z = t16 - leg_shank_lever_x * leg_thigh_field_x_z
     leg_shank_spin_z = leg_thigh_spin_z - v[8]
     leg_shank_rate = a[8] + leg_thigh_rate
-    cos_leg_thigh_shank = ca.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = ca.sin(angle_leg_thigh_shank)
     t17 = t3 * sin_leg_thigh_shank
     t18 = sin_leg_thigh_shank * t17
     t19 = t18 - t3
@@ -5238,18 +5236,18 @@ def floating_inverse_dynamics_d_param():
     t36 = t10 * (t18 + t19) + (t31 - t3 * leg_shank_rate)
     t37 = force_on_leg_z * cos_leg_thigh_shank + t36
     t38 = leg_shank_at_z * t21 + (t22 * leg_shank_field_x_z + t29) - t32
-    t39 = t34 - (leg_shank_at_z * t20 + t30 - t19 * leg_shank_field_x_z)
-    t40 = leg_shank_lever_y * t24 + (leg_shank_lever_x * (t26 - t25) + (t37 - t35))
-    t41 = 0.12 * t27 - (t38 - leg_shank_lever_y * t27)
-    t42 = 0.12 * t24 + t40
-    t43 = -(leg_shank_lever_x * t27 + t39)
+    t39 = leg_shank_lever_y * t24 + (leg_shank_lever_x * (t26 - t25) + (t37 - t35))
+    t40 = 0.12 * t27 - (t38 - leg_shank_lever_y * t27)
+    t41 = 0.12 * t24 + t39
+    t42 = t34 - (leg_shank_at_z * t20 + t30 - t19 * leg_shank_field_x_z)
+    t43 = -leg_shank_lever_x * t27 - t42
     t44 = cos_leg_thigh_shank * foot_force_leg_yaw_x + force_on_leg_z * sin_leg_thigh_shank
     t45 = -t44
     tau_d_param = _rows(9, 2, [
         sin_leg_yaw * t27 + cos_leg_yaw * t24, 0.0, sin_leg_yaw * t24 - cos_leg_yaw * t27, 0.0, t25 - t26,
-        0.0, cos_leg_yaw * t41 - sin_leg_yaw * t42, -(sin_leg_yaw * t44 + cos_leg_yaw * t34),
-        sin_leg_yaw * t41 + cos_leg_yaw * t42, cos_leg_yaw * t44 - sin_leg_yaw * t34, t43, t33, t43, t33,
-        -t40, t45, t35 - t37, t45,
+        0.0, cos_leg_yaw * t40 - sin_leg_yaw * t41, -sin_leg_yaw * t44 - cos_leg_yaw * t34,
+        sin_leg_yaw * t40 + cos_leg_yaw * t41, cos_leg_yaw * t44 - sin_leg_yaw * t34, t43, t33, t43, t33,
+        -t39, t45, t35 - t37, t45,
     ])
     return ca.Function(
         "mero_leg_param_floating_inverse_dynamics_d_param", [base_pose, q, v, a, foot_forces, param],

@@ -177,6 +177,7 @@ def _leg_inverse_branches(p, param):
     shank_x = shank_origin_x - 0.35
     shank_length = np.sqrt(shank_x * shank_x + param_1 * param_1)
     shank_angle = np.arctan2(-param_1, shank_x)
+    yaw_plus_angle = np.arctan2(p_1, p_0)
     offset_z = p_2 - 0.12
     radius2 = p_1 * p_1 + p_0 * p_0
     epsilon = 2.220446049250313e-16
@@ -187,7 +188,6 @@ def _leg_inverse_branches(p, param):
     radius = np.sqrt(radius2)
     t2 = radius2 <= touching2
     rho = np.where(t2, 0.0, radius)
-    yaw_plus_angle = np.arctan2(p_1, p_0)
     knee_scale = 1.4285714285714286 / shank_length
     t3 = param_1 - param_1 + (param_0 - param_0 + (p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1))))
     taint = knee_scale - knee_scale + t3
@@ -236,22 +236,20 @@ def _leg_inverse_branches(p, param):
     t15 = -q3_plus_minus_sum
     t16 = np.where(t15 <= -3.141592653589793, 1.0, 0.0)
     q3_plus_minus_turns = np.where(3.141592653589793 < t15, 1.0, 0.0) - t16
-    q3_plus_minus_wrapped = 6.283185307179586 * q3_plus_minus_turns + q3_plus_minus_sum
     q2_minus_plus_sum = q2_plus_minus_sum - 3.141592653589793
     t17 = 3.141592653589793 - q2_plus_minus_sum
     t18 = np.where(t17 <= -3.141592653589793, 1.0, 0.0)
     q2_minus_plus_turns = np.where(3.141592653589793 < t17, 1.0, 0.0) - t18
-    q2_minus_plus_wrapped = 6.283185307179586 * q2_minus_plus_turns + q2_minus_plus_sum
     q2_minus_minus_sum = 3.141592653589793 + thigh_offset_plus - lift_plus_checked
     t19 = np.where(q2_minus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q2_minus_minus_turns = np.where(3.141592653589793 < q2_minus_minus_sum, 1.0, 0.0) - t19
     q2_minus_minus_wrapped = q2_minus_minus_sum - 6.283185307179586 * q2_minus_minus_turns
-    t20 = -q3_plus_minus_wrapped
+    t20 = -6.283185307179586 * q3_plus_minus_turns - q3_plus_minus_sum
     q = _array(lead, (4, 3), np.float64, [
         yaw_plus_checked, np.where(t4, taint, q2_plus_plus_wrapped), q3_plus_plus_wrapped, yaw_plus_checked,
         np.where(t4, taint, q2_plus_minus_wrapped), t20, yaw_minus_checked,
-        np.where(t4, taint, -q2_minus_plus_wrapped), q3_plus_plus_wrapped, yaw_minus_checked,
-        np.where(t4, taint, q2_minus_minus_wrapped), t20,
+        np.where(t4, taint, -6.283185307179586 * q2_minus_plus_turns - q2_minus_plus_sum),
+        q3_plus_plus_wrapped, yaw_minus_checked, np.where(t4, taint, q2_minus_minus_wrapped), t20,
     ])
     status = _array(lead, (4,), np.int32, [
         np.where(t6, 2.0, np.where(t7, 1.0, t8)), np.where(t6, 2.0, np.where(t7, 1.0, np.where(t9, 6.0, t8))),
@@ -291,61 +289,61 @@ def _leg_inverse_one(p, branch, param):
     shank_origin_x = param_0 + 0.35
     shank_x = shank_origin_x - 0.35
     shank_length = np.sqrt(shank_x * shank_x + param_1 * param_1)
-    shank_angle = np.arctan2(-param_1, shank_x)
-    t1 = 2.0 * np.where(2.0 <= branch, 1.0, 0.0)
-    rho_sign = t1 - 1.0
-    t2 = 2.0 * np.where(np.logical_or(branch == 1.0, branch == 3.0), 1.0, 0.0)
-    knee_sign = t2 - 1.0
+    knee_scale = 1.4285714285714286 / shank_length
     offset_z = p_2 - 0.12
     radius2 = p_1 * p_1 + p_0 * p_0
-    epsilon = 2.220446049250313e-16
-    t3 = epsilon * 8.0
-    tolerance = np.where(1e-12 < t3, t3, 1e-12)
-    longest = 0.35 + shank_length
-    touching2 = longest * longest * (tolerance * tolerance)
-    radius = np.sqrt(radius2)
-    t4 = radius2 <= touching2
-    rho = np.where(t4, 0.0, radius)
-    rho_signed = rho_sign * rho
     distance2_plus = offset_z * offset_z + radius2
     bones = np.abs(shank_length - 0.35)
+    knee_plus = knee_scale * (distance2_plus - bones * bones)
+    longest = 0.35 + shank_length
+    epsilon = 2.220446049250313e-16
+    t1 = epsilon * 8.0
+    tolerance = np.where(1e-12 < t1, t1, 1e-12)
+    touching2 = longest * longest * (tolerance * tolerance)
+    t2 = distance2_plus <= touching2
+    t3 = np.where(np.logical_or(knee_plus < 0.0, t2), 0.0, knee_plus)
+    knee_plus_clamped = np.where(2.0 < knee_plus, 2.0, t3)
+    knee_cos_plus = knee_plus_clamped - 1.0
+    t4 = 2.0 * np.where(2.0 <= branch, 1.0, 0.0)
+    rho_sign = t4 - 1.0
+    t5 = 2.0 * np.where(np.logical_or(branch == 1.0, branch == 3.0), 1.0, 0.0)
+    knee_sign = t5 - 1.0
+    knee_sin_plus = np.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
+    knee_sin = knee_sign * knee_sin_plus
+    radius = np.sqrt(radius2)
+    t6 = radius2 <= touching2
+    rho = np.where(t6, 0.0, radius)
+    rho_signed = rho_sign * rho
+    across = shank_length * knee_sin
+    along = shank_length * knee_cos_plus + 0.35
+    shank_angle = np.arctan2(-param_1, shank_x)
+    yaw_one_angle = np.arctan2(-(p_1 * rho_sign), -(p_0 * rho_sign))
+    gamma = np.arctan2(-knee_sin, knee_cos_plus)
+    t7 = -rho_signed * along - offset_z * across
+    thigh = np.arctan2(offset_z * along - rho_signed * across, t7)
     slack = tolerance * (2.0 * longest)
     outer2 = longest * (longest + slack)
     inner2 = bones * (bones - slack)
-    knee_scale = 1.4285714285714286 / shank_length
-    knee_plus = knee_scale * (distance2_plus - bones * bones)
-    t5 = distance2_plus <= touching2
-    t6 = np.where(np.logical_or(knee_plus < 0.0, t5), 0.0, knee_plus)
-    knee_plus_clamped = np.where(2.0 < knee_plus, 2.0, t6)
-    knee_sin_plus = np.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
-    knee_cos_plus = knee_plus_clamped - 1.0
-    knee_sin = knee_sign * knee_sin_plus
-    along = shank_length * knee_cos_plus + 0.35
-    across = shank_length * knee_sin
-    thigh_cos = rho_signed * along + offset_z * across
-    t7 = np.logical_and(0.0 <= branch, branch <= 3.0)
-    t8 = np.where(t7, 0.0, np.sqrt(-(branch * branch + 1.0)))
-    t9 = param_0 - param_0 + (t8 + (p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1))))
-    taint = knee_scale - knee_scale + (param_1 - param_1 + t9)
-    t10 = np.logical_and(knee_sin_plus == 0.0, 1.0 - t2 < 0.0)
-    t11 = np.logical_or(t10, np.logical_and(rho == 0.0, 1.0 - t1 < 0.0))
-    t12 = np.logical_or(outer2 < distance2_plus, distance2_plus < inner2)
-    t13 = np.where(t12, 1.0, np.where(t11, 6.0, np.where(np.logical_or(t4, t5), 3.0, 0.0)))
-    state = np.where(np.logical_not(np.isfinite(taint)), 2.0, t13)
-    yaw_one_angle = np.arctan2(-(p_1 * rho_sign), -(p_0 * rho_sign))
-    gamma = np.arctan2(-knee_sin, knee_cos_plus)
-    thigh = np.arctan2(offset_z * along - rho_signed * across, -thigh_cos)
+    t8 = np.logical_and(0.0 <= branch, branch <= 3.0)
+    t9 = np.where(t8, 0.0, np.sqrt(-branch * branch - 1.0))
+    t10 = param_0 - param_0 + (t9 + (p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1))))
+    taint = knee_scale - knee_scale + (param_1 - param_1 + t10)
+    t11 = np.logical_and(knee_sin_plus == 0.0, 1.0 - t5 < 0.0)
+    t12 = np.logical_or(t11, np.logical_and(rho == 0.0, 1.0 - t4 < 0.0))
+    t13 = np.logical_or(outer2 < distance2_plus, distance2_plus < inner2)
+    t14 = np.where(t13, 1.0, np.where(t12, 6.0, np.where(np.logical_or(t6, t2), 3.0, 0.0)))
+    state = np.where(np.logical_not(np.isfinite(taint)), 2.0, t14)
     yaw_one_half_open = np.where(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
-    yaw_one = np.where(t4, 0.0, yaw_one_half_open)
+    yaw_one = np.where(t6, 0.0, yaw_one_half_open)
     yaw_one_checked = taint + yaw_one
     gamma_checked = taint + gamma
     thigh_checked = taint + thigh
     q2_half_open = np.where(thigh_checked <= -3.141592653589793, 3.141592653589793, thigh_checked)
     q3_one_sum = gamma_checked - shank_angle
-    t14 = np.where(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
-    q3_one_turns = np.where(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t14
+    t15 = np.where(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
+    q3_one_turns = np.where(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t15
     q3_one_wrapped = q3_one_sum - q3_one_turns * 6.283185307179586
-    q = _array(lead, (3,), np.float64, [yaw_one_checked, np.where(t5, taint, q2_half_open), q3_one_wrapped])
+    q = _array(lead, (3,), np.float64, [yaw_one_checked, np.where(t2, taint, q2_half_open), q3_one_wrapped])
     status = _array(lead, (), np.int32, [state])
     target = _array(lead, (3,), np.float64, [p_0, p_1, offset_z])
     return q, status, target
@@ -389,60 +387,60 @@ def _leg_row_distances(rows, p, param):
     lead, (rows_0_0, rows_0_1, rows_0_2, rows_1_0, rows_1_1, rows_1_2, rows_2_0, rows_2_1, rows_2_2, rows_3_0, rows_3_1, rows_3_2, p_0, p_1, p_2, param_0, param_1) = _elements(
         _real("rows", rows, (4, 3)), _real("p", p, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = rows_0_1 + rows_0_2
     cos_yaw = np.cos(rows_0_0)
     sin_yaw = np.sin(rows_0_0)
-    angle_thigh_shank = rows_0_1 + rows_0_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(rows_0_1)
     sin_thigh = np.sin(rows_0_1)
+    cos_yaw_2 = np.cos(rows_1_0)
+    sin_yaw_2 = np.sin(rows_1_0)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_inner_z = thigh_to_tip_y - 0.12
     gap_x = p_0 - cos_yaw * thigh_to_tip_x
     gap_y = p_1 - sin_yaw * thigh_to_tip_x
     gap_z = p_2 + yaw_to_tip_inner_z
-    cos_yaw_2 = np.cos(rows_1_0)
-    sin_yaw_2 = np.sin(rows_1_0)
     angle_thigh_shank_2 = rows_1_1 + rows_1_2
+    angle_thigh_shank_3 = rows_2_1 + rows_2_2
     cos_thigh_shank_2 = np.cos(angle_thigh_shank_2)
     sin_thigh_shank_2 = np.sin(angle_thigh_shank_2)
-    shank_to_tip_x_2 = param_1 * sin_thigh_shank_2 + param_0 * cos_thigh_shank_2
-    shank_to_tip_y_2 = param_1 * cos_thigh_shank_2 - param_0 * sin_thigh_shank_2
     cos_thigh_2 = np.cos(rows_1_1)
     sin_thigh_2 = np.sin(rows_1_1)
+    cos_yaw_3 = np.cos(rows_2_0)
+    sin_yaw_3 = np.sin(rows_2_0)
+    cos_thigh_shank_3 = np.cos(angle_thigh_shank_3)
+    sin_thigh_shank_3 = np.sin(angle_thigh_shank_3)
+    shank_to_tip_x_2 = param_1 * sin_thigh_shank_2 + param_0 * cos_thigh_shank_2
+    shank_to_tip_y_2 = param_1 * cos_thigh_shank_2 - param_0 * sin_thigh_shank_2
     thigh_to_tip_x_2 = 0.35 * cos_thigh_2 + shank_to_tip_x_2
     thigh_to_tip_y_2 = shank_to_tip_y_2 - 0.35 * sin_thigh_2
     yaw_to_tip_inner_z_2 = thigh_to_tip_y_2 - 0.12
     gap_x_2 = p_0 - cos_yaw_2 * thigh_to_tip_x_2
     gap_y_2 = p_1 - sin_yaw_2 * thigh_to_tip_x_2
     gap_z_2 = p_2 + yaw_to_tip_inner_z_2
-    cos_yaw_3 = np.cos(rows_2_0)
-    sin_yaw_3 = np.sin(rows_2_0)
-    angle_thigh_shank_3 = rows_2_1 + rows_2_2
-    cos_thigh_shank_3 = np.cos(angle_thigh_shank_3)
-    sin_thigh_shank_3 = np.sin(angle_thigh_shank_3)
     shank_to_tip_x_3 = param_1 * sin_thigh_shank_3 + param_0 * cos_thigh_shank_3
     shank_to_tip_y_3 = param_1 * cos_thigh_shank_3 - param_0 * sin_thigh_shank_3
+    angle_thigh_shank_4 = rows_3_1 + rows_3_2
     cos_thigh_3 = np.cos(rows_2_1)
     sin_thigh_3 = np.sin(rows_2_1)
+    cos_yaw_4 = np.cos(rows_3_0)
+    sin_yaw_4 = np.sin(rows_3_0)
+    cos_thigh_shank_4 = np.cos(angle_thigh_shank_4)
+    sin_thigh_shank_4 = np.sin(angle_thigh_shank_4)
+    cos_thigh_4 = np.cos(rows_3_1)
+    sin_thigh_4 = np.sin(rows_3_1)
     thigh_to_tip_x_3 = 0.35 * cos_thigh_3 + shank_to_tip_x_3
     thigh_to_tip_y_3 = shank_to_tip_y_3 - 0.35 * sin_thigh_3
     yaw_to_tip_inner_z_3 = thigh_to_tip_y_3 - 0.12
     gap_x_3 = p_0 - cos_yaw_3 * thigh_to_tip_x_3
     gap_y_3 = p_1 - sin_yaw_3 * thigh_to_tip_x_3
     gap_z_3 = p_2 + yaw_to_tip_inner_z_3
-    cos_yaw_4 = np.cos(rows_3_0)
-    sin_yaw_4 = np.sin(rows_3_0)
-    angle_thigh_shank_4 = rows_3_1 + rows_3_2
-    cos_thigh_shank_4 = np.cos(angle_thigh_shank_4)
-    sin_thigh_shank_4 = np.sin(angle_thigh_shank_4)
     shank_to_tip_x_4 = param_1 * sin_thigh_shank_4 + param_0 * cos_thigh_shank_4
     shank_to_tip_y_4 = param_1 * cos_thigh_shank_4 - param_0 * sin_thigh_shank_4
-    cos_thigh_4 = np.cos(rows_3_1)
-    sin_thigh_4 = np.sin(rows_3_1)
     thigh_to_tip_x_4 = 0.35 * cos_thigh_4 + shank_to_tip_x_4
     thigh_to_tip_y_4 = shank_to_tip_y_4 - 0.35 * sin_thigh_4
     yaw_to_tip_inner_z_4 = thigh_to_tip_y_4 - 0.12
@@ -468,15 +466,15 @@ def _leg_acceleration_jacobian(q, qd, a, param):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, a_0, a_1, a_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("a", a, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -527,15 +525,15 @@ def leg_foot_position(q, param):
     16 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -552,9 +550,9 @@ def leg_foot_position_d_param(q, param):
     10 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     p_d_param = _array(lead, (3, 2), np.float64, [
@@ -572,9 +570,9 @@ def leg_foot_rotation(q, param):
     12 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -610,15 +608,15 @@ def leg_foot_pose(q, param):
     23 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -643,9 +641,9 @@ def leg_foot_pose_d_param(q, param):
     10 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -668,15 +666,15 @@ def leg_foot_jacobian(q, param):
     20 operations; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -700,9 +698,9 @@ def leg_foot_jacobian_d_param(q, param):
     12 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -725,15 +723,15 @@ def leg_foot_position_jacobian(q, param):
     21 operations; eq. (1): p = A_0 A_1 ... A_n p_n; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -758,9 +756,9 @@ def leg_foot_position_jacobian_d_param(q, param):
     13 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -786,15 +784,15 @@ def leg_foot_spatial_jacobian(q, param):
     21 operations; J_i = D_i p, D_i = (A_0 ... A_(i-1)) Q_i (A_0 ... A_(i-1))^-1
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -819,9 +817,9 @@ def leg_foot_spatial_jacobian_d_param(q, param):
     12 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -845,15 +843,15 @@ def leg_foot_hessian(q, param):
     27 operations; H_ij = D_min(i,j) D_max(i,j) p
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -885,9 +883,9 @@ def leg_foot_hessian_d_param(q, param):
     14 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = -sin_thigh_shank
@@ -915,15 +913,15 @@ def leg_foot_velocity(q, qd, param):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -950,9 +948,9 @@ def leg_foot_velocity_d_param(q, qd, param):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -960,7 +958,7 @@ def leg_foot_velocity_d_param(q, qd, param):
     t3 = cos_yaw * sin_thigh_shank
     t4 = sin_yaw * sin_thigh_shank
     v_d_param = _array(lead, (3, 2), np.float64, [
-        -(qd_0 * t2 + (qd_2 * t3 + qd_1 * t3)), qd_2 * t1 + qd_1 * t1 - qd_0 * t4,
+        -qd_0 * t2 - (qd_2 * t3 + qd_1 * t3), qd_2 * t1 + qd_1 * t1 - qd_0 * t4,
         qd_0 * t1 - qd_1 * t4 - qd_2 * t4, qd_2 * t2 + (qd_1 * t2 + qd_0 * t3),
         qd_2 * cos_thigh_shank + qd_1 * cos_thigh_shank, qd_2 * sin_thigh_shank + qd_1 * sin_thigh_shank,
     ])
@@ -977,15 +975,15 @@ def leg_foot_acceleration(q, qd, qdd, param):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, qdd_0, qdd_1, qdd_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("qdd", qdd, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1035,9 +1033,9 @@ def leg_foot_acceleration_d_param(q, qd, qdd, param):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, qdd_0, qdd_1, qdd_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("qdd", qdd, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -1091,15 +1089,15 @@ def leg_foot_bias_acceleration(q, qd, param):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1132,14 +1130,14 @@ def leg_foot_bias_acceleration(q, qd, param):
     rate_shank_y = spin_thigh_y + spin_shank_y
     rates_shank_x = spin_thigh_x + rate_shank_x
     rates_shank_y = spin_thigh_y + rate_shank_y
-    bias_shank_x = flow_shank_z * rates_shank_y + (rates_thigh_z * flow_shank_y + bias_thigh_x)
     bias_shank_z = flow_shank_y * rates_shank_x + (flow_shank_x * rates_shank_y + bias_thigh_z)
     turn_shank_x = qd_0 * spin_shank_y + turn_thigh_x
     turn_shank_y = qd_0 * spin_shank_x + turn_thigh_y
     turn_shank_z = spin_thigh_y * spin_shank_x - spin_thigh_x * spin_shank_y
     a = _array(lead, (6,), np.float64, [
-        -bias_shank_x, rates_thigh_z * flow_shank_x - (flow_shank_z * rates_shank_x + bias_thigh_y),
-        bias_shank_z, turn_shank_x, turn_shank_y, turn_shank_z,
+        -flow_shank_z * rates_shank_y - (rates_thigh_z * flow_shank_y + bias_thigh_x),
+        rates_thigh_z * flow_shank_x - (flow_shank_z * rates_shank_x + bias_thigh_y), bias_shank_z,
+        turn_shank_x, turn_shank_y, turn_shank_z,
     ])
     return a
 
@@ -1154,9 +1152,9 @@ def leg_foot_bias_acceleration_d_param(q, qd, param):
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -1176,23 +1174,22 @@ def leg_foot_bias_acceleration_d_param(q, qd, param):
     rate_shank_y = qd_2 * cos_yaw + spin_thigh_y
     rates_shank_x = spin_thigh_x + rate_shank_x
     rates_shank_y = spin_thigh_y + rate_shank_y
-    t11 = spin_thigh_y * t7 + qd_0 * (qd_0 * t1) - t6 * rates_thigh_z - rates_thigh_z * t9
-    t12 = t5 * rates_thigh_z + (spin_thigh_x * t7 + qd_0 * (qd_0 * t2))
-    t13 = t9 * rates_shank_x + (t8 * rates_shank_y + (spin_thigh_y * t5 + spin_thigh_x * t6))
-    t14 = qd_1 * t1
-    t15 = qd_1 * t2
-    t16 = qd_1 * sin_thigh_shank
-    t17 = qd_2 * t1
-    t18 = qd_2 * t2
-    t19 = qd_2 * sin_thigh_shank
-    t20 = rates_thigh_z * t15 + (spin_thigh_y * t16 + qd_0 * (qd_0 * t3))
-    t21 = spin_thigh_x * t16 + qd_0 * (qd_0 * t4) - rates_thigh_z * t14
-    t22 = rates_shank_y * t17 + (spin_thigh_y * t14 + spin_thigh_x * t15)
+    t11 = t5 * rates_thigh_z + (spin_thigh_x * t7 + qd_0 * (qd_0 * t2))
+    t12 = spin_thigh_y * t7 + qd_0 * (qd_0 * t1) - t6 * rates_thigh_z - rates_thigh_z * t9
+    t13 = qd_1 * t1
+    t14 = qd_1 * t2
+    t15 = qd_1 * sin_thigh_shank
+    t16 = qd_2 * t1
+    t17 = qd_2 * t2
+    t18 = qd_2 * sin_thigh_shank
+    t19 = rates_thigh_z * t14 + (spin_thigh_y * t15 + qd_0 * (qd_0 * t3))
+    t20 = spin_thigh_x * t15 + qd_0 * (qd_0 * t4) - rates_thigh_z * t13
+    t21 = rates_shank_y * t16 + (spin_thigh_y * t13 + spin_thigh_x * t14)
     a_d_param = _array(lead, (6, 2), np.float64, [
-        -(t10 * rates_shank_y + t11), -(rates_shank_y * t19 + (rates_thigh_z * t18 + t20)),
-        -(rates_thigh_z * t8 + (t10 * rates_shank_x + t12)),
-        rates_thigh_z * t17 - (rates_shank_x * t19 + t21), -t13, rates_shank_x * t18 + t22, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0,
+        -t10 * rates_shank_y - t12, -rates_shank_y * t18 - (rates_thigh_z * t17 + t19),
+        -rates_thigh_z * t8 - (t10 * rates_shank_x + t11), rates_thigh_z * t16 - (rates_shank_x * t18 + t20),
+        -t9 * rates_shank_x - (t8 * rates_shank_y + (spin_thigh_y * t5 + spin_thigh_x * t6)),
+        rates_shank_x * t17 + t21, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return a_d_param
 
@@ -1207,15 +1204,15 @@ def leg_foot_torque(q, f, param):
     lead, (q_0, q_1, q_2, f_0, f_1, f_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("f", f, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -1241,9 +1238,9 @@ def leg_foot_torque_d_param(q, f, param):
     lead, (q_0, q_1, q_2, f_0, f_1, f_2, param_0, param_1) = _elements(
         _real("q", q, (3,)), _real("f", f, (3,)), _real("param", param, (2,)),
     )
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -1264,9 +1261,9 @@ def leg_joint_frames(q, param):
     26 operations; eq. (1): p = A_0 A_1 ... A_n p_n
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     cos_thigh = np.cos(q_1)
@@ -1305,9 +1302,9 @@ def leg_joint_frames_d_param(q, param):
     7 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     frame_thigh_shank_x_x = cos_yaw * cos_thigh_shank
@@ -1487,6 +1484,8 @@ def leg_inverse_dynamics(q, qd, qdd, f, param):
     sin_yaw = np.sin(q_0)
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -1504,8 +1503,6 @@ def leg_inverse_dynamics(q, qd, qdd, f, param):
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_y = qdd_0 * thigh_inertia_yy - thigh_field_y_z * thigh_inertia_xy
     thigh_inertial_moment_z = qdd_1 * 0.020625 + t1 * thigh_inertia_xy
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
@@ -1563,6 +1560,8 @@ def leg_inverse_dynamics_d_param(q, qd, qdd, f, param):
     sin_yaw = np.sin(q_0)
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t4 = qd_0 * qd_0
@@ -1575,8 +1574,6 @@ def leg_inverse_dynamics_d_param(q, qd, qdd, f, param):
     shank_at_z = qdd_0 * shank_lever_x - shank_lever_y * thigh_field_y_z
     shank_spin_z = qd_1 + qd_2
     shank_rate = qdd_1 + qdd_2
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     t6 = t3 * cos_thigh_shank
     t7 = 0.3 * cos_thigh_shank
     t8 = 0.3 * sin_thigh_shank
@@ -1591,9 +1588,9 @@ def leg_inverse_dynamics_d_param(q, qd, qdd, f, param):
     t12 = f_2 * cos_thigh_shank - sin_thigh_shank * foot_force_yaw_x
     t13 = cos_thigh_shank * foot_force_yaw_y - t11
     t14 = shank_lever_x * (t8 * shank_field_y_y - shank_rate * t7) + (t12 - t10)
-    t15 = -(cos_thigh_shank * foot_force_yaw_x + f_2 * sin_thigh_shank)
+    t15 = -cos_thigh_shank * foot_force_yaw_x - f_2 * sin_thigh_shank
     tau_d_param = _array(lead, (3, 2), np.float64, [
-        -(shank_lever_x * (t8 * shank_field_y_z - qdd_0 * t7) + t13), -(sin_thigh_shank * foot_force_yaw_y),
+        -shank_lever_x * (t8 * shank_field_y_z - qdd_0 * t7) - t13, -(sin_thigh_shank * foot_force_yaw_y),
         shank_lever_y * (t7 * shank_field_x_x + shank_rate * t8) - t14, t15, t10 - t12, t15,
     ])
     return tau_d_param
@@ -1623,6 +1620,8 @@ def leg_forward_dynamics(q, qd, tau, f, param):
     sin_yaw = np.sin(q_0)
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -1637,8 +1636,6 @@ def leg_forward_dynamics(q, qd, tau, f, param):
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_z = t1 * thigh_inertia_xy
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -1718,6 +1715,8 @@ def leg_forward_dynamics_d_param(q, qd, tau, f, param):
     sin_yaw = np.sin(q_0)
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t4 = qd_0 * qd_0
@@ -1732,8 +1731,6 @@ def leg_forward_dynamics_d_param(q, qd, tau, f, param):
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
     thigh_inertial_moment_z = t4 * thigh_inertia_xy
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     t6 = 0.3 * cos_thigh_shank
@@ -1828,10 +1825,10 @@ def leg_mass_matrix(q, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
-    thigh_inertia_spun_y = sin_thigh * 0.021625
-    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
+    thigh_inertia_spun_y = sin_thigh * 0.021625
+    thigh_inertia_rest = sin_thigh * thigh_inertia_spun_y - 0.021625
     shank_inertia_spun_y = shank_kept_yy * sin_thigh_shank
     shank_inertia_rest = sin_thigh_shank * shank_inertia_spun_y - shank_kept_yy
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
@@ -1904,6 +1901,8 @@ def leg_bias(q, qd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -1917,8 +1916,6 @@ def leg_bias(q, qd, param):
     shank_spin_z = qd_1 + qd_2
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -1959,6 +1956,8 @@ def leg_bias_d_param(q, qd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t3 = qd_0 * qd_0
@@ -1970,8 +1969,6 @@ def leg_bias_d_param(q, qd, param):
     shank_at_y = shank_lever_y * thigh_field_y_y - 9.80665
     shank_at_z = shank_lever_y * thigh_field_y_z
     shank_spin_z = qd_1 + qd_2
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     t5 = 0.3 * cos_thigh_shank
     t6 = 0.3 * sin_thigh_shank
     t7 = (0.6 * (param_0 + param_0) + 0.6 * (t1 + t1) - t2) * cos_thigh_shank
@@ -1981,7 +1978,7 @@ def leg_bias_d_param(q, qd, param):
     shank_field_y_z = t4 * shank_spin_z
     t9 = t3 * t8 + (shank_at_x * t6 - shank_at_y * t5)
     h_d_param = _array(lead, (3, 2), np.float64, [
-        -(shank_lever_x * (t6 * shank_field_y_z) + (t8 * shank_field_y_z + shank_at_z * t5)), 0.0,
+        -shank_lever_x * (t6 * shank_field_y_z) - (t8 * shank_field_y_z + shank_at_z * t5), 0.0,
         shank_lever_y * (t5 * shank_field_x_x) + t9 - shank_lever_x * (t6 * shank_field_y_y), 0.0, t9, 0.0,
     ])
     return h_d_param
@@ -2000,8 +1997,8 @@ def leg_gravity_torque(q, param):
     weight_moment_x = shank_link_moment_x_2 * 9.80665
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
-    shank_lever_x = cos_thigh * 0.35
     cos_thigh_shank = np.cos(angle_thigh_shank)
+    shank_lever_x = cos_thigh * 0.35
     shank_inertia_moment_x = weight_moment_x * cos_thigh_shank
     thigh_moment_z = shank_lever_x * 10.787315 + shank_inertia_moment_x
     g = _array(lead, (3,), np.float64, [0.0, thigh_moment_z, shank_inertia_moment_x])
@@ -2042,13 +2039,13 @@ def leg_coriolis_matrix(q, qd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_spin_z = qd_1 + qd_2
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -2110,11 +2107,11 @@ def leg_coriolis_matrix_d_param(q, qd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_spin_z = qd_1 + qd_2
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     t3 = 0.3 * cos_thigh_shank
     t4 = 0.3 * sin_thigh_shank
     t5 = (0.6 * (param_0 + param_0) + 0.6 * (t1 + t1) - t2) * cos_thigh_shank
@@ -2161,6 +2158,8 @@ def leg_kinetic_energy(q, qd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_velocity_before_x = qd_1 * shank_lever_y
@@ -2172,8 +2171,6 @@ def leg_kinetic_energy(q, qd, param):
     thigh_inertia_yy = cos_thigh * thigh_inertia_spun_y
     thigh_momentum_moment_y = qd_0 * thigh_inertia_yy
     thigh_momentum_moment_z = qd_1 * 0.020625
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_yy = cos_thigh_shank * shank_inertia_spun_y
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
@@ -2212,14 +2209,14 @@ def leg_kinetic_energy_d_param(q, qd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     shank_velocity_before_x = qd_1 * shank_lever_y
     shank_velocity_before_y = qd_1 * shank_lever_x
     shank_velocity_before_z = qd_0 * shank_lever_x
     shank_spin_z = qd_1 + qd_2
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     t4 = 0.3 * cos_thigh_shank
     t5 = 0.3 * sin_thigh_shank
     t6 = shank_velocity_before_z * t4 + qd_0 * (cos_thigh_shank * (t3 * cos_thigh_shank))
@@ -2245,8 +2242,8 @@ def leg_potential_energy(q, param):
     shank_link_moment_x_2 = param_0 * 0.6 - shank_link_com_x * 0.6
     angle_thigh_shank = q_1 + q_2
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_moment_own_y = shank_link_moment_x_2 * sin_thigh_shank
     sin_thigh = np.sin(q_1)
+    shank_moment_own_y = shank_link_moment_x_2 * sin_thigh_shank
     shank_lever_y = sin_thigh * 0.35
     thigh_moment_y = shank_lever_y * 1.1 + shank_moment_own_y
     moment_z = thigh_moment_y + 0.336
@@ -2289,6 +2286,8 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t1 = qd_0 * qd_0
@@ -2305,8 +2304,6 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd, param):
     shank_rate = qdd_1 + qdd_2
     thigh_inertia_spun_y = cos_thigh * 0.021625
     thigh_inertia_xy = sin_thigh * thigh_inertia_spun_y
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_inertia_spun_y = shank_kept_yy * cos_thigh_shank
     shank_inertia_moment_x = shank_link_moment_x_2 * cos_thigh_shank
     shank_inertia_moment_y = shank_link_moment_x_2 * sin_thigh_shank
@@ -2357,7 +2354,6 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd, param):
     shank_inertial_force_x_d_q_shank = t11 - t5
     shank_inertial_moment_y_d_q_shank = shank_heave_x + t12
     shank_inertial_moment_z_d_q_shank = t13 + shank_heave_z_d_q_shank
-    thigh_moment_y_d_q_shank = shank_lever_x * shank_inertial_force_z_d_q_shank + shank_inertial_moment_y_d_q_shank
     t19 = shank_lever_x * shank_inertial_force_y_d_q_shank
     thigh_field_y_z_d_qd_yaw = qd_1 * 2.0
     shank_at_x_d_qd_yaw = shank_lever_x * thigh_field_x_x_d_qd_yaw
@@ -2383,22 +2379,25 @@ def leg_inverse_dynamics_derivatives(q, qd, qdd, param):
     shank_inertial_force_z_d_qd_thigh = 1.1 * shank_at_z_d_qd_thigh + shank_inertial_force_z_d_qd_shank
     shank_inertial_moment_y_d_qd_thigh = shank_inertia_moment_x * shank_at_z_d_qd_thigh + shank_inertial_moment_y_d_qd_shank
     thigh_moment_z_d_qd_thigh = shank_lever_y * shank_inertial_force_x_d_qd_thigh + shank_heave_z_d_qd_thigh - t20
-    thigh_moment_y_d_qd_shank = shank_lever_x * shank_inertial_force_z_d_qd_shank + shank_inertial_moment_y_d_qd_shank
     t22 = shank_lever_y * shank_inertial_force_x_d_qd_shank
     thigh_moment_z_d_qd_shank = t22 - shank_lever_x * shank_inertial_force_y_d_qd_shank
     t23 = shank_inertial_moment_y_d_q_thigh + (shank_lever_y * shank_inertial_force_z + t14)
-    t24 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
-    t25 = shank_inertial_moment_y_d_qd_yaw + t20
-    t26 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t24 = -shank_lever_x
+    t25 = shank_lever_y * shank_inertial_force_x_d_q_shank + t19
+    t26 = shank_inertial_moment_y_d_qd_yaw + t20
+    t27 = shank_lever_x * shank_inertial_force_z_d_qd_thigh + shank_inertial_moment_y_d_qd_thigh
+    t28 = -shank_lever_x
     tau_d_q = _array(lead, (3, 3), np.float64, [
-        0.0, thigh_inertial_moment_y_d_q_thigh - t23, -thigh_moment_y_d_q_shank, 0.0,
-        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t24, 0.0,
+        0.0, thigh_inertial_moment_y_d_q_thigh - t23,
+        t24 * shank_inertial_force_z_d_q_shank - shank_inertial_moment_y_d_q_shank, 0.0,
+        thigh_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank - t25, 0.0,
         shank_inertial_moment_z_d_q_thigh, shank_inertial_moment_z_d_q_shank,
     ])
     tau_d_qd = _array(lead, (3, 3), np.float64, [
-        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t25, thigh_inertial_moment_z_d_qd_yaw - t26,
-        -thigh_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw, thigh_moment_z_d_qd_thigh,
-        thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw, shank_heave_z_d_qd_thigh, 0.0,
+        thigh_inertia_xy * thigh_field_y_z_d_qd_yaw - t26, thigh_inertial_moment_z_d_qd_yaw - t27,
+        t28 * shank_inertial_force_z_d_qd_shank - shank_inertial_moment_y_d_qd_shank, thigh_moment_z_d_qd_yaw,
+        thigh_moment_z_d_qd_thigh, thigh_moment_z_d_qd_shank, shank_inertial_moment_z_d_qd_yaw,
+        shank_heave_z_d_qd_thigh, 0.0,
     ])
     return tau_d_q, tau_d_qd
 
@@ -2422,6 +2421,8 @@ def leg_inverse_dynamics_derivatives_d_param(q, qd, qdd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     t4 = qd_0 * qd_0
@@ -2436,8 +2437,6 @@ def leg_inverse_dynamics_derivatives_d_param(q, qd, qdd, param):
     shank_at_z = qdd_0 * shank_lever_x - shank_lever_y * thigh_field_y_z
     shank_spin_z = qd_1 + qd_2
     shank_rate = qdd_1 + qdd_2
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     t7 = t3 * cos_thigh_shank
     t8 = 0.3 * cos_thigh_shank
     t9 = 0.3 * sin_thigh_shank
@@ -2504,6 +2503,8 @@ def leg_regressor(q, qd, qdd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd_1 * qd_1
@@ -2541,7 +2542,6 @@ def leg_regressor(q, qd, qdd, param):
     thigh_mx_own_moment_z = t4 + thigh_frame_at_y
     thigh_mx_moment_y = cos_thigh * thigh_mx_own_moment_y
     thigh_my_own_moment_y = 0.35 * thigh_own_field_y_z
-    thigh_my_own_moment_z = 0.35 * thigh_own_field_y_y + thigh_frame_at_x
     thigh_mz_own_moment_y = 0.35 * thigh_own_field_z_z + thigh_frame_at_x
     thigh_mz_own_moment_z = 0.35 * thigh_pole_y
     thigh_mz_moment_y = cos_thigh * thigh_mz_own_moment_y - sin_thigh * thigh_frame_at_y
@@ -2559,8 +2559,6 @@ def leg_regressor(q, qd, qdd, param):
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t1
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_spin_x = qd_0 * sin_thigh_shank
     shank_spin_y = qd_0 * cos_thigh_shank
     shank_pole_x = qdd_0 * cos_thigh_shank
@@ -2609,7 +2607,6 @@ def leg_regressor(q, qd, qdd, param):
     shank_my_force_x = t18 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
     shank_my_moment_y = sin_thigh_shank * shank_frame_at_z + cos_thigh_shank * shank_my_own_moment_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_my_moment_y
     shank_mz_own_moment_y = param_0 * shank_own_field_z_z - shank_frame_at_x
     shank_mz_own_moment_z = param_0 * shank_pole_y
     shank_mz_force_x = sin_thigh_shank * shank_pole_y + cos_thigh_shank * shank_pole_x
@@ -2638,10 +2635,11 @@ def leg_regressor(q, qd, qdd, param):
         sin_thigh * thigh_frame_at_z - cos_thigh * thigh_my_own_moment_y, thigh_mz_moment_y,
         thigh_xx_moment_y, thigh_yy_moment_y, t6 - t5, thigh_xy_moment_y, thigh_xz_moment_y,
         thigh_yz_moment_y, Y_shank_m_on_shank_moment_y, Y_shank_mx_on_shank_moment_y,
-        -Y_shank_my_on_shank_moment_y, Y_shank_mz_on_shank_moment_y, shank_xx_moment_y, shank_yy_moment_y,
-        t21 - t20, shank_xy_moment_y, t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
-        -thigh_my_own_moment_z, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
+        -shank_lever_x * shank_own_field_y_z - shank_my_moment_y, Y_shank_mz_on_shank_moment_y,
+        shank_xx_moment_y, shank_yy_moment_y, t21 - t20, shank_xy_moment_y,
+        t15 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, thigh_m_own_moment_z, thigh_mx_own_moment_z,
+        -0.35 * thigh_own_field_y_y - thigh_frame_at_x, -thigh_mz_own_moment_z, -thigh_xx_inertial_moment_z,
         thigh_xx_inertial_moment_z, qdd_1, thigh_xy_inertial_moment_z, thigh_pole_y, thigh_pole_x,
         Y_shank_m_on_shank_moment_z, Y_shank_mx_on_shank_moment_z, shank_lever_y * shank_my_force_x - t22,
         -Y_shank_mz_on_shank_moment_z, t23, shank_xx_inertial_moment_z, shank_rate,
@@ -2667,6 +2665,8 @@ def leg_regressor_d_param(q, qd, qdd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd_1 * qd_1
@@ -2677,13 +2677,11 @@ def leg_regressor_d_param(q, qd, qdd, param):
     shank_at_z = qdd_0 * shank_lever_x - shank_lever_y * thigh_field_y_z
     shank_spin_z = qd_1 + qd_2
     shank_rate = qdd_1 + qdd_2
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_spin_x = qd_0 * sin_thigh_shank
     shank_spin_y = qd_0 * cos_thigh_shank
     shank_pole_x = qdd_0 * cos_thigh_shank
     shank_pole_y = qdd_0 * sin_thigh_shank
-    shank_at_own_y = shank_at_y * cos_thigh_shank + shank_at_x * sin_thigh_shank
+    shank_at_own_y = cos_thigh_shank * shank_at_y + sin_thigh_shank * shank_at_x
     t1 = shank_spin_z * shank_spin_z
     t2 = shank_spin_y * shank_spin_y
     shank_own_field_x_x = t1 + t2
@@ -2708,21 +2706,21 @@ def leg_regressor_d_param(q, qd, qdd, param):
     t8 = shank_lever_y * shank_mx_force_x + shank_lever_x * shank_mx_force_y
     Y_shank_mx_on_shank_moment_z = shank_mx_own_moment_z + t8
     t9 = shank_own_field_x_y + shank_own_field_x_y
-    shank_xy_moment_y = sin_thigh_shank * shank_own_field_x_z + cos_thigh_shank * shank_own_field_y_z
     t10 = shank_own_field_x_x - shank_own_field_y_y
     t11 = -shank_pole_y
     Y_d_param = _array(lead, (3, 30, 2), np.float64, [
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         Y_shank_mx_on_shank_moment_y, 0.0, cos_thigh_shank * (shank_own_field_x_z + shank_own_field_x_z), 0.0,
-        -shank_xy_moment_y, 0.0, cos_thigh_shank * (shank_own_field_z_z - shank_own_field_x_x) - t7, 0.0, 0.0,
+        -sin_thigh_shank * shank_own_field_x_z - cos_thigh_shank * shank_own_field_y_z, 0.0,
+        cos_thigh_shank * (shank_own_field_z_z - shank_own_field_x_x) - t7, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, Y_shank_mx_on_shank_moment_z, 0.0, t9, 0.0,
-        t10, 0.0, t11, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, Y_shank_mx_on_shank_moment_z, 0.0, t9, 0.0, t10, 0.0, t11, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, shank_mx_own_moment_z,
-        0.0, t9, 0.0, t10, 0.0, t11, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, shank_mx_own_moment_z, 0.0, t9, 0.0, t10, 0.0,
+        t11, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     ])
     return Y_d_param
 
@@ -2749,6 +2747,8 @@ def leg_base_parameters(q, qd, qdd, param):
     angle_thigh_shank = q_1 + q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_shank = np.cos(angle_thigh_shank)
+    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_lever_x = cos_thigh * 0.35
     shank_lever_y = sin_thigh * 0.35
     thigh_field_y_y = qd_1 * qd_1
@@ -2784,8 +2784,6 @@ def leg_base_parameters(q, qd, qdd, param):
     thigh_xz_moment_y = sin_thigh * thigh_own_field_x_y + cos_thigh * thigh_xz_inertial_moment_y
     thigh_yz_inertial_moment_x = thigh_field_y_y - t4
     thigh_yz_moment_y = cos_thigh * thigh_own_field_y_x - sin_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_shank = np.cos(angle_thigh_shank)
-    sin_thigh_shank = np.sin(angle_thigh_shank)
     shank_spin_x = qd_0 * sin_thigh_shank
     shank_spin_y = qd_0 * cos_thigh_shank
     shank_pole_x = qdd_0 * cos_thigh_shank
@@ -2814,7 +2812,6 @@ def leg_base_parameters(q, qd, qdd, param):
     t11 = cos_thigh_shank * shank_own_field_y_x
     shank_my_force_x = t11 - sin_thigh_shank * shank_own_field_y_y
     shank_my_force_y = sin_thigh_shank * shank_own_field_y_x + cos_thigh_shank * shank_own_field_y_y
-    Y_shank_my_on_shank_moment_y = shank_lever_x * shank_own_field_y_z + shank_mx_moment_x
     Y_shank_my_on_shank_moment_z = shank_lever_y * shank_my_force_x + shank_at_own_x - shank_lever_x * shank_my_force_y
     shank_yy_inertial_moment_x = shank_spin_z * shank_spin_y
     shank_zz_inertial_moment_y = shank_spin_z * shank_spin_x
@@ -2828,8 +2825,9 @@ def leg_base_parameters(q, qd, qdd, param):
     shank_yz_moment_y = sin_thigh_shank * shank_yz_inertial_moment_x + t11
     Y = _array(lead, (3, 15), np.float64, [
         qdd_0, 0.0, 0.0, thigh_yy_moment_y, t2 - cos_thigh * thigh_zz_inertial_moment_y, thigh_xy_moment_y,
-        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y, -Y_shank_my_on_shank_moment_y,
-        shank_yy_moment_y, t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
+        thigh_xz_moment_y, thigh_yz_moment_y, Y_shank_mx_on_shank_moment_y,
+        -shank_lever_x * shank_own_field_y_z - shank_mx_moment_x, shank_yy_moment_y,
+        t12 - cos_thigh_shank * shank_zz_inertial_moment_y, shank_xy_moment_y,
         t9 - cos_thigh_shank * shank_xz_inertial_moment_y, shank_yz_moment_y, 0.0, thigh_at_own_y,
         -thigh_at_own_x, thigh_yy_inertial_moment_z, qdd_1, thigh_xy_inertial_moment_z, thigh_pole_y,
         thigh_pole_x, Y_shank_mx_on_shank_moment_z, Y_shank_my_on_shank_moment_z, shank_yy_inertial_moment_z,
@@ -2911,15 +2909,15 @@ def foot_positions(q, param):
     16 operations; eqs. (5)-(7): p = G_m M A_1 A_2 A_3 p_4
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -2936,9 +2934,9 @@ def foot_positions_d_param(q, param):
     10 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     p_d_param = _array(lead, (1, 3, 2), np.float64, [
@@ -2956,15 +2954,15 @@ def foot_jacobians(q, param):
     20 operations; J_i = D_i p along the foot's route
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
-    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
-    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    shank_to_tip_x = param_1 * sin_thigh_shank + param_0 * cos_thigh_shank
+    shank_to_tip_y = param_1 * cos_thigh_shank - param_0 * sin_thigh_shank
     thigh_to_tip_x = cos_thigh * 0.35 + shank_to_tip_x
     thigh_to_tip_y = shank_to_tip_y - sin_thigh * 0.35
     yaw_to_tip_x = cos_yaw * thigh_to_tip_x
@@ -2988,9 +2986,9 @@ def foot_jacobians_d_param(q, param):
     12 operations; forward differentiation
     """
     lead, (q_0, q_1, q_2, param_0, param_1) = _elements(_real("q", q, (3,)), _real("param", param, (2,)))
+    angle_thigh_shank = q_1 + q_2
     cos_yaw = np.cos(q_0)
     sin_yaw = np.sin(q_0)
-    angle_thigh_shank = q_1 + q_2
     cos_thigh_shank = np.cos(angle_thigh_shank)
     sin_thigh_shank = np.sin(angle_thigh_shank)
     t1 = cos_yaw * cos_thigh_shank
@@ -3023,13 +3021,13 @@ def com(base_pose, q, param):
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 - leg_shank_link_moment_x_2 * cos_leg_thigh_shank
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -3057,16 +3055,16 @@ def com_d_param(base_pose, q, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
-    t1 = -0.3 * cos_leg_thigh_shank
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
-    t2 = t1 * cos_leg_yaw * 0.06756756756756757
-    t3 = t1 * sin_leg_yaw * 0.06756756756756757
+    t1 = -0.3 * cos_leg_thigh_shank
+    t2 = cos_leg_yaw * t1 * 0.06756756756756757
+    t3 = sin_leg_yaw * t1 * 0.06756756756756757
     t4 = -0.3 * sin_leg_thigh_shank * 0.06756756756756757
     c_d_param = _array(lead, (3, 2), np.float64, [
-        -(base_pose_0_2 * t4 + (base_pose_0_1 * t3 + base_pose_0_0 * t2)), 0.0,
-        -(base_pose_1_2 * t4 + (base_pose_1_1 * t3 + base_pose_1_0 * t2)), 0.0,
-        -(base_pose_2_2 * t4 + (base_pose_2_1 * t3 + base_pose_2_0 * t2)), 0.0,
+        -base_pose_0_2 * t4 - (base_pose_0_1 * t3 + base_pose_0_0 * t2), 0.0,
+        -base_pose_1_2 * t4 - (base_pose_1_1 * t3 + base_pose_1_0 * t2), 0.0,
+        -base_pose_2_2 * t4 - (base_pose_2_1 * t3 + base_pose_2_0 * t2), 0.0,
     ])
     return c_d_param
 
@@ -3088,17 +3086,17 @@ def com_jacobian(base_pose, q, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
-    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
+    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
+    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 - leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -3146,11 +3144,11 @@ def com_jacobian_d_param(base_pose, q, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
-    t1 = -0.3 * cos_leg_thigh_shank
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
-    t2 = t1 * cos_leg_yaw * 0.06756756756756757
-    t3 = t1 * sin_leg_yaw * 0.06756756756756757
+    t1 = -0.3 * cos_leg_thigh_shank
+    t2 = cos_leg_yaw * t1 * 0.06756756756756757
+    t3 = sin_leg_yaw * t1 * 0.06756756756756757
     t4 = -0.3 * sin_leg_thigh_shank * 0.06756756756756757
     leg_yaw_frame_x_x = base_pose_0_1 * sin_leg_yaw + base_pose_0_0 * cos_leg_yaw
     leg_yaw_frame_x_y = base_pose_1_1 * sin_leg_yaw + base_pose_1_0 * cos_leg_yaw
@@ -3195,18 +3193,18 @@ def centroidal_momentum_matrix(base_pose, q, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
-    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
-    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
+    leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
+    leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t2 = leg_shank_lever_x * 1.1
     leg_thigh_moment_x = t2 - leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
     leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
@@ -3391,23 +3389,23 @@ def centroidal_momentum_matrix_d_param(base_pose, q, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     leg_shank_moment_own_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
     t4 = -0.3 * cos_leg_thigh_shank
     leg_shank_moment_own_y = leg_shank_link_moment_x_2 * sin_leg_thigh_shank
     t5 = -0.3 * sin_leg_thigh_shank
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_thigh_moment_x = leg_shank_lever_x * 1.1 - leg_shank_moment_own_x
     leg_thigh_moment_y = leg_shank_lever_y * 1.1 - leg_shank_moment_own_y
     leg_yaw_borne_z = leg_thigh_moment_y + 0.336
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
-    leg_yaw_moment_own_x = leg_thigh_moment_x * cos_leg_yaw
-    t6 = t4 * cos_leg_yaw
-    leg_yaw_moment_own_y = leg_thigh_moment_x * sin_leg_yaw
-    t7 = t4 * sin_leg_yaw
+    leg_yaw_moment_own_x = cos_leg_yaw * leg_thigh_moment_x
+    t6 = cos_leg_yaw * t4
+    leg_yaw_moment_own_y = sin_leg_yaw * leg_thigh_moment_x
+    t7 = sin_leg_yaw * t4
     centre_x = leg_yaw_moment_own_x * 0.06756756756756757
     t8 = t6 * 0.06756756756756757
     centre_y = leg_yaw_moment_own_y * 0.06756756756756757
@@ -3574,12 +3572,14 @@ def centroidal_inertia(base_pose, q, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -3600,8 +3600,6 @@ def centroidal_inertia(base_pose, q, param):
     leg_thigh_composite_xy = t8 - cos_leg_thigh_shank * leg_shank_inertia_spun_y - leg_shank_lever_y * t6
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - t6
     leg_thigh_composite_moment_y = leg_shank_inertia_moment_y - leg_shank_lever_y * 1.1
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     t9 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = leg_thigh_composite_xx + t9 - 0.04032
     leg_yaw_borne_yy = leg_thigh_composite_zz + t9 - 0.03882
@@ -3690,6 +3688,8 @@ def centroidal_inertia_d_param(base_pose, q, param):
     sin_leg_thigh = np.sin(q_1)
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     t4 = t3 * sin_leg_thigh_shank
     t5 = sin_leg_thigh_shank * t4
     leg_shank_inertia_moment_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
@@ -3703,8 +3703,6 @@ def centroidal_inertia_d_param(base_pose, q, param):
     t10 = leg_shank_lever_x * (2.0 * t6)
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - leg_shank_lever_x * 1.1
     leg_thigh_composite_moment_y = leg_shank_inertia_moment_y - leg_shank_lever_y * 1.1
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     t11 = t7 * 0.24
     t12 = t9 - t5 + t11
     t13 = t9 + t10 - t3 + t11
@@ -3714,10 +3712,10 @@ def centroidal_inertia_d_param(base_pose, q, param):
     t16 = cos_leg_yaw * t12
     t17 = sin_leg_yaw * t13
     t18 = sin_leg_yaw * t17 + cos_leg_yaw * t16
-    leg_yaw_whole_moment_x = leg_thigh_composite_moment_x * cos_leg_yaw
-    t19 = t6 * cos_leg_yaw
-    leg_yaw_whole_moment_y = leg_thigh_composite_moment_x * sin_leg_yaw
-    t20 = t6 * sin_leg_yaw
+    leg_yaw_whole_moment_x = cos_leg_yaw * leg_thigh_composite_moment_x
+    t19 = cos_leg_yaw * t6
+    leg_yaw_whole_moment_y = sin_leg_yaw * leg_thigh_composite_moment_x
+    t20 = sin_leg_yaw * t6
     centre_x = leg_yaw_whole_moment_x * 0.06756756756756757
     t21 = t19 * 0.06756756756756757
     centre_y = leg_yaw_whole_moment_y * 0.06756756756756757
@@ -3791,6 +3789,10 @@ def momentum(base_pose, q, v, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_own_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_own_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_velocity_own_x = v_1 * sin_leg_yaw + v_0 * cos_leg_yaw
@@ -3798,8 +3800,6 @@ def momentum(base_pose, q, v, param):
     leg_thigh_velocity_before_x = leg_yaw_spin_own_y * 0.12 + leg_yaw_velocity_own_x
     leg_thigh_velocity_before_y = leg_yaw_spin_own_x * 0.12 - leg_yaw_velocity_own_y
     leg_thigh_spin_z = leg_yaw_spin_own_y - v_7
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_shank_velocity_before_x = leg_thigh_spin_z * leg_shank_lever_y + leg_thigh_velocity_before_x
@@ -3814,8 +3814,6 @@ def momentum(base_pose, q, v, param):
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_momentum_moment_x = leg_yaw_spin_own_x * leg_thigh_inertia_xx - leg_yaw_spin_z * leg_thigh_inertia_xy
     leg_thigh_momentum_moment_y = leg_yaw_spin_own_x * leg_thigh_inertia_xy + leg_yaw_spin_z * leg_thigh_inertia_rest
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -3905,6 +3903,10 @@ def momentum_d_param(base_pose, q, v, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_own_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_own_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_velocity_own_x = v_1 * sin_leg_yaw + v_0 * cos_leg_yaw
@@ -3912,8 +3914,6 @@ def momentum_d_param(base_pose, q, v, param):
     leg_thigh_velocity_before_x = leg_yaw_spin_own_y * 0.12 + leg_yaw_velocity_own_x
     leg_thigh_velocity_before_y = leg_yaw_spin_own_x * 0.12 - leg_yaw_velocity_own_y
     leg_thigh_spin_z = leg_yaw_spin_own_y - v_7
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     leg_shank_velocity_before_x = leg_thigh_spin_z * leg_shank_lever_y + leg_thigh_velocity_before_x
@@ -3921,8 +3921,6 @@ def momentum_d_param(base_pose, q, v, param):
     t4 = leg_yaw_spin_own_x * leg_shank_lever_y + leg_thigh_velocity_before_y
     leg_shank_velocity_before_z = t4 - leg_yaw_spin_z * leg_shank_lever_x
     leg_shank_spin_z = leg_thigh_spin_z - v_8
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     t5 = t3 * sin_leg_thigh_shank
     t6 = sin_leg_thigh_shank * t5
     leg_shank_inertia_moment_x = leg_shank_link_moment_x_2 * cos_leg_thigh_shank
@@ -4014,6 +4012,10 @@ def momentum_rate(base_pose, q, v, a, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4035,8 +4037,6 @@ def momentum_rate(base_pose, q, v, a, param):
     leg_thigh_pole_y = t4 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t6 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4073,8 +4073,6 @@ def momentum_rate(base_pose, q, v, a, param):
     t17 = t3 - t6
     t18 = leg_thigh_inertia_xy * t17 + t5 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t18 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4191,6 +4189,10 @@ def momentum_rate_d_param(base_pose, q, v, a, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4211,8 +4213,6 @@ def momentum_rate_d_param(base_pose, q, v, a, param):
     leg_thigh_pole_y = t6 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t8 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4232,8 +4232,6 @@ def momentum_rate_d_param(base_pose, q, v, a, param):
     leg_shank_at_z = t13 - leg_shank_lever_x * leg_thigh_field_x_z
     leg_shank_spin_z = leg_thigh_spin_z - v_8
     leg_shank_rate = a_8 + leg_thigh_rate
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     t14 = t3 * sin_leg_thigh_shank
     t15 = sin_leg_thigh_shank * t14
     t16 = t15 - t3
@@ -4337,6 +4335,10 @@ def demanded_wrench(base_pose, q, v, a, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4358,8 +4360,6 @@ def demanded_wrench(base_pose, q, v, a, param):
     leg_thigh_pole_y = t4 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t6 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4396,8 +4396,6 @@ def demanded_wrench(base_pose, q, v, a, param):
     t17 = t3 - t6
     t18 = leg_thigh_inertia_xy * t17 + t5 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t18 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4504,6 +4502,10 @@ def demanded_wrench_d_param(base_pose, q, v, a, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4524,8 +4526,6 @@ def demanded_wrench_d_param(base_pose, q, v, a, param):
     leg_thigh_pole_y = t6 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t8 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4545,8 +4545,6 @@ def demanded_wrench_d_param(base_pose, q, v, a, param):
     leg_shank_at_z = t13 - leg_shank_lever_x * leg_thigh_field_x_z
     leg_shank_spin_z = leg_thigh_spin_z - v_8
     leg_shank_rate = a_8 + leg_thigh_rate
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     t14 = t3 * sin_leg_thigh_shank
     t15 = sin_leg_thigh_shank * t14
     t16 = t15 - t3
@@ -4610,12 +4608,14 @@ def floating_mass_matrix(base_pose, q, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_thigh = np.cos(q_1)
     sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     leg_thigh_inertia_spun_y = sin_leg_thigh * 0.021625
     leg_thigh_inertia_xx = sin_leg_thigh * leg_thigh_inertia_spun_y
     leg_thigh_inertia_rest = leg_thigh_inertia_xx - 0.021625
     leg_thigh_inertia_xy = cos_leg_thigh * leg_thigh_inertia_spun_y
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4637,8 +4637,6 @@ def floating_mass_matrix(base_pose, q, param):
     leg_thigh_composite_xy = t9 - cos_leg_thigh_shank * leg_shank_inertia_spun_y - leg_shank_lever_y * t7
     leg_thigh_composite_moment_x = leg_shank_inertia_moment_x - t7
     leg_thigh_composite_moment_y = leg_shank_inertia_moment_y - leg_shank_lever_y * 1.1
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     t10 = leg_thigh_composite_moment_y * 0.24
     leg_yaw_borne_xx = leg_thigh_composite_xx + t10 - 0.04032
     leg_yaw_borne_yy = leg_thigh_composite_zz + t10 - 0.03882
@@ -4713,6 +4711,8 @@ def floating_mass_matrix_d_param(base_pose, q, param):
     sin_leg_thigh = np.sin(q_1)
     cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
     sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
+    cos_leg_yaw = np.cos(q_0)
+    sin_leg_yaw = np.sin(q_0)
     t4 = t3 * sin_leg_thigh_shank
     t5 = sin_leg_thigh_shank * t4
     t6 = -0.3 * cos_leg_thigh_shank
@@ -4723,8 +4723,6 @@ def floating_mass_matrix_d_param(base_pose, q, param):
     t9 = leg_shank_lever_x * (2.0 * t6)
     t10 = t8 + t9
     t11 = t10 - t3
-    cos_leg_yaw = np.cos(q_0)
-    sin_leg_yaw = np.sin(q_0)
     t12 = t7 * 0.24
     t13 = t8 - t5 + t12
     t14 = t11 + t12
@@ -4733,15 +4731,15 @@ def floating_mass_matrix_d_param(base_pose, q, param):
     t17 = cos_leg_yaw * t13
     t18 = sin_leg_yaw * t14
     t19 = sin_leg_yaw * t18 + cos_leg_yaw * t17
-    t20 = t6 * cos_leg_yaw
-    t21 = t6 * sin_leg_yaw
+    t20 = cos_leg_yaw * t6
+    t21 = sin_leg_yaw * t6
     t22 = cos_leg_yaw * t16
     t23 = sin_leg_yaw * t16
     t24 = cos_leg_yaw * t18 - sin_leg_yaw * t17
     t25 = t7 * 0.12
     t26 = t11 + t25
-    t27 = t7 * cos_leg_yaw
-    t28 = t7 * sin_leg_yaw
+    t27 = cos_leg_yaw * t7
+    t28 = sin_leg_yaw * t7
     t29 = cos_leg_yaw * t26
     t30 = t7 * leg_shank_lever_y + t6 * leg_shank_lever_x
     t31 = t25 + (t30 - t3)
@@ -4806,6 +4804,10 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4827,8 +4829,6 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces, param):
     leg_thigh_pole_y = t7 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t9 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -4865,8 +4865,6 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces, param):
     t20 = t6 - t9
     t21 = leg_thigh_inertia_xy * t20 + t8 * (leg_thigh_inertia_xx + leg_thigh_inertia_rest)
     leg_thigh_inertial_moment_z = t21 - leg_thigh_rate * 0.020625
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_shank_inertia_spun_y = leg_shank_kept_yy * sin_leg_thigh_shank
     leg_shank_inertia_xx = sin_leg_thigh_shank * leg_shank_inertia_spun_y
     leg_shank_inertia_rest = leg_shank_inertia_xx - leg_shank_kept_yy
@@ -4978,6 +4976,10 @@ def floating_inverse_dynamics_d_param(base_pose, q, v, a, foot_forces, param):
     angle_leg_thigh_shank = q_1 + q_2
     cos_leg_yaw = np.cos(q_0)
     sin_leg_yaw = np.sin(q_0)
+    cos_leg_thigh = np.cos(q_1)
+    sin_leg_thigh = np.sin(q_1)
+    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
+    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     leg_yaw_spin_x = v_4 * sin_leg_yaw + v_3 * cos_leg_yaw
     leg_yaw_spin_y = v_4 * cos_leg_yaw - v_3 * sin_leg_yaw
     leg_yaw_pole_x = base_pole_x * cos_leg_yaw - base_pole_y * sin_leg_yaw
@@ -4998,8 +5000,6 @@ def floating_inverse_dynamics_d_param(base_pose, q, v, a, foot_forces, param):
     leg_thigh_pole_y = t9 + leg_thigh_rates_before_x
     leg_thigh_spin_z = leg_yaw_spin_y - v_7
     leg_thigh_rate = a_7 - leg_thigh_rates_before_z
-    cos_leg_thigh = np.cos(q_1)
-    sin_leg_thigh = np.sin(q_1)
     leg_shank_lever_x = cos_leg_thigh * 0.35
     leg_shank_lever_y = sin_leg_thigh * 0.35
     t11 = leg_yaw_spin_z * leg_yaw_spin_z
@@ -5019,8 +5019,6 @@ def floating_inverse_dynamics_d_param(base_pose, q, v, a, foot_forces, param):
     leg_shank_at_z = t16 - leg_shank_lever_x * leg_thigh_field_x_z
     leg_shank_spin_z = leg_thigh_spin_z - v_8
     leg_shank_rate = a_8 + leg_thigh_rate
-    cos_leg_thigh_shank = np.cos(angle_leg_thigh_shank)
-    sin_leg_thigh_shank = np.sin(angle_leg_thigh_shank)
     t17 = t3 * sin_leg_thigh_shank
     t18 = sin_leg_thigh_shank * t17
     t19 = t18 - t3
@@ -5051,17 +5049,17 @@ def floating_inverse_dynamics_d_param(base_pose, q, v, a, foot_forces, param):
     t36 = t10 * (t18 + t19) + (t31 - t3 * leg_shank_rate)
     t37 = force_on_leg_z * cos_leg_thigh_shank + t36
     t38 = leg_shank_at_z * t21 + (t22 * leg_shank_field_x_z + t29) - t32
-    t39 = t34 - (leg_shank_at_z * t20 + t30 - t19 * leg_shank_field_x_z)
-    t40 = leg_shank_lever_y * t24 + (leg_shank_lever_x * (t26 - t25) + (t37 - t35))
-    t41 = 0.12 * t27 - (t38 - leg_shank_lever_y * t27)
-    t42 = 0.12 * t24 + t40
-    t43 = -(leg_shank_lever_x * t27 + t39)
+    t39 = leg_shank_lever_y * t24 + (leg_shank_lever_x * (t26 - t25) + (t37 - t35))
+    t40 = 0.12 * t27 - (t38 - leg_shank_lever_y * t27)
+    t41 = 0.12 * t24 + t39
+    t42 = t34 - (leg_shank_at_z * t20 + t30 - t19 * leg_shank_field_x_z)
+    t43 = -leg_shank_lever_x * t27 - t42
     t44 = cos_leg_thigh_shank * foot_force_leg_yaw_x + force_on_leg_z * sin_leg_thigh_shank
     t45 = -t44
     tau_d_param = _array(lead, (9, 2), np.float64, [
         sin_leg_yaw * t27 + cos_leg_yaw * t24, 0.0, sin_leg_yaw * t24 - cos_leg_yaw * t27, 0.0, t25 - t26,
-        0.0, cos_leg_yaw * t41 - sin_leg_yaw * t42, -(sin_leg_yaw * t44 + cos_leg_yaw * t34),
-        sin_leg_yaw * t41 + cos_leg_yaw * t42, cos_leg_yaw * t44 - sin_leg_yaw * t34, t43, t33, t43, t33,
-        -t40, t45, t35 - t37, t45,
+        0.0, cos_leg_yaw * t40 - sin_leg_yaw * t41, -sin_leg_yaw * t44 - cos_leg_yaw * t34,
+        sin_leg_yaw * t40 + cos_leg_yaw * t41, cos_leg_yaw * t44 - sin_leg_yaw * t34, t43, t33, t43, t33,
+        -t39, t45, t35 - t37, t45,
     ])
     return tau_d_param

@@ -6,10 +6,16 @@
  */
 #include "mero_leg_param.h"
 #include "walkgen_loops.h"
+#include "walkgen_real_f64.h"
+#include "walkgen_wide.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+extern const struct walkgen_wide mero_leg_param_avx2, mero_leg_param_avx512;
+static const struct walkgen_wide *const mero_leg_param_wide[] = {&mero_leg_param_avx2, &mero_leg_param_avx512};
+WALKGEN_LEVEL(mero_leg_param)
 
 static const walkgen_port mero_leg_param_leg_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -18,16 +24,12 @@ static const walkgen_port mero_leg_param_leg_foot_position_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_position) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_foot_position(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_position, double, 8, , mero_leg_param_leg_foot_position_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position, mero_leg_param, 0, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_position, wide_rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -36,16 +38,15 @@ static const walkgen_port mero_leg_param_leg_foot_position_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_position_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_position_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_position_d_param, double, 11, , mero_leg_param_leg_foot_position_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_d_param, mero_leg_param, 1, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_position_d_param, wide_rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -54,16 +55,12 @@ static const walkgen_port mero_leg_param_leg_foot_rotation_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_rotation) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_foot_rotation(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_rotation, double, 14, , mero_leg_param_leg_foot_rotation_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation, mero_leg_param, 2, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_rotation, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -72,16 +69,15 @@ static const walkgen_port mero_leg_param_leg_foot_rotation_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_rotation_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_rotation_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_rotation_d_param, double, 23, , mero_leg_param_leg_foot_rotation_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation_d_param, mero_leg_param, 3, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_rotation_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -90,16 +86,12 @@ static const walkgen_port mero_leg_param_leg_foot_pose_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_pose) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_foot_pose(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_pose, double, 21, , mero_leg_param_leg_foot_pose_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose, mero_leg_param, 4, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_pose, wide_rows, double, 21, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -108,16 +100,15 @@ static const walkgen_port mero_leg_param_leg_foot_pose_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_pose_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_pose_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_pose_d_param, double, 37, , mero_leg_param_leg_foot_pose_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose_d_param, mero_leg_param, 5, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_pose_d_param, wide_rows, double, 37, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -126,16 +117,12 @@ static const walkgen_port mero_leg_param_leg_foot_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_foot_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian, double, 14, , mero_leg_param_leg_foot_jacobian_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian, mero_leg_param, 6, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -144,16 +131,15 @@ static const walkgen_port mero_leg_param_leg_foot_jacobian_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_jacobian_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian_d_param, double, 23, , mero_leg_param_leg_foot_jacobian_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian_d_param, mero_leg_param, 7, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -163,17 +149,16 @@ static const walkgen_port mero_leg_param_leg_foot_position_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_position_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian, double, 17, , mero_leg_param_leg_foot_position_jacobian_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian, mero_leg_param, 8, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian, wide_rows, double, 17, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -183,17 +168,16 @@ static const walkgen_port mero_leg_param_leg_foot_position_jacobian_d_param_port
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_position_jacobian_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian_d_param, double, 29, , mero_leg_param_leg_foot_position_jacobian_d_param_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param, mero_leg_param, 9, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian_d_param, wide_rows, double, 29, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -202,16 +186,15 @@ static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_spatial_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_spatial_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian, double, 23, , mero_leg_param_leg_foot_spatial_jacobian_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_spatial_jacobian, mero_leg_param, 10, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -220,16 +203,14 @@ static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_d_param_ports
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_spatial_jacobian_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_spatial_jacobian_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian_d_param, double, 41, , mero_leg_param_leg_foot_spatial_jacobian_d_param_ports, 3)
+WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian_d_param, rows, double, 41, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_hessian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -238,16 +219,12 @@ static const walkgen_port mero_leg_param_leg_foot_hessian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_hessian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_foot_hessian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_hessian, double, 32, , mero_leg_param_leg_foot_hessian_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_hessian, mero_leg_param, 11, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_hessian, wide_rows, double, 32, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_hessian_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -256,16 +233,14 @@ static const walkgen_port mero_leg_param_leg_foot_hessian_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_hessian_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_hessian_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_hessian_d_param, double, 59, , mero_leg_param_leg_foot_hessian_d_param_ports, 3)
+WALKGEN_LOOP(mero_leg_param_leg_foot_hessian_d_param, rows, double, 59, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -275,17 +250,16 @@ static const walkgen_port mero_leg_param_leg_foot_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_velocity, double, 11, , mero_leg_param_leg_foot_velocity_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity, mero_leg_param, 12, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_velocity, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_velocity_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -295,17 +269,16 @@ static const walkgen_port mero_leg_param_leg_foot_velocity_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_velocity_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_velocity_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_velocity_d_param, double, 14, , mero_leg_param_leg_foot_velocity_d_param_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity_d_param, mero_leg_param, 13, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_velocity_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -316,18 +289,17 @@ static const walkgen_port mero_leg_param_leg_foot_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration, double, 14, , mero_leg_param_leg_foot_acceleration_ports, 5)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration, mero_leg_param, 14, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration, wide_rows, double, 14, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -338,18 +310,17 @@ static const walkgen_port mero_leg_param_leg_foot_acceleration_d_param_ports[] =
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_acceleration_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration_d_param, double, 17, , mero_leg_param_leg_foot_acceleration_d_param_ports, 5)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration_d_param, mero_leg_param, 15, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration_d_param, wide_rows, double, 17, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -359,17 +330,16 @@ static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_bias_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration, double, 14, , mero_leg_param_leg_foot_bias_acceleration_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration, mero_leg_param, 16, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -379,17 +349,16 @@ static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_d_param_port
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_bias_acceleration_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration_d_param, double, 20, , mero_leg_param_leg_foot_bias_acceleration_d_param_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param, mero_leg_param, 17, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration_d_param, wide_rows, double, 20, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -399,17 +368,16 @@ static const walkgen_port mero_leg_param_leg_foot_torque_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_torque(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_torque, double, 11, , mero_leg_param_leg_foot_torque_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque, mero_leg_param, 18, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_torque, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -419,17 +387,16 @@ static const walkgen_port mero_leg_param_leg_foot_torque_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_foot_torque_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_foot_torque_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_foot_torque_d_param, double, 14, , mero_leg_param_leg_foot_torque_d_param_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque_d_param, mero_leg_param, 19, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_foot_torque_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_joint_frames_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -438,16 +405,11 @@ static const walkgen_port mero_leg_param_leg_joint_frames_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_joint_frames) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_joint_frames(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_joint_frames(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_joint_frames, double, 69, , mero_leg_param_leg_joint_frames_ports, 3)
+WALKGEN_LOOP(mero_leg_param_leg_joint_frames, rows, double, 69, 3)
 
 static const walkgen_port mero_leg_param_leg_joint_frames_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -456,16 +418,14 @@ static const walkgen_port mero_leg_param_leg_joint_frames_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_joint_frames_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_joint_frames_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_joint_frames_d_param, double, 133, , mero_leg_param_leg_joint_frames_d_param_ports, 3)
+WALKGEN_LOOP(mero_leg_param_leg_joint_frames_d_param, rows, double, 133, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -475,17 +435,15 @@ static const walkgen_port mero_leg_param_leg_inverse_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         (void)mero_leg_param_leg_inverse(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]),
-            (int32_t *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(int32_t, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse, double, 21, , mero_leg_param_leg_inverse_ports, 4)
+WALKGEN_LOOP(mero_leg_param_leg_inverse, rows, double, 21, 4)
 
 static const walkgen_port mero_leg_param_leg_inverse_branch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -496,17 +454,15 @@ static const walkgen_port mero_leg_param_leg_inverse_branch_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_branch) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[4] + at * step[4]) = mero_leg_param_leg_inverse_branch(
-            (const double *)(a[0] + at * step[0]),
-            walkgen_integer(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 4) = mero_leg_param_leg_inverse_branch(
+            WALKGEN_PORT(double, 0),
+            walkgen_integer(WALKGEN_PLACE(1)),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_branch, double, 10, , mero_leg_param_leg_inverse_branch_ports, 5)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_branch, rows, double, 10, 5)
 
 static const walkgen_port mero_leg_param_leg_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -517,17 +473,15 @@ static const walkgen_port mero_leg_param_leg_inverse_near_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_near) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[4] + at * step[4]) = mero_leg_param_leg_inverse_near(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 4) = mero_leg_param_leg_inverse_near(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_near, double, 12, , mero_leg_param_leg_inverse_near_ports, 5)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_near, rows, double, 12, 5)
 
 static const walkgen_port mero_leg_param_leg_inverse_admissible_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -537,16 +491,14 @@ static const walkgen_port mero_leg_param_leg_inverse_admissible_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_admissible) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = mero_leg_param_leg_inverse_admissible(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = mero_leg_param_leg_inverse_admissible(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_admissible, double, 9, , mero_leg_param_leg_inverse_admissible_ports, 4)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_admissible, rows, double, 9, 4)
 
 static const walkgen_port mero_leg_param_leg_inverse_distance_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -555,16 +507,14 @@ static const walkgen_port mero_leg_param_leg_inverse_distance_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_distance) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_inverse_distance(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_distance, double, 9, , mero_leg_param_leg_inverse_distance_ports, 3)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_distance, rows, double, 9, 3)
 
 static const walkgen_port mero_leg_param_leg_within_limits_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -573,15 +523,14 @@ static const walkgen_port mero_leg_param_leg_within_limits_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_within_limits) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[2] + at * step[2]) = mero_leg_param_leg_within_limits(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 2) = mero_leg_param_leg_within_limits(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_within_limits, double, 6, , mero_leg_param_leg_within_limits_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits, mero_leg_param, 20, 2, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_within_limits, wide_rows, double, 6, 3)
 
 static const walkgen_port mero_leg_param_leg_within_limits_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -590,16 +539,15 @@ static const walkgen_port mero_leg_param_leg_within_limits_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_within_limits_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_within_limits_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (int32_t *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_within_limits_d_param, double, 7, , mero_leg_param_leg_within_limits_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits_d_param, mero_leg_param, 21, 2, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_within_limits_d_param, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -610,17 +558,15 @@ static const walkgen_port mero_leg_param_leg_inverse_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[4] + at * step[4]) = mero_leg_param_leg_inverse_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 4) = mero_leg_param_leg_inverse_velocity(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_velocity, double, 12, , mero_leg_param_leg_inverse_velocity_ports, 5)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_velocity, rows, double, 12, 5)
 
 static const walkgen_port mero_leg_param_leg_inverse_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -632,18 +578,16 @@ static const walkgen_port mero_leg_param_leg_inverse_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[5] + at * step[5]) = mero_leg_param_leg_inverse_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 5) = mero_leg_param_leg_inverse_acceleration(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_acceleration, double, 15, , mero_leg_param_leg_inverse_acceleration_ports, 6)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_acceleration, rows, double, 15, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -655,19 +599,18 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics, double, 17, , mero_leg_param_leg_inverse_dynamics_ports, 6)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics, mero_leg_param, 22, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -679,19 +622,18 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = 
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_inverse_dynamics_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_d_param, double, 20, , mero_leg_param_leg_inverse_dynamics_d_param_ports, 6)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics_d_param, mero_leg_param, 23, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_d_param, wide_rows, double, 20, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -703,19 +645,18 @@ static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_forward_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_forward_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics, double, 17, , mero_leg_param_leg_forward_dynamics_ports, 6)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_forward_dynamics, mero_leg_param, 24, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -727,19 +668,17 @@ static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = 
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_forward_dynamics_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_forward_dynamics_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics_d_param, double, 20, , mero_leg_param_leg_forward_dynamics_d_param_ports, 6)
+WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics_d_param, rows, double, 20, 6)
 
 static const walkgen_port mero_leg_param_leg_mass_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -748,16 +687,12 @@ static const walkgen_port mero_leg_param_leg_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_mass_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_mass_matrix, double, 14, , mero_leg_param_leg_mass_matrix_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix, mero_leg_param, 25, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_mass_matrix, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -766,16 +701,15 @@ static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_mass_matrix_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_mass_matrix_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_mass_matrix_d_param, double, 23, , mero_leg_param_leg_mass_matrix_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix_d_param, mero_leg_param, 26, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_mass_matrix_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_bias_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -785,17 +719,16 @@ static const walkgen_port mero_leg_param_leg_bias_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_bias) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_bias(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_bias, double, 11, , mero_leg_param_leg_bias_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias, mero_leg_param, 27, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_bias, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -805,17 +738,16 @@ static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_bias_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_bias_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_bias_d_param, double, 14, , mero_leg_param_leg_bias_d_param_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias_d_param, mero_leg_param, 28, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_bias_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -824,16 +756,12 @@ static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_gravity_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_leg_gravity_torque(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_gravity_torque, double, 8, , mero_leg_param_leg_gravity_torque_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque, mero_leg_param, 29, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_gravity_torque, wide_rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -842,16 +770,15 @@ static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_gravity_torque_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_gravity_torque_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_gravity_torque_d_param, double, 11, , mero_leg_param_leg_gravity_torque_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque_d_param, mero_leg_param, 30, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_gravity_torque_d_param, wide_rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -861,17 +788,16 @@ static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_coriolis_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix, double, 17, , mero_leg_param_leg_coriolis_matrix_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix, mero_leg_param, 31, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix, wide_rows, double, 17, 4)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -881,17 +807,16 @@ static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_coriolis_matrix_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix_d_param, double, 26, , mero_leg_param_leg_coriolis_matrix_d_param_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix_d_param, mero_leg_param, 32, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix_d_param, wide_rows, double, 26, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -901,17 +826,16 @@ static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_kinetic_energy(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy, double, 9, , mero_leg_param_leg_kinetic_energy_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy, mero_leg_param, 33, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy, wide_rows, double, 9, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -921,17 +845,16 @@ static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_kinetic_energy_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy_d_param, double, 10, , mero_leg_param_leg_kinetic_energy_d_param_ports, 4)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy_d_param, mero_leg_param, 34, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy_d_param, wide_rows, double, 10, 4)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -940,16 +863,15 @@ static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_potential_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_potential_energy(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_potential_energy, double, 6, , mero_leg_param_leg_potential_energy_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy, mero_leg_param, 35, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_potential_energy, wide_rows, double, 6, 3)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -958,16 +880,15 @@ static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = 
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_potential_energy_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_potential_energy_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_potential_energy_d_param, double, 7, , mero_leg_param_leg_potential_energy_d_param_ports, 3)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy_d_param, mero_leg_param, 36, -1, NULL)
+WALKGEN_LOOP(mero_leg_param_leg_potential_energy_d_param, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -979,19 +900,17 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_derivatives) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_inverse_dynamics_derivatives(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_derivatives, double, 29, , mero_leg_param_leg_inverse_dynamics_derivatives_ports, 6)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_derivatives, rows, double, 29, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1003,19 +922,17 @@ static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_d_para
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_derivatives_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_inverse_dynamics_derivatives_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_derivatives_d_param, double, 47, , mero_leg_param_leg_inverse_dynamics_derivatives_d_param_ports, 6)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_derivatives_d_param, rows, double, 47, 6)
 
 static const walkgen_port mero_leg_param_leg_regressor_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1026,18 +943,16 @@ static const walkgen_port mero_leg_param_leg_regressor_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_regressor) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_regressor(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_regressor, double, 101, , mero_leg_param_leg_regressor_ports, 5)
+WALKGEN_LOOP(mero_leg_param_leg_regressor, rows, double, 101, 5)
 
 static const walkgen_port mero_leg_param_leg_regressor_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1048,18 +963,16 @@ static const walkgen_port mero_leg_param_leg_regressor_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_regressor_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_regressor_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_regressor_d_param, double, 191, , mero_leg_param_leg_regressor_d_param_ports, 5)
+WALKGEN_LOOP(mero_leg_param_leg_regressor_d_param, rows, double, 191, 5)
 
 static const walkgen_port mero_leg_param_leg_base_parameters_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1071,19 +984,17 @@ static const walkgen_port mero_leg_param_leg_base_parameters_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_base_parameters) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_base_parameters(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_base_parameters, double, 71, , mero_leg_param_leg_base_parameters_ports, 6)
+WALKGEN_LOOP(mero_leg_param_leg_base_parameters, rows, double, 71, 6)
 
 static const walkgen_port mero_leg_param_leg_base_parameters_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1095,19 +1006,17 @@ static const walkgen_port mero_leg_param_leg_base_parameters_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_leg_base_parameters_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_leg_base_parameters_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_base_parameters_d_param, double, 131, , mero_leg_param_leg_base_parameters_d_param_ports, 6)
+WALKGEN_LOOP(mero_leg_param_leg_base_parameters_d_param, rows, double, 131, 6)
 
 static const walkgen_port mero_leg_param_platform_poses_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1116,16 +1025,11 @@ static const walkgen_port mero_leg_param_platform_poses_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_platform_poses) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_platform_poses(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_platform_poses(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_platform_poses, double, 21, , mero_leg_param_platform_poses_ports, 3)
+WALKGEN_LOOP(mero_leg_param_platform_poses, rows, double, 21, 3)
 
 static const walkgen_port mero_leg_param_platform_poses_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1134,16 +1038,14 @@ static const walkgen_port mero_leg_param_platform_poses_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_platform_poses_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_platform_poses_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_platform_poses_d_param, double, 37, , mero_leg_param_platform_poses_d_param_ports, 3)
+WALKGEN_LOOP(mero_leg_param_platform_poses_d_param, rows, double, 37, 3)
 
 static const walkgen_port mero_leg_param_foot_positions_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1152,16 +1054,11 @@ static const walkgen_port mero_leg_param_foot_positions_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_foot_positions) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_foot_positions(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_foot_positions(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_foot_positions, double, 8, , mero_leg_param_foot_positions_ports, 3)
+WALKGEN_LOOP(mero_leg_param_foot_positions, rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_foot_positions_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1170,16 +1067,14 @@ static const walkgen_port mero_leg_param_foot_positions_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_foot_positions_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_foot_positions_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_foot_positions_d_param, double, 11, , mero_leg_param_foot_positions_d_param_ports, 3)
+WALKGEN_LOOP(mero_leg_param_foot_positions_d_param, rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_foot_jacobians_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1188,16 +1083,11 @@ static const walkgen_port mero_leg_param_foot_jacobians_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_foot_jacobians) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        mero_leg_param_foot_jacobians(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        mero_leg_param_foot_jacobians(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_foot_jacobians, double, 14, , mero_leg_param_foot_jacobians_ports, 3)
+WALKGEN_LOOP(mero_leg_param_foot_jacobians, rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_foot_jacobians_d_param_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -1206,16 +1096,14 @@ static const walkgen_port mero_leg_param_foot_jacobians_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_foot_jacobians_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_foot_jacobians_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_param_foot_jacobians_d_param, double, 23, , mero_leg_param_foot_jacobians_d_param_ports, 3)
+WALKGEN_LOOP(mero_leg_param_foot_jacobians_d_param, rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_com_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1225,17 +1113,15 @@ static const walkgen_port mero_leg_param_com_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_com) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_com(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_com, double, 24, , mero_leg_param_com_ports, 4)
+WALKGEN_LOOP(mero_leg_param_com, rows, double, 24, 4)
 
 static const walkgen_port mero_leg_param_com_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1245,17 +1131,15 @@ static const walkgen_port mero_leg_param_com_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_com_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_com_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_com_d_param, double, 27, , mero_leg_param_com_d_param_ports, 4)
+WALKGEN_LOOP(mero_leg_param_com_d_param, rows, double, 27, 4)
 
 static const walkgen_port mero_leg_param_com_jacobian_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1265,17 +1149,15 @@ static const walkgen_port mero_leg_param_com_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_com_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_com_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_com_jacobian, double, 48, , mero_leg_param_com_jacobian_ports, 4)
+WALKGEN_LOOP(mero_leg_param_com_jacobian, rows, double, 48, 4)
 
 static const walkgen_port mero_leg_param_com_jacobian_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1285,17 +1167,15 @@ static const walkgen_port mero_leg_param_com_jacobian_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_com_jacobian_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_com_jacobian_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_com_jacobian_d_param, double, 75, , mero_leg_param_com_jacobian_d_param_ports, 4)
+WALKGEN_LOOP(mero_leg_param_com_jacobian_d_param, rows, double, 75, 4)
 
 static const walkgen_port mero_leg_param_centroidal_momentum_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1305,17 +1185,15 @@ static const walkgen_port mero_leg_param_centroidal_momentum_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_centroidal_momentum_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_centroidal_momentum_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_centroidal_momentum_matrix, double, 75, , mero_leg_param_centroidal_momentum_matrix_ports, 4)
+WALKGEN_LOOP(mero_leg_param_centroidal_momentum_matrix, rows, double, 75, 4)
 
 static const walkgen_port mero_leg_param_centroidal_momentum_matrix_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1325,17 +1203,15 @@ static const walkgen_port mero_leg_param_centroidal_momentum_matrix_d_param_port
 };
 
 WALKGEN_ROWS(mero_leg_param_centroidal_momentum_matrix_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_centroidal_momentum_matrix_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_centroidal_momentum_matrix_d_param, double, 129, , mero_leg_param_centroidal_momentum_matrix_d_param_ports, 4)
+WALKGEN_LOOP(mero_leg_param_centroidal_momentum_matrix_d_param, rows, double, 129, 4)
 
 static const walkgen_port mero_leg_param_centroidal_inertia_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1345,17 +1221,15 @@ static const walkgen_port mero_leg_param_centroidal_inertia_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_centroidal_inertia) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_centroidal_inertia(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_centroidal_inertia, double, 30, , mero_leg_param_centroidal_inertia_ports, 4)
+WALKGEN_LOOP(mero_leg_param_centroidal_inertia, rows, double, 30, 4)
 
 static const walkgen_port mero_leg_param_centroidal_inertia_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1365,17 +1239,15 @@ static const walkgen_port mero_leg_param_centroidal_inertia_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_centroidal_inertia_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_centroidal_inertia_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_centroidal_inertia_d_param, double, 39, , mero_leg_param_centroidal_inertia_d_param_ports, 4)
+WALKGEN_LOOP(mero_leg_param_centroidal_inertia_d_param, rows, double, 39, 4)
 
 static const walkgen_port mero_leg_param_momentum_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1386,18 +1258,16 @@ static const walkgen_port mero_leg_param_momentum_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_momentum) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_momentum(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_param_momentum, double, 36, , mero_leg_param_momentum_ports, 5)
+WALKGEN_LOOP(mero_leg_param_momentum, rows, double, 36, 5)
 
 static const walkgen_port mero_leg_param_momentum_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1408,18 +1278,16 @@ static const walkgen_port mero_leg_param_momentum_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_momentum_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_momentum_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_param_momentum_d_param, double, 42, , mero_leg_param_momentum_d_param_ports, 5)
+WALKGEN_LOOP(mero_leg_param_momentum_d_param, rows, double, 42, 5)
 
 static const walkgen_port mero_leg_param_momentum_rate_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1431,19 +1299,17 @@ static const walkgen_port mero_leg_param_momentum_rate_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_momentum_rate) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_momentum_rate(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_momentum_rate, double, 45, , mero_leg_param_momentum_rate_ports, 6)
+WALKGEN_LOOP(mero_leg_param_momentum_rate, rows, double, 45, 6)
 
 static const walkgen_port mero_leg_param_momentum_rate_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1455,19 +1321,17 @@ static const walkgen_port mero_leg_param_momentum_rate_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_momentum_rate_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_momentum_rate_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_momentum_rate_d_param, double, 51, , mero_leg_param_momentum_rate_d_param_ports, 6)
+WALKGEN_LOOP(mero_leg_param_momentum_rate_d_param, rows, double, 51, 6)
 
 static const walkgen_port mero_leg_param_demanded_wrench_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1479,19 +1343,17 @@ static const walkgen_port mero_leg_param_demanded_wrench_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_demanded_wrench) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_demanded_wrench(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_demanded_wrench, double, 45, , mero_leg_param_demanded_wrench_ports, 6)
+WALKGEN_LOOP(mero_leg_param_demanded_wrench, rows, double, 45, 6)
 
 static const walkgen_port mero_leg_param_demanded_wrench_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1503,19 +1365,17 @@ static const walkgen_port mero_leg_param_demanded_wrench_d_param_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_demanded_wrench_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_demanded_wrench_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_demanded_wrench_d_param, double, 51, , mero_leg_param_demanded_wrench_d_param_ports, 6)
+WALKGEN_LOOP(mero_leg_param_demanded_wrench_d_param, rows, double, 51, 6)
 
 static const walkgen_port mero_leg_param_floating_mass_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1525,17 +1385,15 @@ static const walkgen_port mero_leg_param_floating_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_floating_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_floating_mass_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_floating_mass_matrix, double, 102, , mero_leg_param_floating_mass_matrix_ports, 4)
+WALKGEN_LOOP(mero_leg_param_floating_mass_matrix, rows, double, 102, 4)
 
 static const walkgen_port mero_leg_param_floating_mass_matrix_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1545,17 +1403,15 @@ static const walkgen_port mero_leg_param_floating_mass_matrix_d_param_ports[] = 
 };
 
 WALKGEN_ROWS(mero_leg_param_floating_mass_matrix_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_floating_mass_matrix_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(mero_leg_param_floating_mass_matrix_d_param, double, 183, , mero_leg_param_floating_mass_matrix_d_param_ports, 4)
+WALKGEN_LOOP(mero_leg_param_floating_mass_matrix_d_param, rows, double, 183, 4)
 
 static const walkgen_port mero_leg_param_floating_inverse_dynamics_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1568,20 +1424,18 @@ static const walkgen_port mero_leg_param_floating_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(mero_leg_param_floating_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_floating_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (const double *)(a[5] + at * step[5]),
-            (double *)(a[6] + at * step[6]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5),
+            WALKGEN_PORT(double, 6));
     }
 }
-WALKGEN_LOOP(mero_leg_param_floating_inverse_dynamics, double, 51, , mero_leg_param_floating_inverse_dynamics_ports, 7)
+WALKGEN_LOOP(mero_leg_param_floating_inverse_dynamics, rows, double, 51, 7)
 
 static const walkgen_port mero_leg_param_floating_inverse_dynamics_d_param_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -1594,20 +1448,18 @@ static const walkgen_port mero_leg_param_floating_inverse_dynamics_d_param_ports
 };
 
 WALKGEN_ROWS(mero_leg_param_floating_inverse_dynamics_d_param) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         mero_leg_param_floating_inverse_dynamics_d_param(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (const double *)(a[5] + at * step[5]),
-            (double *)(a[6] + at * step[6]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5),
+            WALKGEN_PORT(double, 6));
     }
 }
-WALKGEN_LOOP(mero_leg_param_floating_inverse_dynamics_d_param, double, 60, , mero_leg_param_floating_inverse_dynamics_d_param_ports, 7)
+WALKGEN_LOOP(mero_leg_param_floating_inverse_dynamics_d_param, rows, double, 60, 7)
 
 #ifdef __cplusplus
 }

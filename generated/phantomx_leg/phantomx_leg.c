@@ -4,12 +4,1074 @@
  * Spec digest ba3b983ca25561b547d6669438d1eb630d96feedd1ce4ad93f97c1627e06e251; 43 functions, 4010 operations. This
  *   code is yours to use under any terms.
  */
+#if !defined(WALKGEN_ROWS) /* else only what is read twice: see walkgen_lanes.h */
 #include "phantomx_leg.h"
 #include "walkgen_real_f64.h"
+#include "walkgen_batch.h"
 #include "walkgen_inverse.h"
 #include "walkgen_rows.h"
 #include "walkgen_within.h"
 #include "walkgen_damped.h"
+#endif
+
+WG_ROW(void phantomx_leg_right_front_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = WG_FMA(-cos_thigh_tibia, 0.13, thigh_to_tip_link_x);
+    p[2] = 0.001116 - thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(sin_thigh_tibia, 0.13, thigh_to_tip_link_y);
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    p[1] = WG_FMA(-cos_turned_coxa, coxa_to_tip_inner_y, -0.06164);
+    const double position_x = WG_FMA(sin_turned_coxa, coxa_to_tip_inner_y, 0.1248);
+    p[0] = position_x;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+    R[6] = 0.0;
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
+    R[0] = -cos_turned_coxa;
+    R[3] = -sin_turned_coxa;
+    R[7] = -cos_thigh_tibia;
+    R[8] = -sin_thigh_tibia;
+    const double frame_thigh_tibia_x_x = sin_turned_coxa*cos_thigh_tibia;
+    R[2] = frame_thigh_tibia_x_x;
+    const double frame_thigh_tibia_x_y = cos_turned_coxa*cos_thigh_tibia;
+    R[5] = -frame_thigh_tibia_x_y;
+    const double frame_thigh_tibia_y_x = sin_turned_coxa*sin_thigh_tibia;
+    R[1] = -frame_thigh_tibia_y_x;
+    const double frame_thigh_tibia_y_y = cos_turned_coxa*sin_thigh_tibia;
+    R[4] = frame_thigh_tibia_y_y;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_pose)(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    T[8] = 0.0;
+    T[12] = 0.0;
+    T[13] = 0.0;
+    T[14] = 0.0;
+    T[15] = 1.0;
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    T[0] = -cos_turned_coxa;
+    T[4] = -sin_turned_coxa;
+    T[9] = -cos_thigh_tibia;
+    T[10] = -sin_thigh_tibia;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = WG_FMA(-cos_thigh_tibia, 0.13, thigh_to_tip_link_x);
+    T[11] = 0.001116 - thigh_to_tip_x;
+    const double thigh_to_tip_y = WG_FMA(sin_thigh_tibia, 0.13, thigh_to_tip_link_y);
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    T[7] = WG_FMA(-cos_turned_coxa, coxa_to_tip_inner_y, -0.06164);
+    const double position_x = WG_FMA(sin_turned_coxa, coxa_to_tip_inner_y, 0.1248);
+    T[3] = position_x;
+    const double frame_thigh_tibia_x_x = sin_turned_coxa*cos_thigh_tibia;
+    T[2] = frame_thigh_tibia_x_x;
+    const double frame_thigh_tibia_x_y = cos_turned_coxa*cos_thigh_tibia;
+    T[6] = -frame_thigh_tibia_x_y;
+    const double frame_thigh_tibia_y_x = sin_turned_coxa*sin_thigh_tibia;
+    T[1] = -frame_thigh_tibia_y_x;
+    const double frame_thigh_tibia_y_y = cos_turned_coxa*sin_thigh_tibia;
+    T[5] = frame_thigh_tibia_y_y;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    J[8] = tibia_to_tip_y;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    J[7] = -thigh_to_tip_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    J[3] = coxa_to_tip_x;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    J[0] = coxa_to_tip_y;
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    J[1] = -J_thigh_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    J[4] = J_thigh_y;
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    J[2] = -J_tibia_x;
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    J[5] = J_tibia_y;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,
+    double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    J[8] = tibia_to_tip_y;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    p[2] = 0.001116 - thigh_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    J[7] = -thigh_to_tip_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    J[3] = coxa_to_tip_x;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    J[0] = coxa_to_tip_y;
+    const double position_x = coxa_to_tip_x + 0.1248;
+    p[0] = position_x;
+    const double position_y = coxa_to_tip_y + 0.06164;
+    p[1] = -position_y;
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    J[1] = -J_thigh_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    J[4] = J_thigh_y;
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    J[2] = -J_tibia_x;
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    J[5] = J_tibia_y;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_spatial_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    J[6] = 0.0;
+    J[9] = 0.0;
+    J[12] = 0.0;
+    J[15] = 1.0;
+    J[16] = 0.0;
+    J[17] = 0.0;
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    J[10] = cos_turned_coxa;
+    J[11] = -cos_turned_coxa;
+    J[13] = sin_turned_coxa;
+    J[14] = -sin_turned_coxa;
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    J[8] = tibia_to_tip_y;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    J[7] = -thigh_to_tip_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    J[3] = coxa_to_tip_x;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    J[0] = coxa_to_tip_y;
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    J[1] = -J_thigh_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    J[4] = J_thigh_y;
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    J[2] = -J_tibia_x;
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    J[5] = J_tibia_y;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_hessian)(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+    H[18] = 0.0;
+    H[19] = 0.0;
+    H[20] = 0.0;
+    H[21] = 0.0;
+    H[24] = 0.0;
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    H[23] = tibia_to_tip_x;
+    H[25] = tibia_to_tip_x;
+    H[26] = -tibia_to_tip_x;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    H[22] = thigh_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    H[0] = -coxa_to_tip_x;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    H[9] = coxa_to_tip_y;
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    const double H_thigh_thigh_x = sin_turned_coxa*thigh_to_tip_y;
+    H[4] = -H_thigh_thigh_x;
+    const double H_thigh_thigh_y = cos_turned_coxa*thigh_to_tip_y;
+    H[13] = H_thigh_thigh_y;
+    const double H_thigh_tibia_x = sin_turned_coxa*tibia_to_tip_y;
+    H[5] = H_thigh_tibia_x;
+    H[7] = H_thigh_tibia_x;
+    H[8] = -H_thigh_tibia_x;
+    const double H_thigh_tibia_y = cos_turned_coxa*tibia_to_tip_y;
+    H[17] = H_thigh_tibia_y;
+    const double t1 = -J_thigh_y;
+    H[1] = t1;
+    H[3] = t1;
+    const double t2 = -J_tibia_y;
+    H[2] = t2;
+    H[6] = t2;
+    const double t3 = -J_thigh_x;
+    H[10] = t3;
+    H[12] = t3;
+    const double t4 = -J_tibia_x;
+    H[11] = t4;
+    H[15] = t4;
+    const double t5 = -H_thigh_tibia_y;
+    H[14] = t5;
+    H[16] = t5;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_velocity)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT v) {
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    v[2] = WG_FMA(-qd[1], thigh_to_tip_y, qd[2]*tibia_to_tip_y);
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    v[0] = WG_FMA(-qd[2], J_tibia_x, WG_FMA(-qd[1], J_thigh_x, qd[0]*coxa_to_tip_y));
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    v[1] = WG_FMA(qd[2], J_tibia_y, WG_FMA(qd[1], J_thigh_y, qd[0]*coxa_to_tip_x));
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    const double flow_coxa_x = qd[0]*coxa_to_tip_y;
+    const double flow_coxa_y = qd[0]*coxa_to_tip_x;
+    const double bias_coxa_x = qd[0]*flow_coxa_y;
+    const double bias_coxa_y = qd[0]*flow_coxa_x;
+    const double spin_thigh_x = qd[1]*cos_turned_coxa;
+    const double spin_thigh_y = qd[1]*sin_turned_coxa;
+    const double flow_thigh_x = qd[1]*J_thigh_x;
+    const double flow_thigh_y = qd[1]*J_thigh_y;
+    const double flow_thigh_z = qd[1]*thigh_to_tip_y;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_coxa_x));
+    const double t1 = WG_FMA(spin_thigh_x, flow_thigh_z, bias_coxa_y);
+    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, t1);
+    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
+    const double flow_tibia_x = qd[2]*J_tibia_x;
+    const double flow_tibia_y = qd[2]*J_tibia_y;
+    const double flow_tibia_z = qd[2]*tibia_to_tip_y;
+    const double rate_tibia_x = WG_FMA(-qd[2], cos_turned_coxa, spin_thigh_x);
+    const double rate_tibia_y = WG_FMA(-qd[2], sin_turned_coxa, spin_thigh_y);
+    const double rates_tibia_x = spin_thigh_x + rate_tibia_x;
+    const double rates_tibia_y = spin_thigh_y + rate_tibia_y;
+    const double t2 = WG_FMA(rates_thigh_z, flow_tibia_y, bias_thigh_x);
+    const double bias_tibia_x = WG_FMA(-flow_tibia_z, rates_tibia_y, t2);
+    const double bias_tibia_y = WG_FMA(flow_tibia_z, rates_tibia_x, rates_thigh_z*flow_tibia_x) - bias_thigh_y;
+    const double t3 = WG_FMA(flow_tibia_x, rates_tibia_y, bias_thigh_z);
+    const double bias_tibia_z = WG_FMA(flow_tibia_y, rates_tibia_x, t3);
+    a[2] = WG_FMA(-qdd[1], thigh_to_tip_y, WG_FMA(qdd[2], tibia_to_tip_y, bias_tibia_z));
+    const double t4 = WG_FMA(-qdd[2], J_tibia_x, WG_FMA(-qdd[1], J_thigh_x, qdd[0]*coxa_to_tip_y));
+    a[0] = t4 - bias_tibia_x;
+    const double t5 = WG_FMA(qdd[2], J_tibia_y, WG_FMA(qdd[1], J_thigh_y, qdd[0]*coxa_to_tip_x));
+    a[1] = t5 - bias_tibia_y;
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_bias_acceleration)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT a) {
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    const double flow_coxa_x = qd[0]*coxa_to_tip_y;
+    const double flow_coxa_y = qd[0]*coxa_to_tip_x;
+    const double bias_coxa_x = qd[0]*flow_coxa_y;
+    const double bias_coxa_y = qd[0]*flow_coxa_x;
+    const double spin_thigh_x = qd[1]*cos_turned_coxa;
+    const double spin_thigh_y = qd[1]*sin_turned_coxa;
+    const double flow_thigh_x = qd[1]*J_thigh_x;
+    const double flow_thigh_y = qd[1]*J_thigh_y;
+    const double flow_thigh_z = qd[1]*thigh_to_tip_y;
+    const double rates_thigh_z = qd[0]*2.0;
+    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_coxa_x));
+    const double t1 = WG_FMA(spin_thigh_x, flow_thigh_z, bias_coxa_y);
+    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, t1);
+    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
+    const double turn_thigh_y = qd[0]*spin_thigh_x;
+    const double spin_tibia_x = qd[2]*cos_turned_coxa;
+    a[4] = WG_FMA(-qd[0], spin_tibia_x, turn_thigh_y);
+    const double spin_tibia_y = qd[2]*sin_turned_coxa;
+    a[5] = WG_FMA(-spin_thigh_x, spin_tibia_y, spin_thigh_y*spin_tibia_x);
+    const double flow_tibia_x = qd[2]*J_tibia_x;
+    const double flow_tibia_y = qd[2]*J_tibia_y;
+    const double flow_tibia_z = qd[2]*tibia_to_tip_y;
+    const double rate_tibia_x = spin_thigh_x - spin_tibia_x;
+    const double rate_tibia_y = spin_thigh_y - spin_tibia_y;
+    const double rates_tibia_x = spin_thigh_x + rate_tibia_x;
+    a[1] = bias_thigh_y - WG_FMA(flow_tibia_z, rates_tibia_x, rates_thigh_z*flow_tibia_x);
+    const double rates_tibia_y = spin_thigh_y + rate_tibia_y;
+    const double t2 = WG_FMA(flow_tibia_x, rates_tibia_y, bias_thigh_z);
+    const double bias_tibia_z = WG_FMA(flow_tibia_y, rates_tibia_x, t2);
+    a[2] = bias_tibia_z;
+    const double turn_tibia_x = WG_FMA(-qd[0], spin_thigh_y, qd[0]*spin_tibia_y);
+    a[3] = turn_tibia_x;
+    const double t3 = WG_FMA(rates_thigh_z, flow_tibia_y, bias_thigh_x);
+    a[0] = WG_FMA(flow_tibia_z, rates_tibia_y, -t3);
+}
+
+WG_ROW(void phantomx_leg_right_front_foot_torque)(const double *WG_RESTRICT q, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau) {
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
+    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
+    tau[0] = WG_FMA(f[1], coxa_to_tip_x, f[0]*coxa_to_tip_y);
+    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
+    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
+    tau[1] = WG_FMA(-f[2], thigh_to_tip_y, WG_FMA(-f[0], J_thigh_x, f[1]*J_thigh_y));
+    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
+    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
+    tau[2] = WG_FMA(-f[0], J_tibia_x, WG_FMA(f[2], tibia_to_tip_y, f[1]*J_tibia_y));
+}
+
+WG_ROW(int32_t phantomx_leg_right_front_within_limits)(const double *WG_RESTRICT q) {
+    const int t1 = -2.6179939 <= q[0] && q[0] <= 2.6179939;
+    const int t2 = t1 && (-2.6179939 <= q[1] && q[1] <= 2.6179939);
+    return (int32_t)(WG_INDICATOR(t2 && (-2.6179939 <= q[2] && q[2] <= 2.6179939)));
+}
+
+WG_ROW(void phantomx_leg_right_front_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+    const double angle_thigh_tibia = q[1] - q[2];
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, q[1], sin_thigh, cos_thigh, angle_thigh_tibia,
+        sin_thigh_tibia, cos_thigh_tibia);
+    const double coxa_field_x_x = qd[0]*qd[0];
+    const double thigh_at_x = qdd[0]*0.054;
+    const double thigh_at_y = coxa_field_x_x*0.054;
+    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = coxa_field_x_x + thigh_field_y_y;
+    const double t1 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t1;
+    const double tibia_at_x = WG_FMA(tibia_lever_x, thigh_field_x_x, WG_FMA(qdd[1], tibia_lever_y, thigh_at_y));
+    const double tibia_at_y = WG_FMA(-qdd[1], tibia_lever_x, WG_FMA(tibia_lever_y, thigh_field_y_y, 9.81));
+    const double tibia_at_z = WG_FMA(-tibia_lever_y, thigh_field_y_z, WG_FMA(qdd[0], tibia_lever_x, thigh_at_x));
+    const double tibia_spin_z = qd[1] - qd[2];
+    const double tibia_rate = qdd[1] - qdd[2];
+    const double coxa_inertial_moment_z = qdd[0]*0.008519564314058118;
+    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
+    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
+    const double thigh_inertia_yy = WG_FMA(sin_thigh, thigh_inertia_spun_y, cos_thigh*thigh_inertia_spun_x);
+    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
+    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
+    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
+    const double t2 = WG_FMA(qdd[0], thigh_inertia_yy, thigh_field_y_y*thigh_inertia_xz);
+    const double thigh_inertial_moment_y = WG_FMA(thigh_field_y_z, thigh_inertia_xy, WG_FMA(qdd[1], thigh_inertia_yz, t2));
+    const double t3 = WG_FMA(qdd[1], 0.0051411124, coxa_field_x_x*thigh_inertia_xy);
+    const double thigh_inertial_moment_z = WG_FMA(-qdd[0], thigh_inertia_yz, t3);
+    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
+    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
+    const double tibia_inertia_yy = WG_FMA(-sin_thigh_tibia, tibia_inertia_spun_x, cos_thigh_tibia*tibia_inertia_spun_y);
+    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
+    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
+    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
+    const double tibia_field_y_z = t1*tibia_spin_z;
+    const double t4 = WG_FMA(tibia_rate, tibia_inertia_yz, tibia_inertia_xz*(tibia_spin_z*tibia_spin_z));
+    const double tibia_inertial_moment_y = WG_FMA(-qdd[0], tibia_inertia_yy, WG_FMA(tibia_inertia_xy, tibia_field_y_z, t4));
+    const double t5 = WG_FMA(tibia_rate, 0.0051411124, coxa_field_x_x*tibia_inertia_xy);
+    const double tibia_inertial_moment_z = WG_FMA(-qdd[0], tibia_inertia_yz, t5);
+    const double foot_force_coxa_x = WG_FMA(f[1], sin_turned_coxa, f[0]*cos_turned_coxa);
+    const double foot_force_coxa_y = WG_FMA(-f[0], sin_turned_coxa, f[1]*cos_turned_coxa);
+    const double foot_lever_x = sin_thigh_tibia*0.13;
+    const double foot_lever_y = cos_thigh_tibia*0.13;
+    const double tibia_own_force_x = WG_FMA(-tibia_at_x, 0.024357719, foot_force_coxa_y);
+    const double tibia_own_force_y = WG_FMA(-tibia_at_y, 0.024357719, f[2]);
+    const double tibia_own_force_z = WG_FMA(-tibia_at_z, 0.024357719, foot_force_coxa_x);
+    const double tibia_own_moment_y = WG_FMA(foot_force_coxa_x, foot_lever_x, tibia_inertial_moment_y);
+    const double t6 = WG_FMA(f[2], foot_lever_x, tibia_inertial_moment_z);
+    const double tibia_own_moment_z = WG_FMA(foot_force_coxa_y, foot_lever_y, t6);
+    tau[2] = -tibia_own_moment_z;
+    const double thigh_force_z = WG_FMA(thigh_at_x, 0.048715438, -tibia_own_force_z);
+    const double t7 = WG_FMA(tibia_lever_x, tibia_own_force_z, thigh_inertial_moment_y);
+    const double thigh_moment_y = tibia_own_moment_y + t7;
+    const double t8 = WG_FMA(tibia_lever_x, tibia_own_force_y, thigh_inertial_moment_z);
+    const double thigh_moment_z = WG_FMA(-tibia_lever_y, tibia_own_force_x, tibia_own_moment_z + t8);
+    tau[1] = thigh_moment_z;
+    const double coxa_own_moment_z = WG_FMA(0.054, thigh_force_z, coxa_inertial_moment_z) - thigh_moment_y;
+    tau[0] = coxa_own_moment_z;
+}
+
+WG_ROW(void phantomx_leg_right_front_forward_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
+    const double angle_thigh_tibia = q[1] - q[2];
+    const double turned_coxa = q[0] + 0.7853981633974483;
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, q[1], sin_thigh, cos_thigh, angle_thigh_tibia,
+        sin_thigh_tibia, cos_thigh_tibia);
+    const double coxa_field_x_x = qd[0]*qd[0];
+    const double thigh_at_y = coxa_field_x_x*0.054;
+    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = coxa_field_x_x + thigh_field_y_y;
+    const double t1 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t1;
+    const double tibia_at_x = WG_FMA(tibia_lever_x, thigh_field_x_x, thigh_at_y);
+    const double tibia_at_y = WG_FMA(tibia_lever_y, thigh_field_y_y, 9.81);
+    const double tibia_at_z = tibia_lever_y*thigh_field_y_z;
+    const double tibia_spin_z = qd[1] - qd[2];
+    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
+    const double thigh_inertia_spun_x_2 = cos_thigh*1.9223094e-05;
+    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, thigh_inertia_spun_x_2);
+    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
+    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
+    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
+    const double thigh_inertial_moment_y = WG_FMA(thigh_field_y_z, thigh_inertia_xy, thigh_field_y_y*thigh_inertia_xz);
+    const double thigh_inertial_moment_z = coxa_field_x_x*thigh_inertia_xy;
+    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
+    const double tibia_inertia_spun_x_2 = 1.9223094e-05*sin_thigh_tibia;
+    const double tibia_inertia_spun_y = WG_FMA(0.0070535925, cos_thigh_tibia, -tibia_inertia_spun_x_2);
+    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
+    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
+    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
+    const double tibia_field_y_z = t1*tibia_spin_z;
+    const double t2 = tibia_inertia_xz*(tibia_spin_z*tibia_spin_z);
+    const double tibia_inertial_moment_y = WG_FMA(tibia_inertia_xy, tibia_field_y_z, t2);
+    const double tibia_inertial_moment_z = coxa_field_x_x*tibia_inertia_xy;
+    const double foot_force_coxa_x = WG_FMA(f[1], sin_turned_coxa, f[0]*cos_turned_coxa);
+    const double foot_force_coxa_y = WG_FMA(-f[0], sin_turned_coxa, f[1]*cos_turned_coxa);
+    const double foot_lever_x = sin_thigh_tibia*0.13;
+    const double foot_lever_y = cos_thigh_tibia*0.13;
+    const double tibia_own_force_x = WG_FMA(-tibia_at_x, 0.024357719, foot_force_coxa_y);
+    const double tibia_own_force_y = WG_FMA(-tibia_at_y, 0.024357719, f[2]);
+    const double tibia_own_force_z = WG_FMA(tibia_at_z, 0.024357719, foot_force_coxa_x);
+    const double tibia_own_moment_y = WG_FMA(foot_force_coxa_x, foot_lever_x, tibia_inertial_moment_y);
+    const double t3 = WG_FMA(f[2], foot_lever_x, tibia_inertial_moment_z);
+    const double tibia_own_moment_z = WG_FMA(foot_force_coxa_y, foot_lever_y, t3);
+    const double t4 = WG_FMA(tibia_lever_x, tibia_own_force_z, thigh_inertial_moment_y);
+    const double thigh_moment_y = tibia_own_moment_y + t4;
+    const double t5 = WG_FMA(tibia_lever_x, tibia_own_force_y, thigh_inertial_moment_z);
+    const double thigh_moment_z = WG_FMA(-tibia_lever_y, tibia_own_force_x, tibia_own_moment_z + t5);
+    const double coxa_own_moment_z = WG_FMA(0.054, tibia_own_force_z, thigh_moment_y);
+    const double thigh_inertia_spun_y_2 = WG_FMA(cos_thigh, 0.0070535925, thigh_inertia_spun_x);
+    const double thigh_inertia_xx = WG_FMA(sin_thigh, thigh_inertia_spun_x_2, cos_thigh*thigh_inertia_spun_y_2);
+    const double thigh_inertia_rest_2 = thigh_inertia_xx - 0.0070535925;
+    const double tibia_inertia_spun_y_2 = WG_FMA(0.0070535925, sin_thigh_tibia, tibia_inertia_spun_x);
+    const double t6 = cos_thigh_tibia*tibia_inertia_spun_x_2;
+    const double tibia_inertia_xx = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y_2, t6);
+    const double tibia_inertia_rest_2 = tibia_inertia_xx - 0.0070535925;
+    const double t7 = 0.024357719*(tibia_lever_x*tibia_lever_x);
+    const double thigh_composite_yy = thigh_inertia_rest_2 + tibia_inertia_rest_2 - t7;
+    const double thigh_composite_zz = WG_FMA(0.024357719, tibia_lever_y*tibia_lever_y, t7 + 0.0102822248);
+    const double thigh_composite_yz = thigh_inertia_yz + tibia_inertia_yz;
+    const double thigh_composite_moment_x = tibia_lever_x*0.024357719;
+    const double coxa_borne_zz = WG_FMA(thigh_composite_moment_x, 0.108, 0.008732645639870118) - thigh_composite_yy;
+    const double D_1_0 = thigh_composite_yz - tibia_inertia_yz;
+    const double D_1_1 = thigh_composite_zz - 0.0051411124;
+    const double L_2_0 = tibia_inertia_yz*194.5104331895175;
+    const double D_0_0 = WG_FMA(tibia_inertia_yz, L_2_0, -coxa_borne_zz);
+    const double reciprocal_1 = 1.0/D_1_1;
+    const double L_1_0 = D_1_0*reciprocal_1;
+    const double D_0_0_2 = WG_FMA(D_1_0, L_1_0, D_0_0);
+    const double reciprocal_0 = 1.0/D_0_0_2;
+    const double halfway_2 = tau[2] + tibia_own_moment_z;
+    const double halfway_1 = tau[1] + halfway_2 - thigh_moment_z;
+    const double halfway_0 = WG_FMA(-L_2_0, halfway_2, WG_FMA(L_1_0, halfway_1, tau[0] + coxa_own_moment_z));
+    const double solution_0 = reciprocal_0*halfway_0;
+    qdd[0] = -solution_0;
+    const double t8 = L_1_0*solution_0;
+    const double t9 = reciprocal_1*halfway_1;
+    qdd[1] = t9 - t8;
+    const double solution_1 = t8 - t9;
+    const double solution_2 = WG_FMA(194.5104331895175, halfway_2, L_2_0*solution_0) - solution_1;
+    qdd[2] = solution_2;
+}
+
+WG_ROW(void phantomx_leg_right_front_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+    M[5] = -0.0051411124;
+    M[7] = -0.0051411124;
+    M[8] = 0.0051411124;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
+    const double thigh_inertia_spun_x = cos_thigh*1.9223094e-05;
+    const double thigh_inertia_spun_y = WG_FMA(sin_thigh, 1.9223094e-05, cos_thigh*0.0070535925);
+    const double thigh_inertia_xx = WG_FMA(sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
+    const double thigh_inertia_rest = thigh_inertia_xx - 0.0070535925;
+    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
+    const double tibia_inertia_spun_x = 1.9223094e-05*sin_thigh_tibia;
+    const double tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_thigh_tibia, 1.9223094e-05*cos_thigh_tibia);
+    const double tibia_inertia_xx = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
+    const double tibia_inertia_rest = tibia_inertia_xx - 0.0070535925;
+    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
+    M[2] = tibia_inertia_yz;
+    M[6] = tibia_inertia_yz;
+    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double t1 = 0.024357719*(tibia_lever_x*tibia_lever_x);
+    const double thigh_composite_yy = thigh_inertia_rest + tibia_inertia_rest - t1;
+    const double thigh_composite_zz = WG_FMA(0.024357719, tibia_lever_y*tibia_lever_y, t1 + 0.0102822248);
+    M[4] = thigh_composite_zz;
+    const double thigh_composite_yz = thigh_inertia_yz + tibia_inertia_yz;
+    const double thigh_composite_moment_x = tibia_lever_x*0.024357719;
+    const double coxa_borne_zz = WG_FMA(thigh_composite_moment_x, 0.108, 0.008732645639870118) - thigh_composite_yy;
+    M[0] = coxa_borne_zz;
+    const double t2 = -thigh_composite_yz;
+    M[1] = t2;
+    M[3] = t2;
+}
+
+WG_ROW(void phantomx_leg_right_front_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
+    const double angle_thigh_tibia = q[1] - q[2];
+    const double coxa_field_x_x = qd[0]*qd[0];
+    const double thigh_at_y = coxa_field_x_x*0.054;
+    double sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
+    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_field_y_y = qd[1]*qd[1];
+    const double thigh_field_x_x = coxa_field_x_x + thigh_field_y_y;
+    const double t1 = qd[0]*2.0;
+    const double thigh_field_y_z = qd[1]*t1;
+    const double tibia_at_x = WG_FMA(tibia_lever_x, thigh_field_x_x, thigh_at_y);
+    const double tibia_at_y = WG_FMA(tibia_lever_y, thigh_field_y_y, 9.81);
+    const double tibia_at_z = tibia_lever_y*thigh_field_y_z;
+    const double tibia_spin_z = qd[1] - qd[2];
+    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
+    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
+    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
+    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
+    const double thigh_inertial_moment_y = WG_FMA(thigh_field_y_z, thigh_inertia_xy, thigh_field_y_y*thigh_inertia_xz);
+    const double thigh_inertial_moment_z = coxa_field_x_x*thigh_inertia_xy;
+    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
+    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
+    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
+    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
+    const double tibia_field_y_z = t1*tibia_spin_z;
+    const double tibia_inertial_force_x = tibia_at_x*0.024357719;
+    const double tibia_inertial_force_y = tibia_at_y*0.024357719;
+    const double tibia_inertial_force_z = tibia_at_z*0.024357719;
+    const double t2 = tibia_inertia_xz*(tibia_spin_z*tibia_spin_z);
+    const double tibia_inertial_moment_y = WG_FMA(tibia_inertia_xy, tibia_field_y_z, t2);
+    const double tibia_inertial_moment_z = coxa_field_x_x*tibia_inertia_xy;
+    h[2] = -tibia_inertial_moment_z;
+    const double t3 = WG_FMA(tibia_lever_x, tibia_inertial_force_z, thigh_inertial_moment_y);
+    const double thigh_moment_y = tibia_inertial_moment_y + t3;
+    h[0] = WG_FMA(-0.054, tibia_inertial_force_z, -thigh_moment_y);
+    const double t4 = WG_FMA(tibia_lever_y, tibia_inertial_force_x, thigh_inertial_moment_z);
+    const double thigh_moment_z = WG_FMA(-tibia_lever_x, tibia_inertial_force_y, tibia_inertial_moment_z + t4);
+    h[1] = thigh_moment_z;
+}
+
+WG_ROW(void phantomx_leg_right_front_gravity_torque)(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+    g[0] = 0.0;
+    g[2] = 0.0;
+    const double cos_thigh = WG_COS(q[1]);
+    const double sin_thigh = WG_SIN(q[1]);
+    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double thigh_moment_z = tibia_lever_x*0.23894922339;
+    g[1] = -thigh_moment_z;
+}
+
+WG_ROW(void phantomx_leg_right_front_coriolis_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT C) {
+    C[5] = 0.0;
+    C[7] = 0.0;
+    C[8] = 0.0;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
+    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double tibia_spin_z = qd[1] - qd[2];
+    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
+    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
+    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
+    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
+    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
+    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
+    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
+    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
+    const double coxa_field_x_x_d_qd_coxa = qd[0]*2.0;
+    const double thigh_at_y_d_qd_coxa = coxa_field_x_x_d_qd_coxa*0.054;
+    const double thigh_field_y_z_d_qd_coxa = qd[1]*2.0;
+    const double tibia_at_x_d_qd_coxa = WG_FMA(tibia_lever_x, coxa_field_x_x_d_qd_coxa, thigh_at_y_d_qd_coxa);
+    const double tibia_at_z_d_qd_coxa = tibia_lever_y*thigh_field_y_z_d_qd_coxa;
+    const double thigh_inertial_moment_z_d_qd_coxa = thigh_inertia_xy*coxa_field_x_x_d_qd_coxa;
+    const double tibia_field_y_z_d_qd_coxa = tibia_spin_z*2.0;
+    const double tibia_inertial_force_x_d_qd_coxa = tibia_at_x_d_qd_coxa*0.024357719;
+    const double tibia_inertial_force_z_d_qd_coxa = tibia_at_z_d_qd_coxa*0.024357719;
+    const double tibia_inertial_moment_z_d_qd_coxa = tibia_inertia_xy*coxa_field_x_x_d_qd_coxa;
+    C[6] = -(tibia_inertial_moment_z_d_qd_coxa*0.5);
+    const double t1 = tibia_lever_x*tibia_inertial_force_z_d_qd_coxa;
+    const double t2 = WG_FMA(thigh_inertia_xy, thigh_field_y_z_d_qd_coxa, t1);
+    const double thigh_moment_y_d_qd_coxa = WG_FMA(tibia_inertia_xy, tibia_field_y_z_d_qd_coxa, t2);
+    const double t3 = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_qd_coxa, thigh_inertial_moment_z_d_qd_coxa);
+    const double thigh_moment_z_d_qd_coxa = tibia_inertial_moment_z_d_qd_coxa + t3;
+    C[3] = thigh_moment_z_d_qd_coxa*0.5;
+    const double coxa_own_moment_z_d_qd_coxa = WG_FMA(0.054, tibia_inertial_force_z_d_qd_coxa, thigh_moment_y_d_qd_coxa);
+    C[0] = -(coxa_own_moment_z_d_qd_coxa*0.5);
+    const double tibia_at_x_d_qd_thigh = tibia_lever_x*thigh_field_y_z_d_qd_coxa;
+    const double tibia_at_z_d_qd_thigh = tibia_lever_y*coxa_field_x_x_d_qd_coxa;
+    const double thigh_inertial_moment_y_d_qd_thigh = WG_FMA(thigh_inertia_xz, thigh_field_y_z_d_qd_coxa, thigh_inertial_moment_z_d_qd_coxa);
+    const double tibia_inertial_force_x_d_qd_thigh = 0.024357719*tibia_at_x_d_qd_thigh;
+    const double tibia_inertial_force_z_d_qd_thigh = 0.024357719*tibia_at_z_d_qd_thigh;
+    const double tibia_inertial_moment_y_d_qd_thigh = WG_FMA(tibia_inertia_xz, tibia_field_y_z_d_qd_coxa, tibia_inertial_moment_z_d_qd_coxa);
+    C[2] = tibia_inertial_moment_y_d_qd_thigh*0.5;
+    const double t4 = WG_FMA(tibia_lever_x, tibia_inertial_force_z_d_qd_thigh, thigh_inertial_moment_y_d_qd_thigh);
+    const double thigh_moment_y_d_qd_thigh = tibia_inertial_moment_y_d_qd_thigh + t4;
+    const double thigh_moment_z_d_qd_thigh = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_qd_thigh, -t1);
+    C[4] = thigh_moment_z_d_qd_thigh*0.5;
+    const double coxa_own_moment_z_d_qd_thigh = WG_FMA(0.054, tibia_inertial_force_z_d_qd_thigh, thigh_moment_y_d_qd_thigh);
+    C[1] = -(coxa_own_moment_z_d_qd_thigh*0.5);
+}
+
+WG_ROW(void phantomx_leg_right_front_kinetic_energy)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT T) {
+    const double angle_thigh_tibia = q[1] - q[2];
+    const double thigh_velocity_before_x = qd[0]*0.054;
+    double sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
+    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
+    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double tibia_velocity_before_x = qd[1]*tibia_lever_y;
+    const double tibia_velocity_before_y = qd[1]*tibia_lever_x;
+    const double tibia_velocity_before_z = WG_FMA(qd[0], tibia_lever_x, thigh_velocity_before_x);
+    const double tibia_spin_z = qd[1] - qd[2];
+    const double coxa_momentum_moment_z = qd[0]*0.008519564314058118;
+    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
+    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
+    const double thigh_inertia_yy = WG_FMA(sin_thigh, thigh_inertia_spun_y, cos_thigh*thigh_inertia_spun_x);
+    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
+    const double thigh_momentum_force_z = thigh_velocity_before_x*0.048715438;
+    const double thigh_momentum_moment_y = WG_FMA(qd[1], thigh_inertia_yz, qd[0]*thigh_inertia_yy);
+    const double thigh_momentum_moment_z = WG_FMA(-qd[1], 0.0051411124, qd[0]*thigh_inertia_yz);
+    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
+    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
+    const double tibia_inertia_yy = WG_FMA(-sin_thigh_tibia, tibia_inertia_spun_x, cos_thigh_tibia*tibia_inertia_spun_y);
+    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
+    const double tibia_momentum_force_x = tibia_velocity_before_x*0.024357719;
+    const double tibia_momentum_force_y = tibia_velocity_before_y*0.024357719;
+    const double tibia_momentum_force_z = tibia_velocity_before_z*0.024357719;
+    const double tibia_momentum_moment_y = WG_FMA(-tibia_spin_z, tibia_inertia_yz, qd[0]*tibia_inertia_yy);
+    const double tibia_momentum_moment_z = WG_FMA(-tibia_spin_z, 0.0051411124, qd[0]*tibia_inertia_yz);
+    const double coxa_energy = qd[0]*coxa_momentum_moment_z;
+    const double t1 = WG_FMA(qd[1], thigh_momentum_moment_z, qd[0]*thigh_momentum_moment_y);
+    const double thigh_energy = WG_FMA(-thigh_velocity_before_x, thigh_momentum_force_z, t1);
+    const double t2 = qd[0]*tibia_momentum_moment_y;
+    const double t3 = WG_FMA(tibia_velocity_before_x, tibia_momentum_force_x, t2);
+    const double t4 = WG_FMA(tibia_velocity_before_y, tibia_momentum_force_y, t3);
+    const double t5 = WG_FMA(tibia_velocity_before_z, tibia_momentum_force_z, t4);
+    const double tibia_energy = WG_FMA(-tibia_spin_z, tibia_momentum_moment_z, t5);
+    *T = WG_FMA(-thigh_energy, 0.5, WG_FMA(tibia_energy, 0.5, coxa_energy*0.5));
+}
+
+WG_ROW(void phantomx_leg_right_front_potential_energy)(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
+    const double cos_thigh = WG_COS(q[1]);
+    const double sin_thigh = WG_SIN(q[1]);
+    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double moment_z = WG_FMA(tibia_lever_y, 0.024357719, -0.000108732857616);
+    *U = -(moment_z*9.81);
+}
+
+#if defined(WALKGEN_ROWS)
+#if WALKGEN_ROWS == 2
+
+WG_BLOCK(phantomx_leg_right_front_foot_position) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_foot_position_lane(q, p);
+        WG_KEEP_3(p, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_position) {
+    phantomx_leg_right_front_foot_position(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_position, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_rotation) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], R[9];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_foot_rotation_lane(q, R);
+        WG_KEEP_9(R, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_rotation) {
+    phantomx_leg_right_front_foot_rotation(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_rotation, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_pose) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], T[16];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_foot_pose_lane(q, T);
+        WG_KEEP_16(T, 0)
+        WG_DONE(16)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_pose) {
+    phantomx_leg_right_front_foot_pose(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_pose, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[9];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_foot_jacobian_lane(q, J);
+        WG_KEEP_9(J, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_jacobian) {
+    phantomx_leg_right_front_foot_jacobian(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_jacobian, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_position_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], p[3], J[9];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_foot_position_jacobian_lane(q, p, J);
+        WG_KEEP_3(p, 0)
+        WG_KEEP_9(J, 3)
+        WG_DONE(12)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_position_jacobian) {
+    phantomx_leg_right_front_foot_position_jacobian(&given[0], &found[0], &found[3]);
+}
+WG_LANED(phantomx_leg_right_front_foot_position_jacobian, 1, 2);
+
+WG_BLOCK(phantomx_leg_right_front_foot_spatial_jacobian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], J[18];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_foot_spatial_jacobian_lane(q, J);
+        WG_KEEP_18(J, 0)
+        WG_DONE(18)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_spatial_jacobian) {
+    phantomx_leg_right_front_foot_spatial_jacobian(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_spatial_jacobian, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_hessian) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], H[27];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_foot_hessian_lane(q, H);
+        WG_KEEP_27(H, 0)
+        WG_DONE(27)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_hessian) {
+    phantomx_leg_right_front_foot_hessian(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_hessian, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_velocity) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], v[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        phantomx_leg_right_front_foot_velocity_lane(q, qd, v);
+        WG_KEEP_3(v, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_velocity) {
+    phantomx_leg_right_front_foot_velocity(&given[0], &given[3], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_velocity, 2, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], a[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        phantomx_leg_right_front_foot_acceleration_lane(q, qd, qdd, a);
+        WG_KEEP_3(a, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_acceleration) {
+    phantomx_leg_right_front_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_acceleration, 3, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_bias_acceleration) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], a[6];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        phantomx_leg_right_front_foot_bias_acceleration_lane(q, qd, a);
+        WG_KEEP_6(a, 0)
+        WG_DONE(6)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_bias_acceleration) {
+    phantomx_leg_right_front_foot_bias_acceleration(&given[0], &given[3], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_bias_acceleration, 2, 1);
+
+WG_BLOCK(phantomx_leg_right_front_foot_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(f, 3)
+        phantomx_leg_right_front_foot_torque_lane(q, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_foot_torque) {
+    phantomx_leg_right_front_foot_torque(&given[0], &given[3], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_foot_torque, 2, 1);
+
+WG_BLOCK(phantomx_leg_right_front_within_limits) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3];
+        int32_t within[1];
+        WG_TAKE_3(q, 0)
+        within[0] = phantomx_leg_right_front_within_limits_lane(q);
+        WG_KEEP_STATUS_1(within, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_within_limits) {
+    int32_t within[1];
+    within[0] = phantomx_leg_right_front_within_limits(&given[0]);
+    for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
+}
+WG_LANED(phantomx_leg_right_front_within_limits, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_inverse_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(qdd, 6)
+        WG_TAKE_3(f, 9)
+        phantomx_leg_right_front_inverse_dynamics_lane(q, qd, qdd, f, tau);
+        WG_KEEP_3(tau, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_inverse_dynamics) {
+    phantomx_leg_right_front_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_inverse_dynamics, 4, 1);
+
+WG_BLOCK(phantomx_leg_right_front_forward_dynamics) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(tau, 6)
+        WG_TAKE_3(f, 9)
+        phantomx_leg_right_front_forward_dynamics_lane(q, qd, tau, f, qdd);
+        WG_KEEP_3(qdd, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_forward_dynamics) {
+    phantomx_leg_right_front_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_forward_dynamics, 4, 1);
+
+WG_BLOCK(phantomx_leg_right_front_mass_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], M[9];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_mass_matrix_lane(q, M);
+        WG_KEEP_9(M, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_mass_matrix) {
+    phantomx_leg_right_front_mass_matrix(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_mass_matrix, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_bias) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], h[3];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        phantomx_leg_right_front_bias_lane(q, qd, h);
+        WG_KEEP_3(h, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_bias) {
+    phantomx_leg_right_front_bias(&given[0], &given[3], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_bias, 2, 1);
+
+WG_BLOCK(phantomx_leg_right_front_gravity_torque) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], g[3];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_gravity_torque_lane(q, g);
+        WG_KEEP_3(g, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_gravity_torque) {
+    phantomx_leg_right_front_gravity_torque(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_gravity_torque, 1, 1);
+
+WG_BLOCK(phantomx_leg_right_front_coriolis_matrix) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], C[9];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        phantomx_leg_right_front_coriolis_matrix_lane(q, qd, C);
+        WG_KEEP_9(C, 0)
+        WG_DONE(9)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_coriolis_matrix) {
+    phantomx_leg_right_front_coriolis_matrix(&given[0], &given[3], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_coriolis_matrix, 2, 1);
+
+WG_BLOCK(phantomx_leg_right_front_kinetic_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], qd[3], T[1];
+        WG_TAKE_3(q, 0)
+        WG_TAKE_3(qd, 3)
+        phantomx_leg_right_front_kinetic_energy_lane(q, qd, T);
+        WG_KEEP_1(T, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_kinetic_energy) {
+    phantomx_leg_right_front_kinetic_energy(&given[0], &given[3], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_kinetic_energy, 2, 1);
+
+WG_BLOCK(phantomx_leg_right_front_potential_energy) {
+    WG_EACH_LANE {
+        double WG_LOST, q[3], U[1];
+        WG_TAKE_3(q, 0)
+        phantomx_leg_right_front_potential_energy_lane(q, U);
+        WG_KEEP_1(U, 0)
+        WG_DONE(1)
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_potential_energy) {
+    phantomx_leg_right_front_potential_energy(&given[0], &found[0]);
+}
+WG_LANED(phantomx_leg_right_front_potential_energy, 1, 1);
+
+#endif
+#else
 
 static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RESTRICT p, double *WG_RESTRICT q,
     int32_t *WG_RESTRICT status, double *WG_RESTRICT target) {
@@ -33,35 +1095,33 @@ static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RE
     target[1] = t5;
     const double t6 = t2 - t1;
     target[0] = t6;
-    const double yaw_plus_angle = WG_ATAN2(t5, t6);
-    const double taint = p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]));
     const double X_plus = rho + 0.054;
-    const double t7 = offset_z*offset_z;
-    const double distance2_plus = WG_FMA(X_plus, X_plus, t7);
-    const double slack = tolerance*0.5002195144447293;
-    const double outer2 = WG_FMA(slack, 0.19610975722236468, 0.038459036877814816);
+    const double t7 = offset_z*0.9756502324316491;
+    const double lift_plus_sin = WG_FMA(X_plus, 0.21933222279471182, -t7);
+    const double t8 = offset_z*0.21933222279471182;
+    const double t9 = offset_z*offset_z;
+    const double distance2_plus = WG_FMA(X_plus, X_plus, t9);
     const double knee_plus = WG_FMA(distance2_plus, 58.17830843361056, -0.23748170953711342);
     const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : (knee_plus < 0.0 ? 0.0 : knee_plus);
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
-    const double t8 = offset_z*0.9756502324316491;
-    const double lift_plus_sin = WG_FMA(X_plus, 0.21933222279471182, -t8);
-    const double t9 = offset_z*0.21933222279471182;
-    const double lift_plus_cos = WG_FMA(X_plus, 0.9756502324316491, t9);
-    const double lift_plus = WG_ATAN2(lift_plus_sin, -lift_plus_cos);
-    const double thigh_offset_plus = WG_ATAN2(knee_sin_plus*0.13, WG_FMA(knee_cos_plus, 0.13, 0.06610975722236469));
-    const double gamma_plus = WG_ATAN2(knee_sin_plus, knee_cos_plus);
+    double yaw_plus_angle, lift_plus, thigh_offset_plus;
+    WG_ATAN2_3(t5, t6, yaw_plus_angle, lift_plus_sin, WG_FMA(-X_plus, 0.9756502324316491, -t8), lift_plus,
+        knee_sin_plus*0.13, WG_FMA(knee_cos_plus, 0.13, 0.06610975722236469), thigh_offset_plus);
+    const double taint = p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]));
+    const double slack = tolerance*0.5002195144447293;
+    const double outer2 = WG_FMA(slack, 0.19610975722236468, 0.038459036877814816);
     const double X_minus = rho - 0.054;
-    const double distance2_minus = WG_FMA(X_minus, X_minus, t7);
+    const double distance2_minus = WG_FMA(X_minus, X_minus, t9);
     const double knee_minus = WG_FMA(58.17830843361056, distance2_minus, -0.23748170953711342);
     const double knee_minus_clamped = 2.0 < knee_minus ? 2.0 : (knee_minus < 0.0 ? 0.0 : knee_minus);
     const double knee_sin_minus = sqrt(knee_minus_clamped*(2.0 - knee_minus_clamped));
     const double knee_cos_minus = knee_minus_clamped - 1.0;
-    const double lift_minus_sin = WG_FMA(0.21933222279471182, X_minus, t8);
-    const double lift_minus_cos = WG_FMA(0.9756502324316491, X_minus, -t9);
-    const double lift_minus = WG_ATAN2(-lift_minus_sin, lift_minus_cos);
-    const double thigh_offset_minus = WG_ATAN2(0.13*knee_sin_minus, WG_FMA(0.13, knee_cos_minus, 0.06610975722236469));
-    const double gamma_minus = WG_ATAN2(knee_sin_minus, knee_cos_minus);
+    const double lift_minus_cos = WG_FMA(0.9756502324316491, X_minus, -t8);
+    double gamma_plus, lift_minus, thigh_offset_minus, gamma_minus;
+    WG_ATAN2_4(knee_sin_plus, knee_cos_plus, gamma_plus, WG_FMA(-0.21933222279471182, X_minus, -t7), lift_minus_cos,
+        lift_minus, 0.13*knee_sin_minus, WG_FMA(0.13, knee_cos_minus, 0.06610975722236469), thigh_offset_minus,
+        knee_sin_minus, knee_cos_minus, gamma_minus);
     const int t10 = !isfinite(taint);
     const double t11 = WG_FMA(-slack, 0.06389024277763532, 0.004081963122185181);
     const int t12 = outer2 < distance2_plus || distance2_plus < t11;
@@ -99,8 +1159,7 @@ static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RE
     const double q3_plus_plus_sum = gamma_plus_checked - 4.491259005845174;
     const double t19 = 4.491259005845174 - gamma_plus_checked;
     const double q3_plus_plus_turns = WG_INDICATOR(3.141592653589793 < t19) - WG_INDICATOR(t19 <= -3.141592653589793);
-    const double q3_plus_plus_wrapped = WG_FMA(6.283185307179586, q3_plus_plus_turns, q3_plus_plus_sum);
-    q[2] = -q3_plus_plus_wrapped;
+    q[2] = WG_FMA(-6.283185307179586, q3_plus_plus_turns, -q3_plus_plus_sum);
     const double q3_plus_minus_sum = gamma_plus_checked + 4.491259005845174;
     const double t20 = WG_INDICATOR(q3_plus_minus_sum <= -3.141592653589793);
     const double q3_plus_minus_turns = WG_INDICATOR(3.141592653589793 < q3_plus_minus_sum) - t20;
@@ -121,8 +1180,7 @@ static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RE
     const double q3_minus_plus_sum = gamma_minus_checked - 4.491259005845174;
     const double t23 = 4.491259005845174 - gamma_minus_checked;
     const double q3_minus_plus_turns = WG_INDICATOR(3.141592653589793 < t23) - WG_INDICATOR(t23 <= -3.141592653589793);
-    const double q3_minus_plus_wrapped = WG_FMA(6.283185307179586, q3_minus_plus_turns, q3_minus_plus_sum);
-    q[8] = -q3_minus_plus_wrapped;
+    q[8] = WG_FMA(-6.283185307179586, q3_minus_plus_turns, -q3_minus_plus_sum);
     const double q3_minus_minus_sum = 4.491259005845174 + gamma_minus_checked;
     const double t24 = WG_INDICATOR(q3_minus_minus_sum <= -3.141592653589793);
     const double q3_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q3_minus_minus_sum) - t24;
@@ -180,7 +1238,7 @@ static void phantomx_leg_right_front_inverse_one_kernel(const double *WG_RESTRIC
     const double across = knee_sin*0.13;
     const double thigh_sin = WG_FMA(-offset_z, along, X*across);
     const double thigh_cos = WG_FMA(X, along, offset_z*across);
-    const double t7 = sqrt(-WG_FMA((double)branch, (double)branch, 1.0));
+    const double t7 = sqrt(WG_FMA(-((double)branch), (double)branch, -1.0));
     const double t8 = (0.0 <= (double)branch && (double)branch <= 3.0) ? 0.0 : t7;
     const double taint = t8 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
     const int t9 = distance2_plus < WG_FMA(-slack, 0.06389024277763532, 0.004081963122185181);
@@ -188,11 +1246,10 @@ static void phantomx_leg_right_front_inverse_one_kernel(const double *WG_RESTRIC
     const double t11 = (outer2 < distance2_plus || t9) ? 1.0 : (t10 ? 6.0 : (t6 ? 3.0 : 0.0));
     const double state = !isfinite(taint) ? 2.0 : t11;
     *status = (int32_t)(state);
-    const double yaw_one_angle = WG_ATAN2(rho_sign*target_y, rho_sign*target_x);
-    const double gamma_2 = WG_ATAN2(-knee_sin, knee_cos_plus);
     const double lift_thigh_cos = WG_FMA(thigh_cos, 0.9756502324316491, thigh_sin*0.21933222279471182);
-    const double t12 = WG_FMA(-thigh_cos, 0.21933222279471182, thigh_sin*0.9756502324316491);
-    const double thigh = WG_ATAN2(t12, lift_thigh_cos);
+    double yaw_one_angle, gamma_2, thigh;
+    WG_ATAN2_3(rho_sign*target_y, rho_sign*target_x, yaw_one_angle, -knee_sin, knee_cos_plus, gamma_2,
+        WG_FMA(-thigh_cos, 0.21933222279471182, thigh_sin*0.9756502324316491), lift_thigh_cos, thigh);
     const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
     const double yaw_one = t6 ? 0.0 : yaw_one_half_open;
     const double yaw_one_checked = taint + yaw_one;
@@ -202,10 +1259,9 @@ static void phantomx_leg_right_front_inverse_one_kernel(const double *WG_RESTRIC
     const double q2_half_open = thigh_checked <= -3.141592653589793 ? 3.141592653589793 : thigh_checked;
     q[1] = q2_half_open;
     const double q3_one_sum = gamma_checked - 4.491259005845174;
-    const double t13 = 4.491259005845174 - gamma_checked;
-    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < t13) - WG_INDICATOR(t13 <= -3.141592653589793);
-    const double q3_one_wrapped = WG_FMA(q3_one_turns, 6.283185307179586, q3_one_sum);
-    q[2] = -q3_one_wrapped;
+    const double t12 = 4.491259005845174 - gamma_checked;
+    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < t12) - WG_INDICATOR(t12 <= -3.141592653589793);
+    q[2] = WG_FMA(-q3_one_turns, 6.283185307179586, -q3_one_sum);
 }
 
 static void phantomx_leg_right_front_limits_kernel(double *WG_RESTRICT limits) {
@@ -244,13 +1300,12 @@ static void phantomx_leg_right_front_screws_kernel(double *WG_RESTRICT geometry)
 static void phantomx_leg_right_front_row_distances_kernel(const double *WG_RESTRICT rows,
     const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
     const double turned_coxa = rows[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
     const double angle_thigh_tibia = rows[1] - rows[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double cos_thigh = WG_COS(rows[1]);
-    const double sin_thigh = WG_SIN(rows[1]);
+    const double turned_coxa_2 = rows[3] + 0.7853981633974483;
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh,
+        sin_turned_coxa_2, cos_turned_coxa_2;
+    WG_SINCOS_4(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        rows[1], sin_thigh, cos_thigh, turned_coxa_2, sin_turned_coxa_2, cos_turned_coxa_2);
     const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double thigh_to_tip_x = WG_FMA(-cos_thigh_tibia, 0.13, thigh_to_tip_link_x);
@@ -263,14 +1318,14 @@ static void phantomx_leg_right_front_row_distances_kernel(const double *WG_RESTR
     const double gap_y = p[1] + position_y;
     const double gap_z = p[2] + position_z;
     distance[0] = sqrt(WG_FMA(gap_z, gap_z, WG_FMA(gap_y, gap_y, gap_x*gap_x)));
-    const double turned_coxa_2 = rows[3] + 0.7853981633974483;
-    const double cos_turned_coxa_2 = WG_COS(turned_coxa_2);
-    const double sin_turned_coxa_2 = WG_SIN(turned_coxa_2);
     const double angle_thigh_tibia_2 = rows[4] - rows[5];
-    const double cos_thigh_tibia_2 = WG_COS(angle_thigh_tibia_2);
-    const double sin_thigh_tibia_2 = WG_SIN(angle_thigh_tibia_2);
-    const double cos_thigh_2 = WG_COS(rows[4]);
-    const double sin_thigh_2 = WG_SIN(rows[4]);
+    const double turned_coxa_3 = rows[6] + 0.7853981633974483;
+    const double angle_thigh_tibia_3 = rows[7] - rows[8];
+    double sin_thigh_tibia_2, cos_thigh_tibia_2, sin_thigh_2, cos_thigh_2, sin_turned_coxa_3, cos_turned_coxa_3,
+        sin_thigh_tibia_3, cos_thigh_tibia_3;
+    WG_SINCOS_4(angle_thigh_tibia_2, sin_thigh_tibia_2, cos_thigh_tibia_2, rows[4], sin_thigh_2, cos_thigh_2,
+        turned_coxa_3, sin_turned_coxa_3, cos_turned_coxa_3, angle_thigh_tibia_3, sin_thigh_tibia_3,
+        cos_thigh_tibia_3);
     const double thigh_to_tip_link_x_2 = WG_FMA(0.0645, sin_thigh_2, 0.0145*cos_thigh_2);
     const double thigh_to_tip_link_y_2 = WG_FMA(-0.0145, sin_thigh_2, 0.0645*cos_thigh_2);
     const double thigh_to_tip_x_2 = WG_FMA(-0.13, cos_thigh_tibia_2, thigh_to_tip_link_x_2);
@@ -283,14 +1338,12 @@ static void phantomx_leg_right_front_row_distances_kernel(const double *WG_RESTR
     const double gap_y_2 = p[1] + position_y_2;
     const double gap_z_2 = p[2] + position_z_2;
     distance[1] = sqrt(WG_FMA(gap_z_2, gap_z_2, WG_FMA(gap_y_2, gap_y_2, gap_x_2*gap_x_2)));
-    const double turned_coxa_3 = rows[6] + 0.7853981633974483;
-    const double cos_turned_coxa_3 = WG_COS(turned_coxa_3);
-    const double sin_turned_coxa_3 = WG_SIN(turned_coxa_3);
-    const double angle_thigh_tibia_3 = rows[7] - rows[8];
-    const double cos_thigh_tibia_3 = WG_COS(angle_thigh_tibia_3);
-    const double sin_thigh_tibia_3 = WG_SIN(angle_thigh_tibia_3);
-    const double cos_thigh_3 = WG_COS(rows[7]);
-    const double sin_thigh_3 = WG_SIN(rows[7]);
+    const double turned_coxa_4 = rows[9] + 0.7853981633974483;
+    const double angle_thigh_tibia_4 = rows[10] - rows[11];
+    double sin_thigh_3, cos_thigh_3, sin_turned_coxa_4, cos_turned_coxa_4, sin_thigh_tibia_4, cos_thigh_tibia_4,
+        sin_thigh_4, cos_thigh_4;
+    WG_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, turned_coxa_4, sin_turned_coxa_4, cos_turned_coxa_4,
+        angle_thigh_tibia_4, sin_thigh_tibia_4, cos_thigh_tibia_4, rows[10], sin_thigh_4, cos_thigh_4);
     const double thigh_to_tip_link_x_3 = WG_FMA(0.0645, sin_thigh_3, 0.0145*cos_thigh_3);
     const double thigh_to_tip_link_y_3 = WG_FMA(-0.0145, sin_thigh_3, 0.0645*cos_thigh_3);
     const double thigh_to_tip_x_3 = WG_FMA(-0.13, cos_thigh_tibia_3, thigh_to_tip_link_x_3);
@@ -303,14 +1356,6 @@ static void phantomx_leg_right_front_row_distances_kernel(const double *WG_RESTR
     const double gap_y_3 = p[1] + position_y_3;
     const double gap_z_3 = p[2] + position_z_3;
     distance[2] = sqrt(WG_FMA(gap_z_3, gap_z_3, WG_FMA(gap_y_3, gap_y_3, gap_x_3*gap_x_3)));
-    const double turned_coxa_4 = rows[9] + 0.7853981633974483;
-    const double cos_turned_coxa_4 = WG_COS(turned_coxa_4);
-    const double sin_turned_coxa_4 = WG_SIN(turned_coxa_4);
-    const double angle_thigh_tibia_4 = rows[10] - rows[11];
-    const double cos_thigh_tibia_4 = WG_COS(angle_thigh_tibia_4);
-    const double sin_thigh_tibia_4 = WG_SIN(angle_thigh_tibia_4);
-    const double cos_thigh_4 = WG_COS(rows[10]);
-    const double sin_thigh_4 = WG_SIN(rows[10]);
     const double thigh_to_tip_link_x_4 = WG_FMA(0.0645, sin_thigh_4, 0.0145*cos_thigh_4);
     const double thigh_to_tip_link_y_4 = WG_FMA(-0.0145, sin_thigh_4, 0.0645*cos_thigh_4);
     const double thigh_to_tip_x_4 = WG_FMA(-0.13, cos_thigh_tibia_4, thigh_to_tip_link_x_4);
@@ -329,16 +1374,13 @@ static void phantomx_leg_right_front_acceleration_jacobian_kernel(const double *
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT J, double *WG_RESTRICT rest) {
     J[6] = 0.0;
     const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
     const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
     const double tibia_to_tip_x = cos_thigh_tibia*0.13;
     const double tibia_to_tip_y = sin_thigh_tibia*0.13;
     J[8] = tibia_to_tip_y;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
@@ -391,504 +1433,6 @@ static void phantomx_leg_right_front_acceleration_jacobian_kernel(const double *
     rest[2] = wanted_z;
 }
 
-void phantomx_leg_right_front_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = WG_FMA(-cos_thigh_tibia, 0.13, thigh_to_tip_link_x);
-    p[2] = 0.001116 - thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(sin_thigh_tibia, 0.13, thigh_to_tip_link_y);
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double position_x = WG_FMA(sin_turned_coxa, coxa_to_tip_inner_y, 0.1248);
-    p[0] = position_x;
-    const double position_y = WG_FMA(cos_turned_coxa, coxa_to_tip_inner_y, 0.06164);
-    p[1] = -position_y;
-}
-
-void phantomx_leg_right_front_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_position(q + row * 3, p + row * 3);
-    }
-}
-
-void phantomx_leg_right_front_foot_rotation(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    R[6] = 0.0;
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    R[0] = -cos_turned_coxa;
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    R[3] = -sin_turned_coxa;
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    R[7] = -cos_thigh_tibia;
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    R[8] = -sin_thigh_tibia;
-    const double frame_thigh_tibia_x_x = sin_turned_coxa*cos_thigh_tibia;
-    R[2] = frame_thigh_tibia_x_x;
-    const double frame_thigh_tibia_x_y = cos_turned_coxa*cos_thigh_tibia;
-    R[5] = -frame_thigh_tibia_x_y;
-    const double frame_thigh_tibia_y_x = sin_turned_coxa*sin_thigh_tibia;
-    R[1] = -frame_thigh_tibia_y_x;
-    const double frame_thigh_tibia_y_y = cos_turned_coxa*sin_thigh_tibia;
-    R[4] = frame_thigh_tibia_y_y;
-}
-
-void phantomx_leg_right_front_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_rotation(q + row * 3, R + row * 9);
-    }
-}
-
-void phantomx_leg_right_front_foot_pose(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    T[8] = 0.0;
-    T[12] = 0.0;
-    T[13] = 0.0;
-    T[14] = 0.0;
-    T[15] = 1.0;
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    T[0] = -cos_turned_coxa;
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    T[4] = -sin_turned_coxa;
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    T[9] = -cos_thigh_tibia;
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    T[10] = -sin_thigh_tibia;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = WG_FMA(-cos_thigh_tibia, 0.13, thigh_to_tip_link_x);
-    T[11] = 0.001116 - thigh_to_tip_x;
-    const double thigh_to_tip_y = WG_FMA(sin_thigh_tibia, 0.13, thigh_to_tip_link_y);
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double position_x = WG_FMA(sin_turned_coxa, coxa_to_tip_inner_y, 0.1248);
-    T[3] = position_x;
-    const double position_y = WG_FMA(cos_turned_coxa, coxa_to_tip_inner_y, 0.06164);
-    T[7] = -position_y;
-    const double frame_thigh_tibia_x_x = sin_turned_coxa*cos_thigh_tibia;
-    T[2] = frame_thigh_tibia_x_x;
-    const double frame_thigh_tibia_x_y = cos_turned_coxa*cos_thigh_tibia;
-    T[6] = -frame_thigh_tibia_x_y;
-    const double frame_thigh_tibia_y_x = sin_turned_coxa*sin_thigh_tibia;
-    T[1] = -frame_thigh_tibia_y_x;
-    const double frame_thigh_tibia_y_y = cos_turned_coxa*sin_thigh_tibia;
-    T[5] = frame_thigh_tibia_y_y;
-}
-
-void phantomx_leg_right_front_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_pose(q + row * 3, T + row * 16);
-    }
-}
-
-void phantomx_leg_right_front_foot_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    J[8] = tibia_to_tip_y;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    J[7] = -thigh_to_tip_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    J[3] = coxa_to_tip_x;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    J[0] = coxa_to_tip_y;
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    J[1] = -J_thigh_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    J[4] = J_thigh_y;
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    J[2] = -J_tibia_x;
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    J[5] = J_tibia_y;
-}
-
-void phantomx_leg_right_front_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_jacobian(q + row * 3, J + row * 9);
-    }
-}
-
-void phantomx_leg_right_front_foot_position_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT p,
-    double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    J[8] = tibia_to_tip_y;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    p[2] = 0.001116 - thigh_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    J[7] = -thigh_to_tip_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    J[3] = coxa_to_tip_x;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    J[0] = coxa_to_tip_y;
-    const double position_x = coxa_to_tip_x + 0.1248;
-    p[0] = position_x;
-    const double position_y = coxa_to_tip_y + 0.06164;
-    p[1] = -position_y;
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    J[1] = -J_thigh_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    J[4] = J_thigh_y;
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    J[2] = -J_tibia_x;
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    J[5] = J_tibia_y;
-}
-
-void phantomx_leg_right_front_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
-    double *WG_RESTRICT p, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
-    }
-}
-
-void phantomx_leg_right_front_foot_spatial_jacobian(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    J[6] = 0.0;
-    J[9] = 0.0;
-    J[12] = 0.0;
-    J[15] = 1.0;
-    J[16] = 0.0;
-    J[17] = 0.0;
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    J[10] = cos_turned_coxa;
-    J[11] = -cos_turned_coxa;
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    J[13] = sin_turned_coxa;
-    J[14] = -sin_turned_coxa;
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    J[8] = tibia_to_tip_y;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    J[7] = -thigh_to_tip_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    J[3] = coxa_to_tip_x;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    J[0] = coxa_to_tip_y;
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    J[1] = -J_thigh_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    J[4] = J_thigh_y;
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    J[2] = -J_tibia_x;
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    J[5] = J_tibia_y;
-}
-
-void phantomx_leg_right_front_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_spatial_jacobian(q + row * 3, J + row * 18);
-    }
-}
-
-void phantomx_leg_right_front_foot_hessian(const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    H[18] = 0.0;
-    H[19] = 0.0;
-    H[20] = 0.0;
-    H[21] = 0.0;
-    H[24] = 0.0;
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    H[23] = tibia_to_tip_x;
-    H[25] = tibia_to_tip_x;
-    H[26] = -tibia_to_tip_x;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    H[22] = thigh_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    H[0] = -coxa_to_tip_x;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    H[9] = coxa_to_tip_y;
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    const double H_thigh_thigh_x = sin_turned_coxa*thigh_to_tip_y;
-    H[4] = -H_thigh_thigh_x;
-    const double H_thigh_thigh_y = cos_turned_coxa*thigh_to_tip_y;
-    H[13] = H_thigh_thigh_y;
-    const double H_thigh_tibia_x = sin_turned_coxa*tibia_to_tip_y;
-    H[5] = H_thigh_tibia_x;
-    H[7] = H_thigh_tibia_x;
-    H[8] = -H_thigh_tibia_x;
-    const double H_thigh_tibia_y = cos_turned_coxa*tibia_to_tip_y;
-    H[17] = H_thigh_tibia_y;
-    const double t1 = -J_thigh_y;
-    H[1] = t1;
-    H[3] = t1;
-    const double t2 = -J_tibia_y;
-    H[2] = t2;
-    H[6] = t2;
-    const double t3 = -J_thigh_x;
-    H[10] = t3;
-    H[12] = t3;
-    const double t4 = -J_tibia_x;
-    H[11] = t4;
-    H[15] = t4;
-    const double t5 = -H_thigh_tibia_y;
-    H[14] = t5;
-    H[16] = t5;
-}
-
-void phantomx_leg_right_front_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_hessian(q + row * 3, H + row * 27);
-    }
-}
-
-void phantomx_leg_right_front_foot_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT v) {
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    v[2] = WG_FMA(-qd[1], thigh_to_tip_y, qd[2]*tibia_to_tip_y);
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    v[0] = WG_FMA(-qd[2], J_tibia_x, WG_FMA(-qd[1], J_thigh_x, qd[0]*coxa_to_tip_y));
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    v[1] = WG_FMA(qd[2], J_tibia_y, WG_FMA(qd[1], J_thigh_y, qd[0]*coxa_to_tip_x));
-}
-
-void phantomx_leg_right_front_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
-    }
-}
-
-void phantomx_leg_right_front_foot_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    const double flow_coxa_x = qd[0]*coxa_to_tip_y;
-    const double flow_coxa_y = qd[0]*coxa_to_tip_x;
-    const double bias_coxa_x = qd[0]*flow_coxa_y;
-    const double bias_coxa_y = qd[0]*flow_coxa_x;
-    const double spin_thigh_x = qd[1]*cos_turned_coxa;
-    const double spin_thigh_y = qd[1]*sin_turned_coxa;
-    const double flow_thigh_x = qd[1]*J_thigh_x;
-    const double flow_thigh_y = qd[1]*J_thigh_y;
-    const double flow_thigh_z = qd[1]*thigh_to_tip_y;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_coxa_x));
-    const double t1 = WG_FMA(spin_thigh_x, flow_thigh_z, bias_coxa_y);
-    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, t1);
-    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
-    const double flow_tibia_x = qd[2]*J_tibia_x;
-    const double flow_tibia_y = qd[2]*J_tibia_y;
-    const double flow_tibia_z = qd[2]*tibia_to_tip_y;
-    const double rate_tibia_x = WG_FMA(-qd[2], cos_turned_coxa, spin_thigh_x);
-    const double rate_tibia_y = WG_FMA(-qd[2], sin_turned_coxa, spin_thigh_y);
-    const double rates_tibia_x = spin_thigh_x + rate_tibia_x;
-    const double rates_tibia_y = spin_thigh_y + rate_tibia_y;
-    const double t2 = WG_FMA(rates_thigh_z, flow_tibia_y, bias_thigh_x);
-    const double bias_tibia_x = WG_FMA(-flow_tibia_z, rates_tibia_y, t2);
-    const double bias_tibia_y = WG_FMA(flow_tibia_z, rates_tibia_x, rates_thigh_z*flow_tibia_x) - bias_thigh_y;
-    const double t3 = WG_FMA(flow_tibia_x, rates_tibia_y, bias_thigh_z);
-    const double bias_tibia_z = WG_FMA(flow_tibia_y, rates_tibia_x, t3);
-    a[2] = WG_FMA(-qdd[1], thigh_to_tip_y, WG_FMA(qdd[2], tibia_to_tip_y, bias_tibia_z));
-    const double t4 = WG_FMA(-qdd[2], J_tibia_x, WG_FMA(-qdd[1], J_thigh_x, qdd[0]*coxa_to_tip_y));
-    a[0] = t4 - bias_tibia_x;
-    const double t5 = WG_FMA(qdd[2], J_tibia_y, WG_FMA(qdd[1], J_thigh_y, qdd[0]*coxa_to_tip_x));
-    a[1] = t5 - bias_tibia_y;
-}
-
-void phantomx_leg_right_front_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
-    }
-}
-
-void phantomx_leg_right_front_foot_bias_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT a) {
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    const double flow_coxa_x = qd[0]*coxa_to_tip_y;
-    const double flow_coxa_y = qd[0]*coxa_to_tip_x;
-    const double bias_coxa_x = qd[0]*flow_coxa_y;
-    const double bias_coxa_y = qd[0]*flow_coxa_x;
-    const double spin_thigh_x = qd[1]*cos_turned_coxa;
-    const double spin_thigh_y = qd[1]*sin_turned_coxa;
-    const double flow_thigh_x = qd[1]*J_thigh_x;
-    const double flow_thigh_y = qd[1]*J_thigh_y;
-    const double flow_thigh_z = qd[1]*thigh_to_tip_y;
-    const double rates_thigh_z = qd[0]*2.0;
-    const double bias_thigh_x = WG_FMA(flow_thigh_y, rates_thigh_z, WG_FMA(spin_thigh_y, flow_thigh_z, bias_coxa_x));
-    const double t1 = WG_FMA(spin_thigh_x, flow_thigh_z, bias_coxa_y);
-    const double bias_thigh_y = WG_FMA(-flow_thigh_x, rates_thigh_z, t1);
-    const double bias_thigh_z = WG_FMA(spin_thigh_y, flow_thigh_x, spin_thigh_x*flow_thigh_y);
-    const double turn_thigh_y = qd[0]*spin_thigh_x;
-    const double spin_tibia_x = qd[2]*cos_turned_coxa;
-    a[4] = WG_FMA(-qd[0], spin_tibia_x, turn_thigh_y);
-    const double spin_tibia_y = qd[2]*sin_turned_coxa;
-    a[5] = WG_FMA(-spin_thigh_x, spin_tibia_y, spin_thigh_y*spin_tibia_x);
-    const double flow_tibia_x = qd[2]*J_tibia_x;
-    const double flow_tibia_y = qd[2]*J_tibia_y;
-    const double flow_tibia_z = qd[2]*tibia_to_tip_y;
-    const double rate_tibia_x = spin_thigh_x - spin_tibia_x;
-    const double rate_tibia_y = spin_thigh_y - spin_tibia_y;
-    const double rates_tibia_x = spin_thigh_x + rate_tibia_x;
-    a[1] = bias_thigh_y - WG_FMA(flow_tibia_z, rates_tibia_x, rates_thigh_z*flow_tibia_x);
-    const double rates_tibia_y = spin_thigh_y + rate_tibia_y;
-    const double t2 = WG_FMA(flow_tibia_x, rates_tibia_y, bias_thigh_z);
-    const double bias_tibia_z = WG_FMA(flow_tibia_y, rates_tibia_x, t2);
-    a[2] = bias_tibia_z;
-    const double turn_tibia_x = WG_FMA(-qd[0], spin_thigh_y, qd[0]*spin_tibia_y);
-    a[3] = turn_tibia_x;
-    const double t3 = WG_FMA(rates_thigh_z, flow_tibia_y, bias_thigh_x);
-    a[0] = WG_FMA(flow_tibia_z, rates_tibia_y, -t3);
-}
-
-void phantomx_leg_right_front_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
-    }
-}
-
-void phantomx_leg_right_front_foot_torque(const double *WG_RESTRICT q, const double *WG_RESTRICT f,
-    double *WG_RESTRICT tau) {
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    const double thigh_to_tip_y = tibia_to_tip_y + thigh_to_tip_link_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
-    const double coxa_to_tip_x = sin_turned_coxa*coxa_to_tip_inner_y;
-    const double coxa_to_tip_y = cos_turned_coxa*coxa_to_tip_inner_y;
-    tau[0] = WG_FMA(f[1], coxa_to_tip_x, f[0]*coxa_to_tip_y);
-    const double J_thigh_x = sin_turned_coxa*thigh_to_tip_x;
-    const double J_thigh_y = cos_turned_coxa*thigh_to_tip_x;
-    tau[1] = WG_FMA(-f[2], thigh_to_tip_y, WG_FMA(-f[0], J_thigh_x, f[1]*J_thigh_y));
-    const double J_tibia_x = sin_turned_coxa*tibia_to_tip_x;
-    const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
-    tau[2] = WG_FMA(-f[0], J_tibia_x, WG_FMA(f[2], tibia_to_tip_y, f[1]*J_tibia_y));
-}
-
-void phantomx_leg_right_front_foot_torque_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
-    }
-}
-
 void phantomx_leg_right_front_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
     T[0] = 0.0;
     T[1] = -0.7071067811865476;
@@ -930,20 +1474,17 @@ void phantomx_leg_right_front_joint_frames(const double *WG_RESTRICT q, double *
     T[62] = 0.0;
     T[63] = 1.0;
     const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
     T[21] = cos_turned_coxa;
     T[32] = cos_turned_coxa;
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
     T[36] = sin_turned_coxa;
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    T[57] = -cos_thigh_tibia;
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    T[58] = -sin_thigh_tibia;
-    const double cos_thigh = WG_COS(q[1]);
-    T[42] = cos_thigh;
-    const double sin_thigh = WG_SIN(q[1]);
     T[41] = sin_thigh;
+    T[42] = cos_thigh;
+    T[57] = -cos_thigh_tibia;
+    T[58] = -sin_thigh_tibia;
     T[59] = 0.001116 - WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double frame_thigh_tibia_x_x = sin_turned_coxa*cos_thigh_tibia;
     T[50] = frame_thigh_tibia_x_x;
@@ -1120,19 +1661,6 @@ void phantomx_leg_right_front_inverse_distance_batch(size_t rows, const double *
     }
 }
 
-int32_t phantomx_leg_right_front_within_limits(const double *WG_RESTRICT q) {
-    const int t1 = -2.6179939 <= q[0] && q[0] <= 2.6179939;
-    const int t2 = t1 && (-2.6179939 <= q[1] && q[1] <= 2.6179939);
-    return (int32_t)(WG_INDICATOR(t2 && (-2.6179939 <= q[2] && q[2] <= 2.6179939)));
-}
-
-void phantomx_leg_right_front_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT within) {
-    for (size_t row = 0; row < rows; ++row) {
-        within[row] = phantomx_leg_right_front_within_limits(q + row * 3);
-    }
-}
-
 int32_t phantomx_leg_right_front_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     double *WG_RESTRICT qd) {
     double J[9];
@@ -1172,414 +1700,6 @@ size_t phantomx_leg_right_front_inverse_acceleration_batch(size_t rows, const do
     return bad;
 }
 
-void phantomx_leg_right_front_inverse_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double coxa_field_x_x = qd[0]*qd[0];
-    const double thigh_at_x = qdd[0]*0.054;
-    const double thigh_at_y = coxa_field_x_x*0.054;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = coxa_field_x_x + thigh_field_y_y;
-    const double t1 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t1;
-    const double tibia_at_x = WG_FMA(tibia_lever_x, thigh_field_x_x, WG_FMA(qdd[1], tibia_lever_y, thigh_at_y));
-    const double tibia_at_y = WG_FMA(-qdd[1], tibia_lever_x, WG_FMA(tibia_lever_y, thigh_field_y_y, 9.81));
-    const double tibia_at_z = WG_FMA(-tibia_lever_y, thigh_field_y_z, WG_FMA(qdd[0], tibia_lever_x, thigh_at_x));
-    const double tibia_spin_z = qd[1] - qd[2];
-    const double tibia_rate = qdd[1] - qdd[2];
-    const double coxa_inertial_moment_z = qdd[0]*0.008519564314058118;
-    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
-    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
-    const double thigh_inertia_yy = WG_FMA(sin_thigh, thigh_inertia_spun_y, cos_thigh*thigh_inertia_spun_x);
-    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
-    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
-    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
-    const double t2 = WG_FMA(qdd[0], thigh_inertia_yy, thigh_field_y_y*thigh_inertia_xz);
-    const double thigh_inertial_moment_y = WG_FMA(thigh_field_y_z, thigh_inertia_xy, WG_FMA(qdd[1], thigh_inertia_yz, t2));
-    const double t3 = WG_FMA(qdd[1], 0.0051411124, coxa_field_x_x*thigh_inertia_xy);
-    const double thigh_inertial_moment_z = WG_FMA(-qdd[0], thigh_inertia_yz, t3);
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
-    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
-    const double tibia_inertia_yy = WG_FMA(-sin_thigh_tibia, tibia_inertia_spun_x, cos_thigh_tibia*tibia_inertia_spun_y);
-    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
-    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
-    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
-    const double tibia_field_y_z = t1*tibia_spin_z;
-    const double t4 = WG_FMA(tibia_rate, tibia_inertia_yz, tibia_inertia_xz*(tibia_spin_z*tibia_spin_z));
-    const double tibia_inertial_moment_y = WG_FMA(-qdd[0], tibia_inertia_yy, WG_FMA(tibia_inertia_xy, tibia_field_y_z, t4));
-    const double t5 = WG_FMA(tibia_rate, 0.0051411124, coxa_field_x_x*tibia_inertia_xy);
-    const double tibia_inertial_moment_z = WG_FMA(-qdd[0], tibia_inertia_yz, t5);
-    const double foot_force_coxa_x = WG_FMA(f[1], sin_turned_coxa, f[0]*cos_turned_coxa);
-    const double foot_force_coxa_y = WG_FMA(-f[0], sin_turned_coxa, f[1]*cos_turned_coxa);
-    const double foot_lever_x = sin_thigh_tibia*0.13;
-    const double foot_lever_y = cos_thigh_tibia*0.13;
-    const double tibia_own_force_x = WG_FMA(-tibia_at_x, 0.024357719, foot_force_coxa_y);
-    const double tibia_own_force_y = WG_FMA(-tibia_at_y, 0.024357719, f[2]);
-    const double tibia_own_force_z = WG_FMA(-tibia_at_z, 0.024357719, foot_force_coxa_x);
-    const double tibia_own_moment_y = WG_FMA(foot_force_coxa_x, foot_lever_x, tibia_inertial_moment_y);
-    const double t6 = WG_FMA(f[2], foot_lever_x, tibia_inertial_moment_z);
-    const double tibia_own_moment_z = WG_FMA(foot_force_coxa_y, foot_lever_y, t6);
-    tau[2] = -tibia_own_moment_z;
-    const double thigh_force_z = WG_FMA(thigh_at_x, 0.048715438, -tibia_own_force_z);
-    const double t7 = WG_FMA(tibia_lever_x, tibia_own_force_z, thigh_inertial_moment_y);
-    const double thigh_moment_y = tibia_own_moment_y + t7;
-    const double t8 = WG_FMA(tibia_lever_x, tibia_own_force_y, thigh_inertial_moment_z);
-    const double thigh_moment_z = WG_FMA(-tibia_lever_y, tibia_own_force_x, tibia_own_moment_z + t8);
-    tau[1] = thigh_moment_z;
-    const double coxa_own_moment_z = WG_FMA(0.054, thigh_force_z, coxa_inertial_moment_z) - thigh_moment_y;
-    tau[0] = coxa_own_moment_z;
-}
-
-void phantomx_leg_right_front_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
-    double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
-    }
-}
-
-void phantomx_leg_right_front_forward_dynamics(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
-    const double coxa_field_x_x = qd[0]*qd[0];
-    const double thigh_at_y = coxa_field_x_x*0.054;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = coxa_field_x_x + thigh_field_y_y;
-    const double t1 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t1;
-    const double tibia_at_x = WG_FMA(tibia_lever_x, thigh_field_x_x, thigh_at_y);
-    const double tibia_at_y = WG_FMA(tibia_lever_y, thigh_field_y_y, 9.81);
-    const double tibia_at_z = tibia_lever_y*thigh_field_y_z;
-    const double tibia_spin_z = qd[1] - qd[2];
-    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
-    const double thigh_inertia_spun_x_2 = cos_thigh*1.9223094e-05;
-    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, thigh_inertia_spun_x_2);
-    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
-    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
-    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
-    const double thigh_inertial_moment_y = WG_FMA(thigh_field_y_z, thigh_inertia_xy, thigh_field_y_y*thigh_inertia_xz);
-    const double thigh_inertial_moment_z = coxa_field_x_x*thigh_inertia_xy;
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
-    const double tibia_inertia_spun_x_2 = 1.9223094e-05*sin_thigh_tibia;
-    const double tibia_inertia_spun_y = WG_FMA(0.0070535925, cos_thigh_tibia, -tibia_inertia_spun_x_2);
-    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
-    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
-    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
-    const double tibia_field_y_z = t1*tibia_spin_z;
-    const double t2 = tibia_inertia_xz*(tibia_spin_z*tibia_spin_z);
-    const double tibia_inertial_moment_y = WG_FMA(tibia_inertia_xy, tibia_field_y_z, t2);
-    const double tibia_inertial_moment_z = coxa_field_x_x*tibia_inertia_xy;
-    const double foot_force_coxa_x = WG_FMA(f[1], sin_turned_coxa, f[0]*cos_turned_coxa);
-    const double foot_force_coxa_y = WG_FMA(-f[0], sin_turned_coxa, f[1]*cos_turned_coxa);
-    const double foot_lever_x = sin_thigh_tibia*0.13;
-    const double foot_lever_y = cos_thigh_tibia*0.13;
-    const double tibia_own_force_x = WG_FMA(-tibia_at_x, 0.024357719, foot_force_coxa_y);
-    const double tibia_own_force_y = WG_FMA(-tibia_at_y, 0.024357719, f[2]);
-    const double tibia_own_force_z = WG_FMA(tibia_at_z, 0.024357719, foot_force_coxa_x);
-    const double tibia_own_moment_y = WG_FMA(foot_force_coxa_x, foot_lever_x, tibia_inertial_moment_y);
-    const double t3 = WG_FMA(f[2], foot_lever_x, tibia_inertial_moment_z);
-    const double tibia_own_moment_z = WG_FMA(foot_force_coxa_y, foot_lever_y, t3);
-    const double t4 = WG_FMA(tibia_lever_x, tibia_own_force_z, thigh_inertial_moment_y);
-    const double thigh_moment_y = tibia_own_moment_y + t4;
-    const double t5 = WG_FMA(tibia_lever_x, tibia_own_force_y, thigh_inertial_moment_z);
-    const double thigh_moment_z = WG_FMA(-tibia_lever_y, tibia_own_force_x, tibia_own_moment_z + t5);
-    const double coxa_own_moment_z = WG_FMA(0.054, tibia_own_force_z, thigh_moment_y);
-    const double thigh_inertia_spun_y_2 = WG_FMA(cos_thigh, 0.0070535925, thigh_inertia_spun_x);
-    const double thigh_inertia_xx = WG_FMA(sin_thigh, thigh_inertia_spun_x_2, cos_thigh*thigh_inertia_spun_y_2);
-    const double thigh_inertia_rest_2 = thigh_inertia_xx - 0.0070535925;
-    const double tibia_inertia_spun_y_2 = WG_FMA(0.0070535925, sin_thigh_tibia, tibia_inertia_spun_x);
-    const double t6 = cos_thigh_tibia*tibia_inertia_spun_x_2;
-    const double tibia_inertia_xx = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y_2, t6);
-    const double tibia_inertia_rest_2 = tibia_inertia_xx - 0.0070535925;
-    const double t7 = 0.024357719*(tibia_lever_x*tibia_lever_x);
-    const double thigh_composite_yy = thigh_inertia_rest_2 + tibia_inertia_rest_2 - t7;
-    const double thigh_composite_zz = WG_FMA(0.024357719, tibia_lever_y*tibia_lever_y, t7 + 0.0102822248);
-    const double thigh_composite_yz = thigh_inertia_yz + tibia_inertia_yz;
-    const double thigh_composite_moment_x = tibia_lever_x*0.024357719;
-    const double coxa_borne_zz = WG_FMA(thigh_composite_moment_x, 0.108, 0.008732645639870118) - thigh_composite_yy;
-    const double D_1_0 = thigh_composite_yz - tibia_inertia_yz;
-    const double D_1_1 = thigh_composite_zz - 0.0051411124;
-    const double L_2_0 = tibia_inertia_yz*194.5104331895175;
-    const double D_0_0 = WG_FMA(tibia_inertia_yz, L_2_0, -coxa_borne_zz);
-    const double reciprocal_1 = 1.0/D_1_1;
-    const double L_1_0 = D_1_0*reciprocal_1;
-    const double D_0_0_2 = WG_FMA(D_1_0, L_1_0, D_0_0);
-    const double reciprocal_0 = 1.0/D_0_0_2;
-    const double halfway_2 = tau[2] + tibia_own_moment_z;
-    const double halfway_1 = tau[1] + halfway_2 - thigh_moment_z;
-    const double halfway_0 = WG_FMA(-L_2_0, halfway_2, WG_FMA(L_1_0, halfway_1, tau[0] + coxa_own_moment_z));
-    const double solution_0 = reciprocal_0*halfway_0;
-    qdd[0] = -solution_0;
-    const double t8 = L_1_0*solution_0;
-    const double t9 = reciprocal_1*halfway_1;
-    qdd[1] = t9 - t8;
-    const double solution_1 = t8 - t9;
-    const double solution_2 = WG_FMA(194.5104331895175, halfway_2, L_2_0*solution_0) - solution_1;
-    qdd[2] = solution_2;
-}
-
-void phantomx_leg_right_front_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
-    double *WG_RESTRICT qdd) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
-    }
-}
-
-void phantomx_leg_right_front_mass_matrix(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    M[5] = -0.0051411124;
-    M[7] = -0.0051411124;
-    M[8] = 0.0051411124;
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double thigh_inertia_spun_x = cos_thigh*1.9223094e-05;
-    const double thigh_inertia_spun_y = WG_FMA(sin_thigh, 1.9223094e-05, cos_thigh*0.0070535925);
-    const double thigh_inertia_xx = WG_FMA(sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
-    const double thigh_inertia_rest = thigh_inertia_xx - 0.0070535925;
-    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_inertia_spun_x = 1.9223094e-05*sin_thigh_tibia;
-    const double tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_thigh_tibia, 1.9223094e-05*cos_thigh_tibia);
-    const double tibia_inertia_xx = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
-    const double tibia_inertia_rest = tibia_inertia_xx - 0.0070535925;
-    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
-    M[2] = tibia_inertia_yz;
-    M[6] = tibia_inertia_yz;
-    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double t1 = 0.024357719*(tibia_lever_x*tibia_lever_x);
-    const double thigh_composite_yy = thigh_inertia_rest + tibia_inertia_rest - t1;
-    const double thigh_composite_zz = WG_FMA(0.024357719, tibia_lever_y*tibia_lever_y, t1 + 0.0102822248);
-    M[4] = thigh_composite_zz;
-    const double thigh_composite_yz = thigh_inertia_yz + tibia_inertia_yz;
-    const double thigh_composite_moment_x = tibia_lever_x*0.024357719;
-    const double coxa_borne_zz = WG_FMA(thigh_composite_moment_x, 0.108, 0.008732645639870118) - thigh_composite_yy;
-    M[0] = coxa_borne_zz;
-    const double t2 = -thigh_composite_yz;
-    M[1] = t2;
-    M[3] = t2;
-}
-
-void phantomx_leg_right_front_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_mass_matrix(q + row * 3, M + row * 9);
-    }
-}
-
-void phantomx_leg_right_front_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double coxa_field_x_x = qd[0]*qd[0];
-    const double thigh_at_y = coxa_field_x_x*0.054;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_field_y_y = qd[1]*qd[1];
-    const double thigh_field_x_x = coxa_field_x_x + thigh_field_y_y;
-    const double t1 = qd[0]*2.0;
-    const double thigh_field_y_z = qd[1]*t1;
-    const double tibia_at_x = WG_FMA(tibia_lever_x, thigh_field_x_x, thigh_at_y);
-    const double tibia_at_y = WG_FMA(tibia_lever_y, thigh_field_y_y, 9.81);
-    const double tibia_at_z = tibia_lever_y*thigh_field_y_z;
-    const double tibia_spin_z = qd[1] - qd[2];
-    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
-    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
-    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
-    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
-    const double thigh_inertial_moment_y = WG_FMA(thigh_field_y_z, thigh_inertia_xy, thigh_field_y_y*thigh_inertia_xz);
-    const double thigh_inertial_moment_z = coxa_field_x_x*thigh_inertia_xy;
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
-    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
-    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
-    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
-    const double tibia_field_y_z = t1*tibia_spin_z;
-    const double tibia_inertial_force_x = tibia_at_x*0.024357719;
-    const double tibia_inertial_force_y = tibia_at_y*0.024357719;
-    const double tibia_inertial_force_z = tibia_at_z*0.024357719;
-    const double t2 = tibia_inertia_xz*(tibia_spin_z*tibia_spin_z);
-    const double tibia_inertial_moment_y = WG_FMA(tibia_inertia_xy, tibia_field_y_z, t2);
-    const double tibia_inertial_moment_z = coxa_field_x_x*tibia_inertia_xy;
-    h[2] = -tibia_inertial_moment_z;
-    const double t3 = WG_FMA(tibia_lever_x, tibia_inertial_force_z, thigh_inertial_moment_y);
-    const double thigh_moment_y = tibia_inertial_moment_y + t3;
-    const double t4 = WG_FMA(tibia_lever_y, tibia_inertial_force_x, thigh_inertial_moment_z);
-    const double thigh_moment_z = WG_FMA(-tibia_lever_x, tibia_inertial_force_y, tibia_inertial_moment_z + t4);
-    h[1] = thigh_moment_z;
-    const double coxa_own_moment_z = WG_FMA(0.054, tibia_inertial_force_z, thigh_moment_y);
-    h[0] = -coxa_own_moment_z;
-}
-
-void phantomx_leg_right_front_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_bias(q + row * 3, qd + row * 3, h + row * 3);
-    }
-}
-
-void phantomx_leg_right_front_gravity_torque(const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    g[0] = 0.0;
-    g[2] = 0.0;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double thigh_moment_z = tibia_lever_x*0.23894922339;
-    g[1] = -thigh_moment_z;
-}
-
-void phantomx_leg_right_front_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_gravity_torque(q + row * 3, g + row * 3);
-    }
-}
-
-void phantomx_leg_right_front_coriolis_matrix(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT C) {
-    C[5] = 0.0;
-    C[7] = 0.0;
-    C[8] = 0.0;
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double tibia_spin_z = qd[1] - qd[2];
-    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
-    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
-    const double thigh_inertia_xz = WG_FMA(-sin_thigh, 2.4729049e-05, cos_thigh*0.00057530255);
-    const double thigh_inertia_xy = WG_FMA(-sin_thigh, thigh_inertia_spun_x, cos_thigh*thigh_inertia_spun_y);
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
-    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
-    const double tibia_inertia_xz = WG_FMA(-0.00057530255, sin_thigh_tibia, 2.4729049e-05*cos_thigh_tibia);
-    const double tibia_inertia_xy = WG_FMA(sin_thigh_tibia, tibia_inertia_spun_y, cos_thigh_tibia*tibia_inertia_spun_x);
-    const double coxa_field_x_x_d_qd_coxa = qd[0]*2.0;
-    const double thigh_at_y_d_qd_coxa = coxa_field_x_x_d_qd_coxa*0.054;
-    const double thigh_field_y_z_d_qd_coxa = qd[1]*2.0;
-    const double tibia_at_x_d_qd_coxa = WG_FMA(tibia_lever_x, coxa_field_x_x_d_qd_coxa, thigh_at_y_d_qd_coxa);
-    const double tibia_at_z_d_qd_coxa = tibia_lever_y*thigh_field_y_z_d_qd_coxa;
-    const double thigh_inertial_moment_z_d_qd_coxa = thigh_inertia_xy*coxa_field_x_x_d_qd_coxa;
-    const double tibia_field_y_z_d_qd_coxa = tibia_spin_z*2.0;
-    const double tibia_inertial_force_x_d_qd_coxa = tibia_at_x_d_qd_coxa*0.024357719;
-    const double tibia_inertial_force_z_d_qd_coxa = tibia_at_z_d_qd_coxa*0.024357719;
-    const double tibia_inertial_moment_z_d_qd_coxa = tibia_inertia_xy*coxa_field_x_x_d_qd_coxa;
-    C[6] = -(tibia_inertial_moment_z_d_qd_coxa*0.5);
-    const double t1 = tibia_lever_x*tibia_inertial_force_z_d_qd_coxa;
-    const double t2 = WG_FMA(thigh_inertia_xy, thigh_field_y_z_d_qd_coxa, t1);
-    const double thigh_moment_y_d_qd_coxa = WG_FMA(tibia_inertia_xy, tibia_field_y_z_d_qd_coxa, t2);
-    const double t3 = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_qd_coxa, thigh_inertial_moment_z_d_qd_coxa);
-    const double thigh_moment_z_d_qd_coxa = tibia_inertial_moment_z_d_qd_coxa + t3;
-    C[3] = thigh_moment_z_d_qd_coxa*0.5;
-    const double coxa_own_moment_z_d_qd_coxa = WG_FMA(0.054, tibia_inertial_force_z_d_qd_coxa, thigh_moment_y_d_qd_coxa);
-    C[0] = -(coxa_own_moment_z_d_qd_coxa*0.5);
-    const double tibia_at_x_d_qd_thigh = tibia_lever_x*thigh_field_y_z_d_qd_coxa;
-    const double tibia_at_z_d_qd_thigh = tibia_lever_y*coxa_field_x_x_d_qd_coxa;
-    const double thigh_inertial_moment_y_d_qd_thigh = WG_FMA(thigh_inertia_xz, thigh_field_y_z_d_qd_coxa, thigh_inertial_moment_z_d_qd_coxa);
-    const double tibia_inertial_force_x_d_qd_thigh = 0.024357719*tibia_at_x_d_qd_thigh;
-    const double tibia_inertial_force_z_d_qd_thigh = 0.024357719*tibia_at_z_d_qd_thigh;
-    const double tibia_inertial_moment_y_d_qd_thigh = WG_FMA(tibia_inertia_xz, tibia_field_y_z_d_qd_coxa, tibia_inertial_moment_z_d_qd_coxa);
-    C[2] = tibia_inertial_moment_y_d_qd_thigh*0.5;
-    const double t4 = WG_FMA(tibia_lever_x, tibia_inertial_force_z_d_qd_thigh, thigh_inertial_moment_y_d_qd_thigh);
-    const double thigh_moment_y_d_qd_thigh = tibia_inertial_moment_y_d_qd_thigh + t4;
-    const double thigh_moment_z_d_qd_thigh = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_qd_thigh, -t1);
-    C[4] = thigh_moment_z_d_qd_thigh*0.5;
-    const double coxa_own_moment_z_d_qd_thigh = WG_FMA(0.054, tibia_inertial_force_z_d_qd_thigh, thigh_moment_y_d_qd_thigh);
-    C[1] = -(coxa_own_moment_z_d_qd_thigh*0.5);
-}
-
-void phantomx_leg_right_front_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, double *WG_RESTRICT C) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
-    }
-}
-
-void phantomx_leg_right_front_kinetic_energy(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    double *WG_RESTRICT T) {
-    const double angle_thigh_tibia = q[1] - q[2];
-    const double thigh_velocity_before_x = qd[0]*0.054;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
-    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double tibia_velocity_before_x = qd[1]*tibia_lever_y;
-    const double tibia_velocity_before_y = qd[1]*tibia_lever_x;
-    const double tibia_velocity_before_z = WG_FMA(qd[0], tibia_lever_x, thigh_velocity_before_x);
-    const double tibia_spin_z = qd[1] - qd[2];
-    const double coxa_momentum_moment_z = qd[0]*0.008519564314058118;
-    const double thigh_inertia_spun_x = sin_thigh*1.9223094e-05;
-    const double thigh_inertia_spun_y = WG_FMA(-sin_thigh, 0.0070535925, cos_thigh*1.9223094e-05);
-    const double thigh_inertia_yy = WG_FMA(sin_thigh, thigh_inertia_spun_y, cos_thigh*thigh_inertia_spun_x);
-    const double thigh_inertia_yz = WG_FMA(sin_thigh, 0.00057530255, cos_thigh*2.4729049e-05);
-    const double thigh_momentum_force_z = thigh_velocity_before_x*0.048715438;
-    const double thigh_momentum_moment_y = WG_FMA(qd[1], thigh_inertia_yz, qd[0]*thigh_inertia_yy);
-    const double thigh_momentum_moment_z = WG_FMA(-qd[1], 0.0051411124, qd[0]*thigh_inertia_yz);
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
-    const double tibia_inertia_spun_y = WG_FMA(-1.9223094e-05, sin_thigh_tibia, 0.0070535925*cos_thigh_tibia);
-    const double tibia_inertia_yy = WG_FMA(-sin_thigh_tibia, tibia_inertia_spun_x, cos_thigh_tibia*tibia_inertia_spun_y);
-    const double tibia_inertia_yz = WG_FMA(2.4729049e-05, sin_thigh_tibia, 0.00057530255*cos_thigh_tibia);
-    const double tibia_momentum_force_x = tibia_velocity_before_x*0.024357719;
-    const double tibia_momentum_force_y = tibia_velocity_before_y*0.024357719;
-    const double tibia_momentum_force_z = tibia_velocity_before_z*0.024357719;
-    const double tibia_momentum_moment_y = WG_FMA(-tibia_spin_z, tibia_inertia_yz, qd[0]*tibia_inertia_yy);
-    const double tibia_momentum_moment_z = WG_FMA(-tibia_spin_z, 0.0051411124, qd[0]*tibia_inertia_yz);
-    const double coxa_energy = qd[0]*coxa_momentum_moment_z;
-    const double t1 = WG_FMA(qd[1], thigh_momentum_moment_z, qd[0]*thigh_momentum_moment_y);
-    const double thigh_energy = WG_FMA(-thigh_velocity_before_x, thigh_momentum_force_z, t1);
-    const double t2 = qd[0]*tibia_momentum_moment_y;
-    const double t3 = WG_FMA(tibia_velocity_before_x, tibia_momentum_force_x, t2);
-    const double t4 = WG_FMA(tibia_velocity_before_y, tibia_momentum_force_y, t3);
-    const double t5 = WG_FMA(tibia_velocity_before_z, tibia_momentum_force_z, t4);
-    const double tibia_energy = WG_FMA(-tibia_spin_z, tibia_momentum_moment_z, t5);
-    *T = WG_FMA(-thigh_energy, 0.5, WG_FMA(tibia_energy, 0.5, coxa_energy*0.5));
-}
-
-void phantomx_leg_right_front_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_kinetic_energy(q + row * 3, qd + row * 3, T + row);
-    }
-}
-
-void phantomx_leg_right_front_potential_energy(const double *WG_RESTRICT q, double *WG_RESTRICT U) {
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
-    const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double moment_z = WG_FMA(tibia_lever_y, 0.024357719, -0.000108732857616);
-    *U = -(moment_z*9.81);
-}
-
-void phantomx_leg_right_front_potential_energy_batch(size_t rows, const double *WG_RESTRICT q,
-    double *WG_RESTRICT U) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_potential_energy(q + row * 3, U + row);
-    }
-}
-
 void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
     double *WG_RESTRICT tau_d_qd) {
@@ -1592,8 +1712,8 @@ void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_REST
     const double angle_thigh_tibia = q[1] - q[2];
     const double coxa_field_x_x = qd[0]*qd[0];
     const double thigh_at_x = qdd[0]*0.054;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
     const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -1615,8 +1735,6 @@ void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_REST
     const double t3 = cos_thigh*thigh_inertia_spun_y;
     const double t4 = sin_thigh*thigh_inertia_spun_x;
     const double thigh_inertia_xy = t3 - t4;
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
     const double tibia_inertia_spun_x = 1.9223094e-05*cos_thigh_tibia;
     const double tibia_inertia_spun_x_d_q_thigh = 1.9223094e-05*sin_thigh_tibia;
     const double tibia_inertia_spun_y = WG_FMA(0.0070535925, cos_thigh_tibia, -tibia_inertia_spun_x_d_q_thigh);
@@ -1663,11 +1781,10 @@ void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_REST
     const double t18 = tibia_lever_x*tibia_inertial_force_z_d_q_thigh;
     const double t19 = WG_FMA(tibia_lever_y, tibia_inertial_force_z, t18);
     const double thigh_moment_y_d_q_thigh = tibia_inertial_moment_y_d_q_thigh + t19 - thigh_inertial_moment_y_d_q_thigh;
+    tau_d_q[1] = WG_FMA(-0.054, tibia_inertial_force_z_d_q_thigh, -thigh_moment_y_d_q_thigh);
     const double t20 = WG_FMA(tibia_lever_x, tibia_inertial_force_y_d_q_thigh, thigh_inertial_moment_z_d_q_thigh);
     const double t21 = tibia_inertial_moment_z_d_q_thigh + t20;
     const double t22 = WG_FMA(-tibia_lever_x, tibia_inertial_force_x, t21);
-    const double coxa_own_moment_z_d_q_thigh = WG_FMA(0.054, tibia_inertial_force_z_d_q_thigh, thigh_moment_y_d_q_thigh);
-    tau_d_q[1] = -coxa_own_moment_z_d_q_thigh;
     const double thigh_at_y_d_qd_coxa = 0.054*coxa_field_x_x_d_qd_coxa;
     const double thigh_field_y_z_d_qd_coxa = qd[1]*2.0;
     const double tibia_at_x_d_qd_coxa = WG_FMA(tibia_lever_x, coxa_field_x_x_d_qd_coxa, thigh_at_y_d_qd_coxa);
@@ -1681,11 +1798,10 @@ void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_REST
     const double t23 = tibia_lever_x*tibia_inertial_force_z_d_qd_coxa;
     const double t24 = WG_FMA(thigh_inertia_xy, thigh_field_y_z_d_qd_coxa, t23);
     const double thigh_moment_y_d_qd_coxa = WG_FMA(tibia_inertia_xy, tibia_field_y_z_d_qd_coxa, t24);
+    tau_d_qd[0] = WG_FMA(-0.054, tibia_inertial_force_z_d_qd_coxa, -thigh_moment_y_d_qd_coxa);
     const double t25 = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_qd_coxa, thigh_inertial_moment_z_d_qd_coxa);
     const double thigh_moment_z_d_qd_coxa = tibia_inertial_moment_z_d_qd_coxa + t25;
     tau_d_qd[3] = thigh_moment_z_d_qd_coxa;
-    const double coxa_own_moment_z_d_qd_coxa = WG_FMA(0.054, tibia_inertial_force_z_d_qd_coxa, thigh_moment_y_d_qd_coxa);
-    tau_d_qd[0] = -coxa_own_moment_z_d_qd_coxa;
     const double tibia_at_x_d_qd_thigh = tibia_lever_x*thigh_field_y_z_d_qd_coxa;
     const double tibia_at_z_d_qd_thigh = tibia_lever_y*coxa_field_x_x_d_qd_coxa;
     const double thigh_inertial_moment_y_d_qd_thigh = WG_FMA(thigh_inertia_xz, thigh_field_y_z_d_qd_coxa, thigh_inertial_moment_z_d_qd_coxa);
@@ -1695,10 +1811,9 @@ void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_REST
     tau_d_qd[2] = tibia_inertial_moment_y_d_qd_thigh;
     const double t26 = WG_FMA(tibia_lever_x, tibia_inertial_force_z_d_qd_thigh, thigh_inertial_moment_y_d_qd_thigh);
     const double thigh_moment_y_d_qd_thigh = tibia_inertial_moment_y_d_qd_thigh + t26;
+    tau_d_qd[1] = WG_FMA(-0.054, tibia_inertial_force_z_d_qd_thigh, -thigh_moment_y_d_qd_thigh);
     const double thigh_moment_z_d_qd_thigh = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_qd_thigh, -t23);
     tau_d_qd[4] = thigh_moment_z_d_qd_thigh;
-    const double coxa_own_moment_z_d_qd_thigh = WG_FMA(0.054, tibia_inertial_force_z_d_qd_thigh, thigh_moment_y_d_qd_thigh);
-    tau_d_qd[1] = -coxa_own_moment_z_d_qd_thigh;
     const double t27 = WG_FMA(-tibia_lever_y, tibia_inertial_force_y, t22);
     tau_d_q[4] = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_q_thigh, -t27);
 }
@@ -1762,8 +1877,8 @@ void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const doubl
     const double coxa_field_x_x = qd[0]*qd[0];
     const double thigh_at_x = qdd[0]*0.054;
     const double thigh_at_y = coxa_field_x_x*0.054;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
     const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -1815,11 +1930,10 @@ void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const doubl
     const double t4 = cos_thigh*thigh_xx_inertial_moment_z;
     const double t5 = sin_thigh*thigh_xx_inertial_moment_y;
     Y[14] = t5 - t4;
+    Y[16] = WG_FMA(-cos_thigh, thigh_frame_rates_before_z, -t5);
     const double thigh_yy_inertial_moment_y = thigh_xx_inertial_moment_y - thigh_m_field_x_z;
     const double thigh_yy_moment_y = WG_FMA(sin_thigh, thigh_yy_inertial_moment_y, t4);
     Y[15] = thigh_yy_moment_y;
-    const double thigh_zz_moment_y = WG_FMA(cos_thigh, thigh_frame_rates_before_z, t5);
-    Y[16] = -thigh_zz_moment_y;
     const double thigh_xy_inertial_moment_z = thigh_field_y_y - t2;
     const double thigh_xy_moment_y = WG_FMA(sin_thigh, thigh_m_field_y_z, cos_thigh*thigh_xy_inertial_moment_z);
     Y[17] = thigh_xy_moment_y;
@@ -1828,8 +1942,6 @@ void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const doubl
     Y[18] = thigh_xz_moment_y;
     const double thigh_yz_moment_y = WG_FMA(-sin_thigh, thigh_m_field_y_x, cos_thigh*thigh_frame_pole_x);
     Y[19] = thigh_yz_moment_y;
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
     const double tibia_spin_x = qd[0]*sin_thigh_tibia;
     const double tibia_spin_y = qd[0]*cos_thigh_tibia;
     const double tibia_at_own_x = WG_FMA(tibia_at_y, sin_thigh_tibia, tibia_at_x*cos_thigh_tibia);
@@ -1868,9 +1980,8 @@ void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const doubl
     Y[20] = Y_tibia_m_on_thigh_moment_z;
     const double tibia_mx_force_x = WG_FMA(sin_thigh_tibia, tibia_m_field_x_y, cos_thigh_tibia*tibia_m_field_x_z);
     const double tibia_mx_force_y = WG_FMA(-sin_thigh_tibia, tibia_m_field_x_z, cos_thigh_tibia*tibia_m_field_x_y);
+    Y[51] = WG_FMA(-tibia_lever_y, tibia_mx_force_x, -(tibia_lever_x*tibia_mx_force_y));
     const double Y_tibia_mx_on_tibia_moment_y = WG_FMA(tibia_lever_x, tibia_own_field_z_z, -tibia_m_force_x);
-    const double Y_tibia_mx_on_tibia_moment_z = WG_FMA(tibia_lever_y, tibia_mx_force_x, tibia_lever_x*tibia_mx_force_y);
-    Y[51] = -Y_tibia_mx_on_tibia_moment_z;
     const double Y_tibia_mx_on_thigh_moment_z = WG_FMA(0.054, tibia_own_field_z_z, Y_tibia_mx_on_tibia_moment_y);
     Y[21] = Y_tibia_mx_on_thigh_moment_z;
     const double t9 = cos_thigh_tibia*tibia_m_field_y_z;
@@ -1879,11 +1990,10 @@ void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const doubl
     const double tibia_my_moment_x = tibia_at_z*cos_thigh_tibia;
     const double tibia_my_moment_y = tibia_at_z*sin_thigh_tibia;
     const double Y_tibia_my_on_tibia_moment_y = WG_FMA(tibia_lever_x, tibia_m_field_y_x, tibia_my_moment_y);
+    Y[22] = WG_FMA(-0.054, tibia_m_field_y_x, -Y_tibia_my_on_tibia_moment_y);
     const double t10 = WG_FMA(tibia_lever_y, tibia_my_force_x, tibia_at_own_x);
     const double Y_tibia_my_on_tibia_moment_z = WG_FMA(-tibia_lever_x, tibia_my_force_y, t10);
     Y[52] = Y_tibia_my_on_tibia_moment_z;
-    const double Y_tibia_my_on_thigh_moment_z = WG_FMA(0.054, tibia_m_field_y_x, Y_tibia_my_on_tibia_moment_y);
-    Y[22] = -Y_tibia_my_on_thigh_moment_z;
     const double t11 = sin_thigh_tibia*tibia_own_field_x_y;
     const double tibia_mz_force_x = WG_FMA(cos_thigh_tibia, tibia_own_field_x_x, t11);
     const double tibia_mz_force_y = WG_FMA(-sin_thigh_tibia, tibia_own_field_x_x, cos_thigh_tibia*tibia_own_field_x_y);
@@ -1958,8 +2068,8 @@ void phantomx_leg_right_front_base_parameters(const double *WG_RESTRICT q, const
     const double coxa_field_x_x = qd[0]*qd[0];
     const double thigh_at_x = qdd[0]*0.054;
     const double thigh_at_y = coxa_field_x_x*0.054;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_thigh, cos_thigh, sin_thigh_tibia, cos_thigh_tibia;
+    WG_SINCOS_2(q[1], sin_thigh, cos_thigh, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia);
     const double tibia_lever_x = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double tibia_lever_y = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_field_y_y = qd[1]*qd[1];
@@ -1991,8 +2101,7 @@ void phantomx_leg_right_front_base_parameters(const double *WG_RESTRICT q, const
     Y[2] = WG_FMA(-thigh_at_x, cos_thigh, 0.054*thigh_own_field_y_z);
     Y[5] = WG_FMA(-cos_thigh, thigh_own_field_x_z, sin_thigh*thigh_own_field_y_z);
     const double thigh_mx_moment_y = thigh_at_x*sin_thigh;
-    const double Y_thigh_mx_on_thigh_moment_z = WG_FMA(0.054, thigh_own_field_x_z, thigh_mx_moment_y);
-    Y[1] = -Y_thigh_mx_on_thigh_moment_z;
+    Y[1] = WG_FMA(-0.054, thigh_own_field_x_z, -thigh_mx_moment_y);
     const double thigh_yy_inertial_moment_x = qd[1]*thigh_spin_y;
     const double thigh_zz_inertial_moment_y = qd[1]*thigh_spin_x;
     const double thigh_yy_inertial_moment_y = thigh_zz_inertial_moment_y - thigh_own_field_x_z;
@@ -2009,8 +2118,6 @@ void phantomx_leg_right_front_base_parameters(const double *WG_RESTRICT q, const
     const double thigh_yz_inertial_moment_x = thigh_field_y_y - t4;
     const double thigh_yz_moment_y = WG_FMA(sin_thigh, thigh_own_field_y_x, cos_thigh*thigh_yz_inertial_moment_x);
     Y[7] = thigh_yz_moment_y;
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
     const double tibia_spin_x = qd[0]*sin_thigh_tibia;
     const double tibia_spin_y = qd[0]*cos_thigh_tibia;
     const double tibia_pole_x = qdd[0]*cos_thigh_tibia;
@@ -2045,8 +2152,7 @@ void phantomx_leg_right_front_base_parameters(const double *WG_RESTRICT q, const
     const double tibia_mx_moment_x = tibia_at_z*sin_thigh_tibia;
     const double tibia_mx_moment_y = tibia_at_z*cos_thigh_tibia;
     const double Y_tibia_mx_on_tibia_moment_y = WG_FMA(tibia_lever_x, tibia_own_field_x_z, tibia_mx_moment_y);
-    const double Y_tibia_mx_on_thigh_moment_z = WG_FMA(0.054, tibia_own_field_x_z, Y_tibia_mx_on_tibia_moment_y);
-    Y[8] = -Y_tibia_mx_on_thigh_moment_z;
+    Y[8] = WG_FMA(-0.054, tibia_own_field_x_z, -Y_tibia_mx_on_tibia_moment_y);
     const double t12 = cos_thigh_tibia*tibia_own_field_y_x;
     const double tibia_my_force_x = WG_FMA(-sin_thigh_tibia, tibia_own_field_y_y, t12);
     const double tibia_my_force_y = WG_FMA(sin_thigh_tibia, tibia_own_field_y_x, cos_thigh_tibia*tibia_own_field_y_y);
@@ -2110,23 +2216,19 @@ void phantomx_leg_platform_poses_batch(size_t rows, const double *WG_RESTRICT q,
 
 void phantomx_leg_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
     const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
     const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double thigh_to_tip_x = WG_FMA(-cos_thigh_tibia, 0.13, thigh_to_tip_link_x);
     p[2] = 0.001116 - thigh_to_tip_x;
     const double thigh_to_tip_y = WG_FMA(sin_thigh_tibia, 0.13, thigh_to_tip_link_y);
     const double coxa_to_tip_inner_y = thigh_to_tip_y + 0.054;
+    p[1] = WG_FMA(-cos_turned_coxa, coxa_to_tip_inner_y, -0.06164);
     const double position_x = WG_FMA(sin_turned_coxa, coxa_to_tip_inner_y, 0.1248);
     p[0] = position_x;
-    const double position_y = WG_FMA(cos_turned_coxa, coxa_to_tip_inner_y, 0.06164);
-    p[1] = -position_y;
 }
 
 void phantomx_leg_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
@@ -2138,16 +2240,13 @@ void phantomx_leg_foot_positions_batch(size_t rows, const double *WG_RESTRICT q,
 void phantomx_leg_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     J[6] = 0.0;
     const double turned_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_coxa = WG_COS(turned_coxa);
-    const double sin_turned_coxa = WG_SIN(turned_coxa);
     const double angle_thigh_tibia = q[1] - q[2];
-    const double cos_thigh_tibia = WG_COS(angle_thigh_tibia);
-    const double sin_thigh_tibia = WG_SIN(angle_thigh_tibia);
+    double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh;
+    WG_SINCOS_3(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
+        q[1], sin_thigh, cos_thigh);
     const double tibia_to_tip_x = cos_thigh_tibia*0.13;
     const double tibia_to_tip_y = sin_thigh_tibia*0.13;
     J[8] = tibia_to_tip_y;
-    const double cos_thigh = WG_COS(q[1]);
-    const double sin_thigh = WG_SIN(q[1]);
     const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
@@ -2175,14 +2274,13 @@ void phantomx_leg_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q,
 }
 
 void phantomx_leg_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c) {
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
+    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
+    double sin_right_front_thigh, cos_right_front_thigh, sin_turned_right_front_coxa, cos_turned_right_front_coxa;
+    WG_SINCOS_2(q[1], sin_right_front_thigh, cos_right_front_thigh, turned_right_front_coxa,
+        sin_turned_right_front_coxa, cos_turned_right_front_coxa);
     const double right_front_tibia_lever_x = WG_FMA(-sin_right_front_thigh, 0.0145, cos_right_front_thigh*0.0645);
     const double right_front_tibia_lever_y = WG_FMA(sin_right_front_thigh, 0.0645, cos_right_front_thigh*0.0145);
     const double right_front_coxa_borne_y = WG_FMA(right_front_tibia_lever_x, 0.024357719, 0.003945950478);
-    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
     const double moment_x = WG_FMA(right_front_coxa_borne_y, sin_turned_right_front_coxa, 0.0121593733248);
     const double moment_y = WG_FMA(right_front_coxa_borne_y, cos_turned_right_front_coxa, 0.00600563919664);
     const double moment_z = WG_FMA(right_front_tibia_lever_y, 0.024357719, -0.000108732857616);
@@ -2221,16 +2319,15 @@ void phantomx_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double
     J[19] = base_pose[9];
     J[20] = base_pose[10];
     J[26] = 0.0;
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
+    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
+    double sin_right_front_thigh, cos_right_front_thigh, sin_turned_right_front_coxa, cos_turned_right_front_coxa;
+    WG_SINCOS_2(q[1], sin_right_front_thigh, cos_right_front_thigh, turned_right_front_coxa,
+        sin_turned_right_front_coxa, cos_turned_right_front_coxa);
     const double right_front_tibia_lever_x = WG_FMA(-sin_right_front_thigh, 0.0145, cos_right_front_thigh*0.0645);
     const double right_front_tibia_lever_y = WG_FMA(sin_right_front_thigh, 0.0645, cos_right_front_thigh*0.0145);
     const double right_front_thigh_moment_x = right_front_tibia_lever_x*0.024357719;
     const double right_front_thigh_moment_y = right_front_tibia_lever_y*0.024357719;
     const double right_front_coxa_borne_y = right_front_thigh_moment_x + 0.003945950478;
-    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
     const double right_front_coxa_moment_own_x = right_front_coxa_borne_y*sin_turned_right_front_coxa;
     const double right_front_coxa_moment_own_y = right_front_coxa_borne_y*cos_turned_right_front_coxa;
     const double moment_x = right_front_coxa_moment_own_x + 0.0121593733248;
@@ -2239,17 +2336,14 @@ void phantomx_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double
     const double centre_x = moment_x*0.9319400925870925;
     const double centre_y = moment_y*0.9319400925870925;
     const double centre_z = moment_z*0.9319400925870925;
+    J[4] = WG_FMA(-base_pose[2], centre_x, -(base_pose[0]*centre_z));
+    J[13] = WG_FMA(-base_pose[6], centre_x, -(base_pose[4]*centre_z));
     J[21] = WG_FMA(-base_pose[10], centre_y, base_pose[9]*centre_z);
+    J[22] = WG_FMA(-base_pose[10], centre_x, -(base_pose[8]*centre_z));
     const double turn_x_x = WG_FMA(-base_pose[2], centre_y, base_pose[1]*centre_z);
     J[3] = turn_x_x;
     const double turn_x_y = WG_FMA(-base_pose[6], centre_y, base_pose[5]*centre_z);
     J[12] = turn_x_y;
-    const double turn_y_x = WG_FMA(base_pose[2], centre_x, base_pose[0]*centre_z);
-    J[4] = -turn_y_x;
-    const double turn_y_y = WG_FMA(base_pose[6], centre_x, base_pose[4]*centre_z);
-    J[13] = -turn_y_y;
-    const double turn_y_z = WG_FMA(base_pose[10], centre_x, base_pose[8]*centre_z);
-    J[22] = -turn_y_z;
     const double turn_z_x = WG_FMA(base_pose[1], centre_x, base_pose[0]*centre_y);
     J[5] = turn_z_x;
     const double turn_z_y = WG_FMA(base_pose[5], centre_x, base_pose[4]*centre_y);
@@ -2273,14 +2367,11 @@ void phantomx_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double
     const double right_front_thigh_unit_x = right_front_thigh_moment_y*0.9319400925870925;
     const double right_front_thigh_unit_y = right_front_thigh_moment_x*0.9319400925870925;
     const double t4 = base_pose[2]*right_front_thigh_unit_y;
-    const double right_front_thigh_column_x = WG_FMA(right_front_coxa_frame_y_x, right_front_thigh_unit_x, t4);
-    J[7] = -right_front_thigh_column_x;
+    J[7] = WG_FMA(-right_front_coxa_frame_y_x, right_front_thigh_unit_x, -t4);
     const double t5 = base_pose[6]*right_front_thigh_unit_y;
-    const double right_front_thigh_column_y = WG_FMA(right_front_coxa_frame_y_y, right_front_thigh_unit_x, t5);
-    J[16] = -right_front_thigh_column_y;
+    J[16] = WG_FMA(-right_front_coxa_frame_y_y, right_front_thigh_unit_x, -t5);
     const double t6 = base_pose[10]*right_front_thigh_unit_y;
-    const double right_front_thigh_column_z = WG_FMA(right_front_coxa_frame_y_z, right_front_thigh_unit_x, t6);
-    J[25] = -right_front_thigh_column_z;
+    J[25] = WG_FMA(-right_front_coxa_frame_y_z, right_front_thigh_unit_x, -t6);
 }
 
 void phantomx_leg_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -2305,18 +2396,17 @@ void phantomx_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose
     A[46] = 0.0;
     A[47] = 0.0;
     const double angle_right_front_thigh_tibia = q[1] - q[2];
-    const double cos_right_front_thigh_tibia = WG_COS(angle_right_front_thigh_tibia);
-    const double sin_right_front_thigh_tibia = WG_SIN(angle_right_front_thigh_tibia);
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
+    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
+    double sin_right_front_thigh_tibia, cos_right_front_thigh_tibia, sin_right_front_thigh, cos_right_front_thigh,
+        sin_turned_right_front_coxa, cos_turned_right_front_coxa;
+    WG_SINCOS_3(angle_right_front_thigh_tibia, sin_right_front_thigh_tibia, cos_right_front_thigh_tibia, q[1],
+        sin_right_front_thigh, cos_right_front_thigh, turned_right_front_coxa, sin_turned_right_front_coxa,
+        cos_turned_right_front_coxa);
     const double right_front_tibia_lever_x = WG_FMA(-sin_right_front_thigh, 0.0145, cos_right_front_thigh*0.0645);
     const double right_front_tibia_lever_y = WG_FMA(sin_right_front_thigh, 0.0645, cos_right_front_thigh*0.0145);
     const double right_front_thigh_moment_x = right_front_tibia_lever_x*0.024357719;
     const double right_front_thigh_moment_y = right_front_tibia_lever_y*0.024357719;
     const double right_front_coxa_borne_y = right_front_thigh_moment_x + 0.003945950478;
-    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
     const double right_front_coxa_moment_own_x = right_front_coxa_borne_y*sin_turned_right_front_coxa;
     const double right_front_coxa_moment_own_y = right_front_coxa_borne_y*cos_turned_right_front_coxa;
     const double moment_x = right_front_coxa_moment_own_x + 0.0121593733248;
@@ -2418,21 +2508,18 @@ void phantomx_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose
     A[19] = push_y_z;
     const double push_z_x = base_pose[2]*1.073030346;
     A[2] = push_z_x;
+    A[4] = WG_FMA(-centre_x, push_z_x, -(centre_z*push_x_x));
     const double push_z_y = base_pose[6]*1.073030346;
     A[11] = push_z_y;
+    A[13] = WG_FMA(-centre_x, push_z_y, -(centre_z*push_x_y));
     const double push_z_z = base_pose[10]*1.073030346;
     A[20] = push_z_z;
     A[21] = WG_FMA(-centre_y, push_z_z, centre_z*push_y_z);
+    A[22] = WG_FMA(-centre_x, push_z_z, -(centre_z*push_x_z));
     const double turn_x_x = WG_FMA(-centre_y, push_z_x, centre_z*push_y_x);
     A[3] = turn_x_x;
     const double turn_x_y = WG_FMA(-centre_y, push_z_y, centre_z*push_y_y);
     A[12] = turn_x_y;
-    const double turn_y_x = WG_FMA(centre_x, push_z_x, centre_z*push_x_x);
-    A[4] = -turn_y_x;
-    const double turn_y_y = WG_FMA(centre_x, push_z_y, centre_z*push_x_y);
-    A[13] = -turn_y_y;
-    const double turn_y_z = WG_FMA(centre_x, push_z_z, centre_z*push_x_z);
-    A[22] = -turn_y_z;
     const double turn_z_x = WG_FMA(centre_x, push_y_x, centre_y*push_x_x);
     A[5] = turn_z_x;
     const double turn_z_y = WG_FMA(centre_x, push_y_y, centre_y*push_x_y);
@@ -2565,8 +2652,12 @@ void phantomx_leg_centroidal_momentum_matrix_batch(size_t rows, const double *WG
 void phantomx_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     double *WG_RESTRICT I) {
     const double angle_right_front_thigh_tibia = q[1] - q[2];
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
+    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
+    double sin_right_front_thigh, cos_right_front_thigh, sin_right_front_thigh_tibia, cos_right_front_thigh_tibia,
+        sin_turned_right_front_coxa, cos_turned_right_front_coxa;
+    WG_SINCOS_3(q[1], sin_right_front_thigh, cos_right_front_thigh, angle_right_front_thigh_tibia,
+        sin_right_front_thigh_tibia, cos_right_front_thigh_tibia, turned_right_front_coxa,
+        sin_turned_right_front_coxa, cos_turned_right_front_coxa);
     const double right_front_thigh_inertia_spun_x = cos_right_front_thigh*1.9223094e-05;
     const double right_front_thigh_inertia_spun_y = WG_FMA(sin_right_front_thigh, 1.9223094e-05, cos_right_front_thigh*0.0070535925);
     const double t1 = cos_right_front_thigh*right_front_thigh_inertia_spun_y;
@@ -2576,8 +2667,6 @@ void phantomx_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const 
     const double right_front_thigh_inertia_yz = WG_FMA(sin_right_front_thigh, 0.00057530255, cos_right_front_thigh*2.4729049e-05);
     const double t2 = cos_right_front_thigh*right_front_thigh_inertia_spun_x;
     const double right_front_thigh_inertia_xy = WG_FMA(-sin_right_front_thigh, right_front_thigh_inertia_spun_y, t2);
-    const double cos_right_front_thigh_tibia = WG_COS(angle_right_front_thigh_tibia);
-    const double sin_right_front_thigh_tibia = WG_SIN(angle_right_front_thigh_tibia);
     const double right_front_tibia_inertia_spun_x = 1.9223094e-05*sin_right_front_thigh_tibia;
     const double t3 = 1.9223094e-05*cos_right_front_thigh_tibia;
     const double right_front_tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_right_front_thigh_tibia, t3);
@@ -2603,9 +2692,6 @@ void phantomx_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const 
     const double right_front_thigh_composite_xz = right_front_thigh_inertia_xz + right_front_tibia_inertia_xz;
     const double right_front_thigh_composite_yz = right_front_thigh_inertia_yz + right_front_tibia_inertia_yz;
     const double right_front_thigh_composite_moment_y = right_front_tibia_lever_y*0.024357719;
-    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
     const double t11 = right_front_thigh_composite_moment_x*0.108;
     const double right_front_coxa_borne_xx = t11 + (right_front_thigh_composite_zz + 0.000213081325812);
     const double right_front_coxa_borne_yy = right_front_thigh_composite_xx + 0.012415507885941882;
@@ -2723,8 +2809,11 @@ void phantomx_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG
     const double right_front_coxa_spin_z = v[5] + v[6];
     const double angle_right_front_thigh_tibia = q[1] - q[2];
     const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
+    double sin_turned_right_front_coxa, cos_turned_right_front_coxa, sin_right_front_thigh, cos_right_front_thigh,
+        sin_right_front_thigh_tibia, cos_right_front_thigh_tibia;
+    WG_SINCOS_3(turned_right_front_coxa, sin_turned_right_front_coxa, cos_turned_right_front_coxa, q[1],
+        sin_right_front_thigh, cos_right_front_thigh, angle_right_front_thigh_tibia, sin_right_front_thigh_tibia,
+        cos_right_front_thigh_tibia);
     const double right_front_coxa_spin_own_x = WG_FMA(v[4], sin_turned_right_front_coxa, v[3]*cos_turned_right_front_coxa);
     const double right_front_coxa_spin_own_y = WG_FMA(-v[3], sin_turned_right_front_coxa, v[4]*cos_turned_right_front_coxa);
     const double t1 = right_front_coxa_velocity_before_x*cos_turned_right_front_coxa;
@@ -2734,8 +2823,6 @@ void phantomx_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG
     const double right_front_thigh_velocity_before_x = WG_FMA(right_front_coxa_spin_z, 0.054, right_front_coxa_velocity_own_x);
     const double right_front_thigh_velocity_before_z = WG_FMA(right_front_coxa_spin_own_x, 0.054, right_front_coxa_velocity_before_z);
     const double right_front_thigh_spin_z = v[7] + right_front_coxa_spin_own_x;
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
     const double right_front_tibia_lever_x = WG_FMA(-sin_right_front_thigh, 0.0145, cos_right_front_thigh*0.0645);
     const double right_front_tibia_lever_y = WG_FMA(sin_right_front_thigh, 0.0645, cos_right_front_thigh*0.0145);
     const double right_front_tibia_velocity_before_x = WG_FMA(right_front_thigh_spin_z, right_front_tibia_lever_y, right_front_coxa_velocity_own_y);
@@ -2768,8 +2855,6 @@ void phantomx_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG
     const double t14 = right_front_coxa_spin_z*right_front_thigh_inertia_yz;
     const double t15 = WG_FMA(right_front_coxa_spin_own_y, right_front_thigh_inertia_xz, t14);
     const double right_front_thigh_momentum_moment_z = WG_FMA(-right_front_thigh_spin_z, 0.0051411124, t15);
-    const double cos_right_front_thigh_tibia = WG_COS(angle_right_front_thigh_tibia);
-    const double sin_right_front_thigh_tibia = WG_SIN(angle_right_front_thigh_tibia);
     const double right_front_tibia_inertia_spun_x = 1.9223094e-05*sin_right_front_thigh_tibia;
     const double t16 = 1.9223094e-05*cos_right_front_thigh_tibia;
     const double right_front_tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_right_front_thigh_tibia, t16);
@@ -2902,8 +2987,11 @@ void phantomx_leg_momentum_rate(const double *WG_RESTRICT base_pose, const doubl
     const double right_front_coxa_rate = a[5] + a[6];
     const double angle_right_front_thigh_tibia = q[1] - q[2];
     const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
+    double sin_turned_right_front_coxa, cos_turned_right_front_coxa, sin_right_front_thigh, cos_right_front_thigh,
+        sin_right_front_thigh_tibia, cos_right_front_thigh_tibia;
+    WG_SINCOS_3(turned_right_front_coxa, sin_turned_right_front_coxa, cos_turned_right_front_coxa, q[1],
+        sin_right_front_thigh, cos_right_front_thigh, angle_right_front_thigh_tibia, sin_right_front_thigh_tibia,
+        cos_right_front_thigh_tibia);
     const double right_front_coxa_spin_x = WG_FMA(v[4], sin_turned_right_front_coxa, v[3]*cos_turned_right_front_coxa);
     const double right_front_coxa_spin_y = WG_FMA(-v[3], sin_turned_right_front_coxa, v[4]*cos_turned_right_front_coxa);
     const double t8 = base_pole_x*cos_turned_right_front_coxa;
@@ -2933,8 +3021,6 @@ void phantomx_leg_momentum_rate(const double *WG_RESTRICT base_pose, const doubl
     const double right_front_thigh_pole_y = t16 - right_front_thigh_rates_before_x;
     const double right_front_thigh_spin_z = v[7] + right_front_coxa_spin_x;
     const double right_front_thigh_rate = a[7] + right_front_thigh_rates_before_z;
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
     const double right_front_tibia_lever_x = WG_FMA(-sin_right_front_thigh, 0.0145, cos_right_front_thigh*0.0645);
     const double right_front_tibia_lever_y = WG_FMA(sin_right_front_thigh, 0.0645, cos_right_front_thigh*0.0145);
     const double t18 = right_front_thigh_spin_z*right_front_thigh_spin_z;
@@ -2993,8 +3079,6 @@ void phantomx_leg_momentum_rate(const double *WG_RESTRICT base_pose, const doubl
     const double t48 = WG_FMA(right_front_thigh_rate, 0.0051411124, t47);
     const double t49 = WG_FMA(-right_front_thigh_inertia_xy, t45, t48);
     const double right_front_thigh_inertial_moment_z = WG_FMA(-right_front_coxa_field_x_y, right_front_thigh_inertia_yz, t49);
-    const double cos_right_front_thigh_tibia = WG_COS(angle_right_front_thigh_tibia);
-    const double sin_right_front_thigh_tibia = WG_SIN(angle_right_front_thigh_tibia);
     const double right_front_tibia_inertia_spun_x = 1.9223094e-05*sin_right_front_thigh_tibia;
     const double t50 = 1.9223094e-05*cos_right_front_thigh_tibia;
     const double right_front_tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_right_front_thigh_tibia, t50);
@@ -3149,8 +3233,11 @@ void phantomx_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const dou
     const double right_front_coxa_rate = a[5] + a[6];
     const double angle_right_front_thigh_tibia = q[1] - q[2];
     const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
+    double sin_turned_right_front_coxa, cos_turned_right_front_coxa, sin_right_front_thigh, cos_right_front_thigh,
+        sin_right_front_thigh_tibia, cos_right_front_thigh_tibia;
+    WG_SINCOS_3(turned_right_front_coxa, sin_turned_right_front_coxa, cos_turned_right_front_coxa, q[1],
+        sin_right_front_thigh, cos_right_front_thigh, angle_right_front_thigh_tibia, sin_right_front_thigh_tibia,
+        cos_right_front_thigh_tibia);
     const double right_front_coxa_spin_x = WG_FMA(v[4], sin_turned_right_front_coxa, v[3]*cos_turned_right_front_coxa);
     const double right_front_coxa_spin_y = WG_FMA(-v[3], sin_turned_right_front_coxa, v[4]*cos_turned_right_front_coxa);
     const double t8 = base_pole_x*cos_turned_right_front_coxa;
@@ -3180,8 +3267,6 @@ void phantomx_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const dou
     const double right_front_thigh_pole_y = t16 - right_front_thigh_rates_before_x;
     const double right_front_thigh_spin_z = v[7] + right_front_coxa_spin_x;
     const double right_front_thigh_rate = a[7] + right_front_thigh_rates_before_z;
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
     const double right_front_tibia_lever_x = WG_FMA(-sin_right_front_thigh, 0.0145, cos_right_front_thigh*0.0645);
     const double right_front_tibia_lever_y = WG_FMA(sin_right_front_thigh, 0.0645, cos_right_front_thigh*0.0145);
     const double t18 = right_front_thigh_spin_z*right_front_thigh_spin_z;
@@ -3240,8 +3325,6 @@ void phantomx_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const dou
     const double t48 = WG_FMA(right_front_thigh_rate, 0.0051411124, t47);
     const double t49 = WG_FMA(-right_front_thigh_inertia_xy, t45, t48);
     const double right_front_thigh_inertial_moment_z = WG_FMA(-right_front_coxa_field_x_y, right_front_thigh_inertia_yz, t49);
-    const double cos_right_front_thigh_tibia = WG_COS(angle_right_front_thigh_tibia);
-    const double sin_right_front_thigh_tibia = WG_SIN(angle_right_front_thigh_tibia);
     const double right_front_tibia_inertia_spun_x = 1.9223094e-05*sin_right_front_thigh_tibia;
     const double t50 = 1.9223094e-05*cos_right_front_thigh_tibia;
     const double right_front_tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_right_front_thigh_tibia, t50);
@@ -3394,8 +3477,12 @@ void phantomx_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, cons
     M[79] = -0.0051411124;
     M[80] = 0.0051411124;
     const double angle_right_front_thigh_tibia = q[1] - q[2];
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
+    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
+    double sin_right_front_thigh, cos_right_front_thigh, sin_right_front_thigh_tibia, cos_right_front_thigh_tibia,
+        sin_turned_right_front_coxa, cos_turned_right_front_coxa;
+    WG_SINCOS_3(q[1], sin_right_front_thigh, cos_right_front_thigh, angle_right_front_thigh_tibia,
+        sin_right_front_thigh_tibia, cos_right_front_thigh_tibia, turned_right_front_coxa,
+        sin_turned_right_front_coxa, cos_turned_right_front_coxa);
     const double right_front_thigh_inertia_spun_x = cos_right_front_thigh*1.9223094e-05;
     const double right_front_thigh_inertia_spun_y = WG_FMA(sin_right_front_thigh, 1.9223094e-05, cos_right_front_thigh*0.0070535925);
     const double t1 = cos_right_front_thigh*right_front_thigh_inertia_spun_y;
@@ -3405,8 +3492,6 @@ void phantomx_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, cons
     const double right_front_thigh_inertia_yz = WG_FMA(sin_right_front_thigh, 0.00057530255, cos_right_front_thigh*2.4729049e-05);
     const double t2 = cos_right_front_thigh*right_front_thigh_inertia_spun_x;
     const double right_front_thigh_inertia_xy = WG_FMA(-sin_right_front_thigh, right_front_thigh_inertia_spun_y, t2);
-    const double cos_right_front_thigh_tibia = WG_COS(angle_right_front_thigh_tibia);
-    const double sin_right_front_thigh_tibia = WG_SIN(angle_right_front_thigh_tibia);
     const double right_front_tibia_inertia_spun_x = 1.9223094e-05*sin_right_front_thigh_tibia;
     const double t3 = 1.9223094e-05*cos_right_front_thigh_tibia;
     const double right_front_tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_right_front_thigh_tibia, t3);
@@ -3437,9 +3522,6 @@ void phantomx_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, cons
     const double right_front_thigh_composite_xz = right_front_thigh_inertia_xz + right_front_tibia_inertia_xz;
     const double right_front_thigh_composite_yz = right_front_thigh_inertia_yz + right_front_tibia_inertia_yz;
     const double right_front_thigh_composite_moment_y = right_front_tibia_lever_y*0.024357719;
-    const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
     const double t11 = right_front_thigh_composite_moment_x*0.108;
     const double right_front_coxa_borne_xx = t11 + (right_front_thigh_composite_zz + 0.000213081325812);
     const double right_front_coxa_borne_yy = right_front_thigh_composite_xx + 0.012415507885941882;
@@ -3523,35 +3605,34 @@ void phantomx_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, cons
     const double M_right_front_thigh_on_right_front_coxa_2 = WG_FMA(-0.001116, right_front_coxa_force_group_x, t30);
     M[43] = M_right_front_thigh_on_right_front_coxa_2;
     M[67] = M_right_front_thigh_on_right_front_coxa_2;
-    const double t31 = right_front_tibia_inertia_xz*sin_turned_right_front_coxa;
-    const double right_front_coxa_moment_group_x_2 = WG_FMA(cos_turned_right_front_coxa, 0.0051411124, t31);
-    const double t32 = right_front_tibia_inertia_xz*cos_turned_right_front_coxa;
-    const double right_front_coxa_moment_group_y_2 = WG_FMA(-sin_turned_right_front_coxa, 0.0051411124, t32);
+    const double t31 = right_front_tibia_inertia_xz*cos_turned_right_front_coxa;
+    const double right_front_coxa_moment_group_y_2 = WG_FMA(-sin_turned_right_front_coxa, 0.0051411124, t31);
     M[44] = right_front_coxa_moment_group_y_2;
     M[76] = right_front_coxa_moment_group_y_2;
-    const double t33 = 0.000108732857616 - right_front_thigh_composite_moment_y;
-    M[4] = t33;
-    M[36] = t33;
-    const double t34 = -right_front_coxa_force_group_x;
-    M[7] = t34;
-    M[63] = t34;
-    const double t35 = -base_moment_y;
-    M[21] = t35;
-    M[29] = t35;
-    const double t36 = -base_moment_x;
-    M[22] = t36;
-    M[38] = t36;
-    const double t37 = -right_front_thigh_composite_moment_x;
-    M[25] = t37;
-    M[65] = t37;
-    const double t38 = M_right_front_coxa_on_right_front_coxa_m - 2.0318038301393697;
-    const double t39 = WG_FMA(right_front_thigh_composite_moment_y, 0.1248, -t38);
-    M[32] = t39;
-    M[48] = t39;
-    const double t40 = -M_right_front_coxa_on_right_front_coxa_m;
-    M[33] = t40;
-    M[57] = t40;
-    const double t41 = -right_front_coxa_moment_group_x_2;
+    const double t32 = 0.000108732857616 - right_front_thigh_composite_moment_y;
+    M[4] = t32;
+    M[36] = t32;
+    const double t33 = -right_front_coxa_force_group_x;
+    M[7] = t33;
+    M[63] = t33;
+    const double t34 = -base_moment_y;
+    M[21] = t34;
+    M[29] = t34;
+    const double t35 = -base_moment_x;
+    M[22] = t35;
+    M[38] = t35;
+    const double t36 = -right_front_thigh_composite_moment_x;
+    M[25] = t36;
+    M[65] = t36;
+    const double t37 = M_right_front_coxa_on_right_front_coxa_m - 2.0318038301393697;
+    const double t38 = WG_FMA(right_front_thigh_composite_moment_y, 0.1248, -t37);
+    M[32] = t38;
+    M[48] = t38;
+    const double t39 = -M_right_front_coxa_on_right_front_coxa_m;
+    M[33] = t39;
+    M[57] = t39;
+    const double t40 = right_front_tibia_inertia_xz*sin_turned_right_front_coxa;
+    const double t41 = WG_FMA(-cos_turned_right_front_coxa, 0.0051411124, -t40);
     M[35] = t41;
     M[75] = t41;
     const double t42 = WG_FMA(0.06164, right_front_coxa_force_group_x, right_front_thigh_composite_yz);
@@ -3605,8 +3686,11 @@ void phantomx_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose,
     const double right_front_coxa_rate = a[5] + a[6];
     const double angle_right_front_thigh_tibia = q[1] - q[2];
     const double turned_right_front_coxa = q[0] + 0.7853981633974483;
-    const double cos_turned_right_front_coxa = WG_COS(turned_right_front_coxa);
-    const double sin_turned_right_front_coxa = WG_SIN(turned_right_front_coxa);
+    double sin_turned_right_front_coxa, cos_turned_right_front_coxa, sin_right_front_thigh, cos_right_front_thigh,
+        sin_right_front_thigh_tibia, cos_right_front_thigh_tibia;
+    WG_SINCOS_3(turned_right_front_coxa, sin_turned_right_front_coxa, cos_turned_right_front_coxa, q[1],
+        sin_right_front_thigh, cos_right_front_thigh, angle_right_front_thigh_tibia, sin_right_front_thigh_tibia,
+        cos_right_front_thigh_tibia);
     const double right_front_coxa_spin_x = WG_FMA(v[4], sin_turned_right_front_coxa, v[3]*cos_turned_right_front_coxa);
     const double right_front_coxa_spin_y = WG_FMA(-v[3], sin_turned_right_front_coxa, v[4]*cos_turned_right_front_coxa);
     const double t11 = base_pole_x*cos_turned_right_front_coxa;
@@ -3636,8 +3720,6 @@ void phantomx_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose,
     const double right_front_thigh_pole_y = t19 - right_front_thigh_rates_before_x;
     const double right_front_thigh_spin_z = v[7] + right_front_coxa_spin_x;
     const double right_front_thigh_rate = a[7] + right_front_thigh_rates_before_z;
-    const double cos_right_front_thigh = WG_COS(q[1]);
-    const double sin_right_front_thigh = WG_SIN(q[1]);
     const double right_front_tibia_lever_x = WG_FMA(-sin_right_front_thigh, 0.0145, cos_right_front_thigh*0.0645);
     const double right_front_tibia_lever_y = WG_FMA(sin_right_front_thigh, 0.0645, cos_right_front_thigh*0.0145);
     const double t21 = right_front_thigh_spin_z*right_front_thigh_spin_z;
@@ -3696,8 +3778,6 @@ void phantomx_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose,
     const double t51 = WG_FMA(right_front_thigh_rate, 0.0051411124, t50);
     const double t52 = WG_FMA(-right_front_thigh_inertia_xy, t48, t51);
     const double right_front_thigh_inertial_moment_z = WG_FMA(-right_front_coxa_field_x_y, right_front_thigh_inertia_yz, t52);
-    const double cos_right_front_thigh_tibia = WG_COS(angle_right_front_thigh_tibia);
-    const double sin_right_front_thigh_tibia = WG_SIN(angle_right_front_thigh_tibia);
     const double right_front_tibia_inertia_spun_x = 1.9223094e-05*sin_right_front_thigh_tibia;
     const double t53 = 1.9223094e-05*cos_right_front_thigh_tibia;
     const double right_front_tibia_inertia_spun_y = WG_FMA(0.0070535925, sin_right_front_thigh_tibia, t53);
@@ -3819,3 +3899,249 @@ void phantomx_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_
             foot_forces + row * 3, tau + row * 9);
     }
 }
+
+#if defined(WALKGEN_BLOCKS)
+#define WALKGEN_ROWS 2
+#include "walkgen_lanes.h"
+#include "phantomx_leg.c"
+#undef WALKGEN_ROWS
+#endif
+
+void phantomx_leg_right_front_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_position_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_position(q + row * 3, p + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_rotation_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT R) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(R, 9)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_rotation_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_rotation(q + row * 3, R + row * 9);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_pose_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(T, 16)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_pose_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_pose(q + row * 3, T + row * 16);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_jacobian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_jacobian(q + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_position_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
+    double *WG_RESTRICT p, double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(p, 3), WG_DENSE(J, 9)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_position_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_position_jacobian(q + row * 3, p + row * 3, J + row * 9);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_spatial_jacobian_batch(size_t rows, const double *WG_RESTRICT q,
+    double *WG_RESTRICT J) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(J, 18)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_spatial_jacobian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_spatial_jacobian(q + row * 3, J + row * 18);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_hessian_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT H) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(H, 27)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_hessian_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_hessian(q + row * 3, H + row * 27);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_velocity_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT v) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(v, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_velocity_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_velocity(q + row * 3, qd + row * 3, v + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(a, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_acceleration(q + row * 3, qd + row * 3, qdd + row * 3, a + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_bias_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT a) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(a, 6)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_bias_acceleration_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_bias_acceleration(q + row * 3, qd + row * 3, a + row * 6);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_foot_torque_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(f, 3), WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_foot_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_foot_torque(q + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT within) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_within_limits_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        within[row] = phantomx_leg_right_front_within_limits(q + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT f,
+    double *WG_RESTRICT tau) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE(f, 3),
+        WG_DENSE(tau, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_inverse_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_inverse_dynamics(q + row * 3, qd + row * 3, qdd + row * 3, f + row * 3, tau + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_forward_dynamics_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
+    double *WG_RESTRICT qdd) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(tau, 3), WG_DENSE(f, 3),
+        WG_DENSE(qdd, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_forward_dynamics_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_forward_dynamics(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, qdd + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_mass_matrix_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(M, 9)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_mass_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_mass_matrix(q + row * 3, M + row * 9);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_bias_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    double *WG_RESTRICT h) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(h, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_bias_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_bias(q + row * 3, qd + row * 3, h + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_gravity_torque_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT g) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(g, 3)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_gravity_torque_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_gravity_torque(q + row * 3, g + row * 3);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_coriolis_matrix_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT C) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(C, 9)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_coriolis_matrix_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_coriolis_matrix(q + row * 3, qd + row * 3, C + row * 9);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_kinetic_energy_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(qd, 3), WG_DENSE(T, 1)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_kinetic_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_kinetic_energy(q + row * 3, qd + row * 3, T + row);
+    }
+#endif
+}
+
+void phantomx_leg_right_front_potential_energy_batch(size_t rows, const double *WG_RESTRICT q,
+    double *WG_RESTRICT U) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(U, 1)};
+    (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_potential_energy_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_potential_energy(q + row * 3, U + row);
+    }
+#endif
+}
+
+#endif

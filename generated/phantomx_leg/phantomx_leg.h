@@ -53,7 +53,7 @@ extern "C" {
 
 /* Foot position.
  * q [3] rad -> p [3] m
- * 19 operations (at most 120 bytes of locals).
+ * 19 operations (at most 112 bytes of locals).
  * Source: eq. (1): p = A_0 A_1 ... A_n p_n
  */
 void phantomx_leg_right_front_foot_position(const double *WG_RESTRICT q, double *WG_RESTRICT p);
@@ -69,7 +69,7 @@ void phantomx_leg_right_front_foot_rotation_batch(size_t rows, const double *WG_
 
 /* Foot pose, homogeneous with the 1 last.
  * q [3] rad -> T [4, 4] 1 and m
- * 29 operations (at most 152 bytes of locals).
+ * 29 operations (at most 144 bytes of locals).
  * Source: eq. (1): p = A_0 A_1 ... A_n p_n
  */
 void phantomx_leg_right_front_foot_pose(const double *WG_RESTRICT q, double *WG_RESTRICT T);
@@ -161,7 +161,7 @@ void phantomx_leg_right_front_joint_frames_batch(size_t rows, const double *WG_R
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 169 operations (support routines not counted; at most 852 bytes of
+ * Returns the number of entries with status OK. 169 operations (support routines not counted; at most 820 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -172,7 +172,7 @@ size_t phantomx_leg_right_front_inverse_batch(size_t rows, const double *WG_REST
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 110 operations (support routines not counted; at most 524 bytes of locals).
+ * Returns the status. 110 operations (support routines not counted; at most 508 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t phantomx_leg_right_front_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -182,7 +182,7 @@ size_t phantomx_leg_right_front_inverse_branch_batch(size_t rows, const double *
 /* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
  *   chosen.
  * p [3] m, q_seed [3] rad -> q [3] rad, status
- * Returns the status. 169 operations (support routines not counted; at most 964 bytes of locals).
+ * Returns the status. 169 operations (support routines not counted; at most 932 bytes of locals).
  * Source: as inverse
  */
 int32_t phantomx_leg_right_front_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -192,7 +192,7 @@ size_t phantomx_leg_right_front_inverse_near_batch(size_t rows, const double *WG
 
 /* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
  * p [3] m -> q [3] rad, status
- * Returns the status. 169 operations (support routines not counted; at most 1180 bytes of locals).
+ * Returns the status. 169 operations (support routines not counted; at most 1148 bytes of locals).
  * Source: as inverse
  */
 int32_t phantomx_leg_right_front_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
@@ -201,7 +201,7 @@ size_t phantomx_leg_right_front_inverse_admissible_batch(size_t rows, const doub
 
 /* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
  * p [3] m -> distance [4] m
- * 269 operations (support routines not counted; at most 964 bytes of locals).
+ * 269 operations (support routines not counted; at most 932 bytes of locals).
  * Source: as inverse
  */
 void phantomx_leg_right_front_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);
@@ -272,7 +272,7 @@ void phantomx_leg_right_front_mass_matrix_batch(size_t rows, const double *WG_RE
 /* Joint efforts without acceleration, C qd + gravity + friction; the platform is held, gravity is the spec's in the
  *   platform's axes.
  * q [3] rad, qd [3] rad/s -> h [3] N m
- * 52 operations (at most 312 bytes of locals).
+ * 52 operations (at most 304 bytes of locals).
  * Source: recursive Newton-Euler (Luh, Walker, Paul 1980) with regrouped inertial parameters
  */
 void phantomx_leg_right_front_bias(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h);
@@ -319,7 +319,7 @@ void phantomx_leg_right_front_potential_energy_batch(size_t rows, const double *
 /* Slopes of inverse_dynamics by q and by qd at no foot force (by qdd it is mass_matrix); row i is the effort's; the
  *   platform is held, gravity is the spec's in the platform's axes.
  * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> tau_d_q [3, 3] N m per rad, tau_d_qd [3, 3] N m per rad/s
- * 125 operations (at most 800 bytes of locals).
+ * 125 operations (at most 776 bytes of locals).
  * Source: forward differentiation of recursive Newton-Euler
  */
 void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_RESTRICT q,
@@ -332,7 +332,7 @@ void phantomx_leg_right_front_inverse_dynamics_derivatives_batch(size_t rows, co
 /* Joint efforts per inertial parameter: for every link m, m cx, m cy, m cz, then xx, yy, zz, xy, xz, yz of its inertia
  *   about the origin of its joint's frame, in that frame's axes; friction and rotors are left out.
  * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 30] effort per unit of the parameter
- * 157 operations (at most 896 bytes of locals).
+ * 157 operations (at most 872 bytes of locals).
  * Source: recursive Newton-Euler of unit parameters
  */
 void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -344,7 +344,7 @@ void phantomx_leg_right_front_regressor_batch(size_t rows, const double *WG_REST
  *   p is inverse_dynamics without friction and rotors. p depends on the spec and param alone; each is a sum over
  *   links.
  * q [3] rad, qd [3] rad/s, qdd [3] rad/s^2 -> Y [3, 15] effort per unit of the parameter, p [15] kg, kg m and kg m^2
- * 121 operations (at most 688 bytes of locals).
+ * 121 operations (at most 672 bytes of locals).
  * Source: Gautier and Khalil 1990, numerically confirmed at 50 digits
  */
 void phantomx_leg_right_front_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -362,7 +362,7 @@ void phantomx_leg_platform_poses_batch(size_t rows, const double *WG_RESTRICT q,
 
 /* Every foot in the first platform's frame, legs in file order.
  * q [3] rad -> p [1, 3] m
- * 19 operations (at most 120 bytes of locals).
+ * 19 operations (at most 112 bytes of locals).
  * Source: eqs. (5)-(7): p = G_m M A_1 A_2 A_3 p_4
  */
 void phantomx_leg_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p);
@@ -388,7 +388,7 @@ void phantomx_leg_com_batch(size_t rows, const double *WG_RESTRICT base_pose, co
 /* Velocity of the centre of mass by v; world axes; v is the base's linear and angular velocity in its axes, then the
  *   joint rates.
  * base_pose [4, 4] 1 and m, q [3] rad -> J [3, 9] m per unit of v
- * 66 operations (at most 360 bytes of locals).
+ * 66 operations (at most 312 bytes of locals).
  * Source: momentum per mass of what each joint moves
  */
 void phantomx_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -399,7 +399,7 @@ void phantomx_leg_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base
 /* Momentum by v: linear momentum, then angular about the centre of mass; world axes; v is the base's linear and
  *   angular velocity in its axes, then the joint rates.
  * base_pose [4, 4] 1 and m, q [3] rad -> A [6, 9] kg m/s and kg m^2/s per unit of v
- * 291 operations (at most 1656 bytes of locals).
+ * 291 operations (at most 1632 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters; Orin and Goswami 2008
  */
 void phantomx_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -454,7 +454,7 @@ void phantomx_leg_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT b
 
 /* Mass matrix of v: the base's linear and angular components in its axes, then the joints; rotors included.
  * base_pose [4, 4] 1 and m, q [3] rad -> M [9, 9] kg, kg m and kg m^2
- * 133 operations (at most 904 bytes of locals).
+ * 133 operations (at most 896 bytes of locals).
  * Source: composite rigid bodies (Walker and Orin 1982) with regrouped inertial parameters
  */
 void phantomx_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,

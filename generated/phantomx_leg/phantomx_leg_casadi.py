@@ -53,35 +53,33 @@ def _right_front_inverse_closed():
     radius = ca.sqrt(radius2)
     t4 = radius2 <= touching2
     rho = ca.if_else(t4, 0.0, radius)
-    yaw_plus_angle = ca.atan2(-target_y, t2 - t1)
-    t5 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
-    t6 = t5 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
-    taint = ca.if_else(_finite(p[2]), 0.0, float("nan")) + t6
     X_plus = rho + 0.054
+    t5 = offset_z * 0.9756502324316491
+    lift_plus_sin = X_plus * 0.21933222279471182 - t5
+    t6 = offset_z * 0.21933222279471182
     t7 = offset_z * offset_z
     distance2_plus = X_plus * X_plus + t7
-    slack = tolerance * 0.5002195144447293
-    outer2 = slack * 0.19610975722236468 + 0.038459036877814816
     knee_plus = distance2_plus * 58.17830843361056 - 0.23748170953711342
     knee_plus_clamped = ca.if_else(2.0 < knee_plus, 2.0, ca.if_else(knee_plus < 0.0, 0.0, knee_plus))
     knee_sin_plus = ca.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
     knee_cos_plus = knee_plus_clamped - 1.0
-    t8 = offset_z * 0.9756502324316491
-    lift_plus_sin = X_plus * 0.21933222279471182 - t8
-    t9 = offset_z * 0.21933222279471182
-    lift_plus_cos = X_plus * 0.9756502324316491 + t9
-    lift_plus = ca.atan2(lift_plus_sin, -lift_plus_cos)
+    yaw_plus_angle = ca.atan2(-target_y, t2 - t1)
+    lift_plus = ca.atan2(lift_plus_sin, -X_plus * 0.9756502324316491 - t6)
     thigh_offset_plus = ca.atan2(knee_sin_plus * 0.13, knee_cos_plus * 0.13 + 0.06610975722236469)
-    gamma_plus = ca.atan2(knee_sin_plus, knee_cos_plus)
+    t8 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
+    t9 = t8 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
+    taint = ca.if_else(_finite(p[2]), 0.0, float("nan")) + t9
+    slack = tolerance * 0.5002195144447293
+    outer2 = slack * 0.19610975722236468 + 0.038459036877814816
     X_minus = rho - 0.054
     distance2_minus = X_minus * X_minus + t7
     knee_minus = 58.17830843361056 * distance2_minus - 0.23748170953711342
     knee_minus_clamped = ca.if_else(2.0 < knee_minus, 2.0, ca.if_else(knee_minus < 0.0, 0.0, knee_minus))
     knee_sin_minus = ca.sqrt(knee_minus_clamped * (2.0 - knee_minus_clamped))
     knee_cos_minus = knee_minus_clamped - 1.0
-    lift_minus_sin = 0.21933222279471182 * X_minus + t8
-    lift_minus_cos = 0.9756502324316491 * X_minus - t9
-    lift_minus = ca.atan2(-lift_minus_sin, lift_minus_cos)
+    lift_minus_cos = 0.9756502324316491 * X_minus - t6
+    gamma_plus = ca.atan2(knee_sin_plus, knee_cos_plus)
+    lift_minus = ca.atan2(-0.21933222279471182 * X_minus - t5, lift_minus_cos)
     thigh_offset_minus = ca.atan2(0.13 * knee_sin_minus, 0.13 * knee_cos_minus + 0.06610975722236469)
     gamma_minus = ca.atan2(knee_sin_minus, knee_cos_minus)
     t10 = ca.logic_not(_finite(taint))
@@ -114,7 +112,6 @@ def _right_front_inverse_closed():
     t21 = 4.491259005845174 - gamma_plus_checked
     t22 = ca.if_else(t21 <= -3.141592653589793, 1.0, 0.0)
     q3_plus_plus_turns = ca.if_else(3.141592653589793 < t21, 1.0, 0.0) - t22
-    q3_plus_plus_wrapped = 6.283185307179586 * q3_plus_plus_turns + q3_plus_plus_sum
     q3_plus_minus_sum = gamma_plus_checked + 4.491259005845174
     t23 = ca.if_else(q3_plus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_plus_minus_turns = ca.if_else(3.141592653589793 < q3_plus_minus_sum, 1.0, 0.0) - t23
@@ -133,15 +130,15 @@ def _right_front_inverse_closed():
     t26 = 4.491259005845174 - gamma_minus_checked
     t27 = ca.if_else(t26 <= -3.141592653589793, 1.0, 0.0)
     q3_minus_plus_turns = ca.if_else(3.141592653589793 < t26, 1.0, 0.0) - t27
-    q3_minus_plus_wrapped = 6.283185307179586 * q3_minus_plus_turns + q3_minus_plus_sum
     q3_minus_minus_sum = 4.491259005845174 + gamma_minus_checked
     t28 = ca.if_else(q3_minus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_minus_minus_turns = ca.if_else(3.141592653589793 < q3_minus_minus_sum, 1.0, 0.0) - t28
     q3_minus_minus_wrapped = q3_minus_minus_sum - 6.283185307179586 * q3_minus_minus_turns
     q = _rows(4, 3, [
-        yaw_plus_checked, q2_plus_plus_wrapped, -q3_plus_plus_wrapped, yaw_plus_checked,
-        q2_plus_minus_wrapped, q3_plus_minus_wrapped, yaw_minus_checked, q2_minus_plus_wrapped,
-        -q3_minus_plus_wrapped, yaw_minus_checked, q2_minus_minus_wrapped, q3_minus_minus_wrapped,
+        yaw_plus_checked, q2_plus_plus_wrapped, -6.283185307179586 * q3_plus_plus_turns - q3_plus_plus_sum,
+        yaw_plus_checked, q2_plus_minus_wrapped, q3_plus_minus_wrapped, yaw_minus_checked,
+        q2_minus_plus_wrapped, -6.283185307179586 * q3_minus_plus_turns - q3_minus_plus_sum,
+        yaw_minus_checked, q2_minus_minus_wrapped, q3_minus_minus_wrapped,
     ])
     status = _column([
         ca.if_else(t10, 2.0, ca.if_else(t12, 1.0, t13)), ca.if_else(t10, 2.0, t14),
@@ -162,63 +159,63 @@ def _row_nearest_4_rrr():
     q_seed = ca.SX.sym("q_seed", 3, 1)
     misses = ca.if_else(ca.logic_or(states[0] == 1.0, states[0] == 2.0), 1.0, 0.0)
     t1 = q_seed[0] - rows[0, 0]
-    t2 = ca.sin(t1)
-    t3 = ca.cos(t1)
-    t4 = ca.atan2(-t2, t3)
-    t5 = q_seed[1] - rows[0, 1]
-    t6 = ca.sin(t5)
-    t7 = ca.cos(t5)
-    t8 = ca.atan2(-t6, t7)
-    t9 = q_seed[2] - rows[0, 2]
-    t10 = ca.sin(t9)
-    t11 = ca.cos(t9)
-    t12 = ca.atan2(-t10, t11)
+    t2 = q_seed[1] - rows[0, 1]
+    t3 = q_seed[2] - rows[0, 2]
+    t4 = q_seed[0] - rows[1, 0]
+    t5 = ca.sin(t1)
+    t6 = ca.cos(t1)
+    t7 = ca.sin(t2)
+    t8 = ca.cos(t2)
+    t9 = ca.sin(t3)
+    t10 = ca.cos(t3)
+    t11 = ca.sin(t4)
+    t12 = ca.cos(t4)
+    t13 = ca.atan2(-t5, t6)
+    t14 = ca.atan2(-t7, t8)
+    t15 = ca.atan2(-t9, t10)
+    t16 = ca.atan2(-t11, t12)
     misses_2 = ca.if_else(ca.logic_or(states[1] == 1.0, states[1] == 2.0), 1.0, 0.0)
-    t13 = q_seed[0] - rows[1, 0]
-    t14 = ca.sin(t13)
-    t15 = ca.cos(t13)
-    t16 = ca.atan2(-t14, t15)
     t17 = q_seed[1] - rows[1, 1]
-    t18 = ca.sin(t17)
-    t19 = ca.cos(t17)
-    t20 = ca.atan2(-t18, t19)
-    t21 = q_seed[2] - rows[1, 2]
-    t22 = ca.sin(t21)
-    t23 = ca.cos(t21)
-    t24 = ca.atan2(-t22, t23)
+    t18 = q_seed[2] - rows[1, 2]
+    t19 = q_seed[0] - rows[2, 0]
+    t20 = q_seed[1] - rows[2, 1]
+    t21 = ca.sin(t17)
+    t22 = ca.cos(t17)
+    t23 = ca.sin(t18)
+    t24 = ca.cos(t18)
+    t25 = ca.sin(t19)
+    t26 = ca.cos(t19)
+    t27 = ca.sin(t20)
+    t28 = ca.cos(t20)
+    t29 = ca.atan2(-t21, t22)
+    t30 = ca.atan2(-t23, t24)
+    t31 = ca.atan2(-t25, t26)
+    t32 = ca.atan2(-t27, t28)
     misses_3 = ca.if_else(ca.logic_or(states[2] == 1.0, states[2] == 2.0), 1.0, 0.0)
-    t25 = q_seed[0] - rows[2, 0]
-    t26 = ca.sin(t25)
-    t27 = ca.cos(t25)
-    t28 = ca.atan2(-t26, t27)
-    t29 = q_seed[1] - rows[2, 1]
-    t30 = ca.sin(t29)
-    t31 = ca.cos(t29)
-    t32 = ca.atan2(-t30, t31)
     t33 = q_seed[2] - rows[2, 2]
-    t34 = ca.sin(t33)
-    t35 = ca.cos(t33)
-    t36 = ca.atan2(-t34, t35)
+    t34 = q_seed[0] - rows[3, 0]
+    t35 = q_seed[1] - rows[3, 1]
+    t36 = q_seed[2] - rows[3, 2]
+    t37 = ca.sin(t33)
+    t38 = ca.cos(t33)
+    t39 = ca.sin(t34)
+    t40 = ca.cos(t34)
+    t41 = ca.sin(t35)
+    t42 = ca.cos(t35)
+    t43 = ca.sin(t36)
+    t44 = ca.cos(t36)
+    t45 = ca.atan2(-t37, t38)
+    t46 = ca.atan2(-t39, t40)
+    t47 = ca.atan2(-t41, t42)
+    t48 = ca.atan2(-t43, t44)
     misses_4 = ca.if_else(ca.logic_or(states[3] == 1.0, states[3] == 2.0), 1.0, 0.0)
-    t37 = q_seed[0] - rows[3, 0]
-    t38 = ca.sin(t37)
-    t39 = ca.cos(t37)
-    t40 = ca.atan2(-t38, t39)
-    t41 = q_seed[1] - rows[3, 1]
-    t42 = ca.sin(t41)
-    t43 = ca.cos(t41)
-    t44 = ca.atan2(-t42, t43)
-    t45 = q_seed[2] - rows[3, 2]
-    t46 = ca.sin(t45)
-    t47 = ca.cos(t45)
-    t48 = ca.atan2(-t46, t47)
     t49 = ca.if_else(_finite(q_seed[0]), 0.0, float("nan"))
     t50 = t49 + ca.if_else(_finite(q_seed[1]), 0.0, float("nan"))
     taint = ca.if_else(_finite(q_seed[2]), 0.0, float("nan")) + t50
-    apart = t12 * t12 + (t8 * t8 + t4 * t4)
-    apart_2 = t24 * t24 + (t20 * t20 + t16 * t16)
-    apart_3 = t36 * t36 + (t32 * t32 + t28 * t28)
-    apart_4 = t48 * t48 + (t44 * t44 + t40 * t40)
+    apart = t15 * t15 + (t14 * t14 + t13 * t13)
+    apart_2 = t30 * t30 + (t29 * t29 + t16 * t16)
+    apart_3 = t45 * t45 + (t32 * t32 + t31 * t31)
+    apart_4 = t48 * t48 + (t47 * t47 + t46 * t46)
     t51 = ca.logic_or(misses_2 < misses, ca.logic_and(misses_2 == misses, apart_2 < apart))
     wins = ca.if_else(t51, 1.0, 0.0)
     t52 = 0.0 < wins
@@ -262,13 +259,16 @@ def _right_front_row_distances():
     rows = ca.SX.sym("rows", 4, 3)
     p = ca.SX.sym("p", 3, 1)
     turned_coxa = rows[0, 0] + 0.7853981633974483
+    angle_thigh_tibia = rows[0, 1] - rows[0, 2]
+    turned_coxa_2 = rows[1, 0] + 0.7853981633974483
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = rows[0, 1] - rows[0, 2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     cos_thigh = ca.cos(rows[0, 1])
     sin_thigh = ca.sin(rows[0, 1])
+    cos_turned_coxa_2 = ca.cos(turned_coxa_2)
+    sin_turned_coxa_2 = ca.sin(turned_coxa_2)
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - cos_thigh_tibia * 0.13
@@ -280,14 +280,17 @@ def _right_front_row_distances():
     gap_x = p[0] - position_x
     gap_y = p[1] + position_y
     gap_z = p[2] + position_z
-    turned_coxa_2 = rows[1, 0] + 0.7853981633974483
-    cos_turned_coxa_2 = ca.cos(turned_coxa_2)
-    sin_turned_coxa_2 = ca.sin(turned_coxa_2)
     angle_thigh_tibia_2 = rows[1, 1] - rows[1, 2]
+    turned_coxa_3 = rows[2, 0] + 0.7853981633974483
+    angle_thigh_tibia_3 = rows[2, 1] - rows[2, 2]
     cos_thigh_tibia_2 = ca.cos(angle_thigh_tibia_2)
     sin_thigh_tibia_2 = ca.sin(angle_thigh_tibia_2)
     cos_thigh_2 = ca.cos(rows[1, 1])
     sin_thigh_2 = ca.sin(rows[1, 1])
+    cos_turned_coxa_3 = ca.cos(turned_coxa_3)
+    sin_turned_coxa_3 = ca.sin(turned_coxa_3)
+    cos_thigh_tibia_3 = ca.cos(angle_thigh_tibia_3)
+    sin_thigh_tibia_3 = ca.sin(angle_thigh_tibia_3)
     thigh_to_tip_link_x_2 = 0.0645 * sin_thigh_2 + 0.0145 * cos_thigh_2
     thigh_to_tip_link_y_2 = 0.0645 * cos_thigh_2 - 0.0145 * sin_thigh_2
     thigh_to_tip_x_2 = thigh_to_tip_link_x_2 - 0.13 * cos_thigh_tibia_2
@@ -299,14 +302,16 @@ def _right_front_row_distances():
     gap_x_2 = p[0] - position_x_2
     gap_y_2 = p[1] + position_y_2
     gap_z_2 = p[2] + position_z_2
-    turned_coxa_3 = rows[2, 0] + 0.7853981633974483
-    cos_turned_coxa_3 = ca.cos(turned_coxa_3)
-    sin_turned_coxa_3 = ca.sin(turned_coxa_3)
-    angle_thigh_tibia_3 = rows[2, 1] - rows[2, 2]
-    cos_thigh_tibia_3 = ca.cos(angle_thigh_tibia_3)
-    sin_thigh_tibia_3 = ca.sin(angle_thigh_tibia_3)
+    turned_coxa_4 = rows[3, 0] + 0.7853981633974483
+    angle_thigh_tibia_4 = rows[3, 1] - rows[3, 2]
     cos_thigh_3 = ca.cos(rows[2, 1])
     sin_thigh_3 = ca.sin(rows[2, 1])
+    cos_turned_coxa_4 = ca.cos(turned_coxa_4)
+    sin_turned_coxa_4 = ca.sin(turned_coxa_4)
+    cos_thigh_tibia_4 = ca.cos(angle_thigh_tibia_4)
+    sin_thigh_tibia_4 = ca.sin(angle_thigh_tibia_4)
+    cos_thigh_4 = ca.cos(rows[3, 1])
+    sin_thigh_4 = ca.sin(rows[3, 1])
     thigh_to_tip_link_x_3 = 0.0645 * sin_thigh_3 + 0.0145 * cos_thigh_3
     thigh_to_tip_link_y_3 = 0.0645 * cos_thigh_3 - 0.0145 * sin_thigh_3
     thigh_to_tip_x_3 = thigh_to_tip_link_x_3 - 0.13 * cos_thigh_tibia_3
@@ -318,14 +323,6 @@ def _right_front_row_distances():
     gap_x_3 = p[0] - position_x_3
     gap_y_3 = p[1] + position_y_3
     gap_z_3 = p[2] + position_z_3
-    turned_coxa_4 = rows[3, 0] + 0.7853981633974483
-    cos_turned_coxa_4 = ca.cos(turned_coxa_4)
-    sin_turned_coxa_4 = ca.sin(turned_coxa_4)
-    angle_thigh_tibia_4 = rows[3, 1] - rows[3, 2]
-    cos_thigh_tibia_4 = ca.cos(angle_thigh_tibia_4)
-    sin_thigh_tibia_4 = ca.sin(angle_thigh_tibia_4)
-    cos_thigh_4 = ca.cos(rows[3, 1])
-    sin_thigh_4 = ca.sin(rows[3, 1])
     thigh_to_tip_link_x_4 = 0.0645 * sin_thigh_4 + 0.0145 * cos_thigh_4
     thigh_to_tip_link_y_4 = 0.0645 * cos_thigh_4 - 0.0145 * sin_thigh_4
     thigh_to_tip_x_4 = thigh_to_tip_link_x_4 - 0.13 * cos_thigh_tibia_4
@@ -356,9 +353,9 @@ def right_front_foot_position():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     cos_thigh = ca.cos(q[1])
@@ -369,8 +366,7 @@ def right_front_foot_position():
     thigh_to_tip_y = sin_thigh_tibia * 0.13 + thigh_to_tip_link_y
     coxa_to_tip_inner_y = thigh_to_tip_y + 0.054
     position_x = sin_turned_coxa * coxa_to_tip_inner_y + 0.1248
-    position_y = cos_turned_coxa * coxa_to_tip_inner_y + 0.06164
-    p = _column([position_x, -position_y, 0.001116 - thigh_to_tip_x])
+    p = _column([position_x, -cos_turned_coxa * coxa_to_tip_inner_y - 0.06164, 0.001116 - thigh_to_tip_x])
     return ca.Function("phantomx_leg_right_front_foot_position", [q], [p], ["q"], ["p"])
 
 
@@ -382,9 +378,9 @@ def right_front_foot_rotation():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     frame_thigh_tibia_x_x = sin_turned_coxa * cos_thigh_tibia
@@ -406,9 +402,9 @@ def right_front_foot_pose():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     cos_thigh = ca.cos(q[1])
@@ -419,15 +415,14 @@ def right_front_foot_pose():
     thigh_to_tip_y = sin_thigh_tibia * 0.13 + thigh_to_tip_link_y
     coxa_to_tip_inner_y = thigh_to_tip_y + 0.054
     position_x = sin_turned_coxa * coxa_to_tip_inner_y + 0.1248
-    position_y = cos_turned_coxa * coxa_to_tip_inner_y + 0.06164
     frame_thigh_tibia_x_x = sin_turned_coxa * cos_thigh_tibia
     frame_thigh_tibia_x_y = cos_turned_coxa * cos_thigh_tibia
     frame_thigh_tibia_y_x = sin_turned_coxa * sin_thigh_tibia
     frame_thigh_tibia_y_y = cos_turned_coxa * sin_thigh_tibia
     T = _rows(4, 4, [
         -cos_turned_coxa, -frame_thigh_tibia_y_x, frame_thigh_tibia_x_x, position_x, -sin_turned_coxa,
-        frame_thigh_tibia_y_y, -frame_thigh_tibia_x_y, -position_y, 0.0, -cos_thigh_tibia, -sin_thigh_tibia,
-        0.001116 - thigh_to_tip_x, 0.0, 0.0, 0.0, 1.0,
+        frame_thigh_tibia_y_y, -frame_thigh_tibia_x_y, -cos_turned_coxa * coxa_to_tip_inner_y - 0.06164, 0.0,
+        -cos_thigh_tibia, -sin_thigh_tibia, 0.001116 - thigh_to_tip_x, 0.0, 0.0, 0.0, 1.0,
     ])
     return ca.Function("phantomx_leg_right_front_foot_pose", [q], [T], ["q"], ["T"])
 
@@ -440,15 +435,15 @@ def right_front_foot_jacobian():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -475,15 +470,15 @@ def right_front_foot_position_jacobian():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -514,15 +509,15 @@ def right_front_foot_spatial_jacobian():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -550,15 +545,15 @@ def right_front_foot_hessian():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -596,15 +591,15 @@ def right_front_foot_velocity():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -634,15 +629,15 @@ def right_front_foot_acceleration():
     qd = ca.SX.sym("qd", 3, 1)
     qdd = ca.SX.sym("qdd", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -696,15 +691,15 @@ def right_front_foot_bias_acceleration():
     q = ca.SX.sym("q", 3, 1)
     qd = ca.SX.sym("qd", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -759,15 +754,15 @@ def right_front_foot_torque():
     q = ca.SX.sym("q", 3, 1)
     f = ca.SX.sym("f", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -795,9 +790,9 @@ def right_front_joint_frames():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     cos_thigh = ca.cos(q[1])
@@ -882,7 +877,7 @@ def right_front_inverse_branch():
     t7 = ca.logic_and(0.0 <= branch, branch <= 3.0)
     t8 = ca.if_else(_finite(p[0]), 0.0, float("nan"))
     t9 = t8 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
-    t10 = ca.if_else(t7, 0.0, ca.sqrt(-(branch * branch + 1.0)))
+    t10 = ca.if_else(t7, 0.0, ca.sqrt(-branch * branch - 1.0))
     taint = t10 + (ca.if_else(_finite(p[2]), 0.0, float("nan")) + t9)
     t11 = distance2_plus < 0.004081963122185181 - slack * 0.06389024277763532
     t12 = ca.logic_and(knee_sin_plus == 0.0, 1.0 - t2 < 0.0)
@@ -890,9 +885,9 @@ def right_front_inverse_branch():
     t14 = ca.if_else(t13, 6.0, ca.if_else(t6, 3.0, 0.0))
     t15 = ca.if_else(ca.logic_or(outer2 < distance2_plus, t11), 1.0, t14)
     state = ca.if_else(ca.logic_not(_finite(taint)), 2.0, t15)
+    lift_thigh_cos = thigh_cos * 0.9756502324316491 + thigh_sin * 0.21933222279471182
     yaw_one_angle = ca.atan2(rho_sign * target_y, rho_sign * target_x)
     gamma = ca.atan2(-knee_sin, knee_cos_plus)
-    lift_thigh_cos = thigh_cos * 0.9756502324316491 + thigh_sin * 0.21933222279471182
     t16 = thigh_sin * 0.9756502324316491 - thigh_cos * 0.21933222279471182
     thigh = ca.atan2(t16, lift_thigh_cos)
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
@@ -905,8 +900,7 @@ def right_front_inverse_branch():
     t17 = 4.491259005845174 - gamma_checked
     t18 = ca.if_else(t17 <= -3.141592653589793, 1.0, 0.0)
     q3_one_turns = ca.if_else(3.141592653589793 < t17, 1.0, 0.0) - t18
-    q3_one_wrapped = q3_one_turns * 6.283185307179586 + q3_one_sum
-    q = _column([yaw_one_checked, q2_half_open, -q3_one_wrapped])
+    q = _column([yaw_one_checked, q2_half_open, -q3_one_turns * 6.283185307179586 - q3_one_sum])
     status = _column([state])
     return ca.Function(
         "phantomx_leg_right_front_inverse_branch", [p, branch], [q, status], ["p", "branch"], ["q", "status"],
@@ -966,15 +960,15 @@ def right_front_inverse_velocity():
     q = ca.SX.sym("q", 3, 1)
     v = ca.SX.sym("v", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -1078,15 +1072,15 @@ def right_front_inverse_acceleration():
     qd = ca.SX.sym("qd", 3, 1)
     a = ca.SX.sym("a", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -1223,11 +1217,13 @@ def right_front_inverse_dynamics():
     turned_coxa = q[0] + 0.7853981633974483
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
+    cos_thigh = ca.cos(q[1])
+    sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     coxa_field_x_x = qd[0] * qd[0]
     thigh_at_x = qdd[0] * 0.054
     thigh_at_y = coxa_field_x_x * 0.054
-    cos_thigh = ca.cos(q[1])
-    sin_thigh = ca.sin(q[1])
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd[1] * qd[1]
@@ -1250,8 +1246,6 @@ def right_front_inverse_dynamics():
     thigh_inertial_moment_y = thigh_field_y_z * thigh_inertia_xy + (qdd[1] * thigh_inertia_yz + t2)
     t3 = qdd[1] * 0.0051411124 + coxa_field_x_x * thigh_inertia_xy
     thigh_inertial_moment_z = t3 - qdd[0] * thigh_inertia_yz
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_yy = cos_thigh_tibia * tibia_inertia_spun_y - sin_thigh_tibia * tibia_inertia_spun_x
@@ -1299,10 +1293,12 @@ def right_front_forward_dynamics():
     turned_coxa = q[0] + 0.7853981633974483
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    coxa_field_x_x = qd[0] * qd[0]
-    thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
+    coxa_field_x_x = qd[0] * qd[0]
+    thigh_at_y = coxa_field_x_x * 0.054
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd[1] * qd[1]
@@ -1321,8 +1317,6 @@ def right_front_forward_dynamics():
     thigh_inertia_xy = cos_thigh * thigh_inertia_spun_y - sin_thigh * thigh_inertia_spun_x
     thigh_inertial_moment_y = thigh_field_y_z * thigh_inertia_xy + thigh_field_y_y * thigh_inertia_xz
     thigh_inertial_moment_z = coxa_field_x_x * thigh_inertia_xy
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_x_2 = 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - tibia_inertia_spun_x_2
@@ -1390,13 +1384,13 @@ def right_front_mass_matrix():
     angle_thigh_tibia = q[1] - q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     thigh_inertia_spun_x = cos_thigh * 1.9223094e-05
     thigh_inertia_spun_y = sin_thigh * 1.9223094e-05 + cos_thigh * 0.0070535925
     thigh_inertia_xx = sin_thigh * thigh_inertia_spun_x + cos_thigh * thigh_inertia_spun_y
     thigh_inertia_rest = thigh_inertia_xx - 0.0070535925
     thigh_inertia_yz = sin_thigh * 0.00057530255 + cos_thigh * 2.4729049e-05
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * sin_thigh_tibia + 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_xx = sin_thigh_tibia * tibia_inertia_spun_y + cos_thigh_tibia * tibia_inertia_spun_x
@@ -1432,6 +1426,8 @@ def right_front_bias():
     thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd[1] * qd[1]
@@ -1448,8 +1444,6 @@ def right_front_bias():
     thigh_inertia_xy = cos_thigh * thigh_inertia_spun_y - sin_thigh * thigh_inertia_spun_x
     thigh_inertial_moment_y = thigh_field_y_z * thigh_inertia_xy + thigh_field_y_y * thigh_inertia_xz
     thigh_inertial_moment_z = coxa_field_x_x * thigh_inertia_xy
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_xz = 2.4729049e-05 * cos_thigh_tibia - 0.00057530255 * sin_thigh_tibia
@@ -1465,8 +1459,7 @@ def right_front_bias():
     thigh_moment_y = tibia_inertial_moment_y + t3
     t4 = tibia_lever_y * tibia_inertial_force_x + thigh_inertial_moment_z
     thigh_moment_z = tibia_inertial_moment_z + t4 - tibia_lever_x * tibia_inertial_force_y
-    coxa_own_moment_z = 0.054 * tibia_inertial_force_z + thigh_moment_y
-    h = _column([-coxa_own_moment_z, thigh_moment_z, -tibia_inertial_moment_z])
+    h = _column([-0.054 * tibia_inertial_force_z - thigh_moment_y, thigh_moment_z, -tibia_inertial_moment_z])
     return ca.Function("phantomx_leg_right_front_bias", [q, qd], [h], ["q", "qd"], ["h"])
 
 
@@ -1496,6 +1489,8 @@ def right_front_coriolis_matrix():
     angle_thigh_tibia = q[1] - q[2]
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     tibia_spin_z = qd[1] - qd[2]
@@ -1503,8 +1498,6 @@ def right_front_coriolis_matrix():
     thigh_inertia_spun_y = cos_thigh * 1.9223094e-05 - sin_thigh * 0.0070535925
     thigh_inertia_xz = cos_thigh * 0.00057530255 - sin_thigh * 2.4729049e-05
     thigh_inertia_xy = cos_thigh * thigh_inertia_spun_y - sin_thigh * thigh_inertia_spun_x
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_xz = 2.4729049e-05 * cos_thigh_tibia - 0.00057530255 * sin_thigh_tibia
@@ -1555,6 +1548,8 @@ def right_front_kinetic_energy():
     thigh_velocity_before_x = qd[0] * 0.054
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     tibia_velocity_before_x = qd[1] * tibia_lever_y
@@ -1569,8 +1564,6 @@ def right_front_kinetic_energy():
     thigh_momentum_force_z = thigh_velocity_before_x * 0.048715438
     thigh_momentum_moment_y = qd[1] * thigh_inertia_yz + qd[0] * thigh_inertia_yy
     thigh_momentum_moment_z = qd[0] * thigh_inertia_yz - qd[1] * 0.0051411124
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_yy = cos_thigh_tibia * tibia_inertia_spun_y - sin_thigh_tibia * tibia_inertia_spun_x
@@ -1622,6 +1615,8 @@ def right_front_inverse_dynamics_derivatives():
     thigh_at_x = qdd[0] * 0.054
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd[1] * qd[1]
@@ -1643,8 +1638,6 @@ def right_front_inverse_dynamics_derivatives():
     t3 = cos_thigh * thigh_inertia_spun_y
     t4 = sin_thigh * thigh_inertia_spun_x
     thigh_inertia_xy = t3 - t4
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_x_d_q_thigh = 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - tibia_inertia_spun_x_d_q_thigh
@@ -1687,7 +1680,6 @@ def right_front_inverse_dynamics_derivatives():
     thigh_moment_y_d_q_thigh = t17 - thigh_inertial_moment_y_d_q_thigh
     t18 = tibia_lever_x * tibia_inertial_force_y_d_q_thigh + thigh_inertial_moment_z_d_q_thigh
     t19 = tibia_inertial_moment_z_d_q_thigh + t18 - tibia_lever_x * tibia_inertial_force_x
-    coxa_own_moment_z_d_q_thigh = 0.054 * tibia_inertial_force_z_d_q_thigh + thigh_moment_y_d_q_thigh
     thigh_at_y_d_qd_coxa = 0.054 * coxa_field_x_x_d_qd_coxa
     thigh_field_y_z_d_qd_coxa = qd[1] * 2.0
     tibia_at_x_d_qd_coxa = tibia_lever_x * coxa_field_x_x_d_qd_coxa + thigh_at_y_d_qd_coxa
@@ -1702,7 +1694,6 @@ def right_front_inverse_dynamics_derivatives():
     thigh_moment_y_d_qd_coxa = tibia_inertia_xy * tibia_field_y_z_d_qd_coxa + t21
     t22 = tibia_lever_y * tibia_inertial_force_x_d_qd_coxa + thigh_inertial_moment_z_d_qd_coxa
     thigh_moment_z_d_qd_coxa = tibia_inertial_moment_z_d_qd_coxa + t22
-    coxa_own_moment_z_d_qd_coxa = 0.054 * tibia_inertial_force_z_d_qd_coxa + thigh_moment_y_d_qd_coxa
     tibia_at_x_d_qd_thigh = tibia_lever_x * thigh_field_y_z_d_qd_coxa
     tibia_at_z_d_qd_thigh = tibia_lever_y * coxa_field_x_x_d_qd_coxa
     thigh_inertial_moment_y_d_qd_thigh = thigh_inertia_xz * thigh_field_y_z_d_qd_coxa + thigh_inertial_moment_z_d_qd_coxa
@@ -1712,17 +1703,18 @@ def right_front_inverse_dynamics_derivatives():
     t23 = tibia_lever_x * tibia_inertial_force_z_d_qd_thigh + thigh_inertial_moment_y_d_qd_thigh
     thigh_moment_y_d_qd_thigh = tibia_inertial_moment_y_d_qd_thigh + t23
     thigh_moment_z_d_qd_thigh = tibia_lever_y * tibia_inertial_force_x_d_qd_thigh - t20
-    coxa_own_moment_z_d_qd_thigh = 0.054 * tibia_inertial_force_z_d_qd_thigh + thigh_moment_y_d_qd_thigh
     t24 = t19 - tibia_lever_y * tibia_inertial_force_y
     tau_d_q = _rows(3, 3, [
-        0.0, -coxa_own_moment_z_d_q_thigh, tibia_inertial_moment_y_d_q_thigh, 0.0,
-        tibia_lever_y * tibia_inertial_force_x_d_q_thigh - t24, tibia_inertial_moment_z_d_q_thigh, 0.0,
-        tibia_inertial_moment_z_d_q_thigh, -tibia_inertial_moment_z_d_q_thigh,
+        0.0, -0.054 * tibia_inertial_force_z_d_q_thigh - thigh_moment_y_d_q_thigh,
+        tibia_inertial_moment_y_d_q_thigh, 0.0, tibia_lever_y * tibia_inertial_force_x_d_q_thigh - t24,
+        tibia_inertial_moment_z_d_q_thigh, 0.0, tibia_inertial_moment_z_d_q_thigh,
+        -tibia_inertial_moment_z_d_q_thigh,
     ])
     tau_d_qd = _rows(3, 3, [
-        -coxa_own_moment_z_d_qd_coxa, -coxa_own_moment_z_d_qd_thigh, tibia_inertial_moment_y_d_qd_thigh,
-        thigh_moment_z_d_qd_coxa, thigh_moment_z_d_qd_thigh, 0.0, -tibia_inertial_moment_z_d_qd_coxa, 0.0,
-        0.0,
+        -0.054 * tibia_inertial_force_z_d_qd_coxa - thigh_moment_y_d_qd_coxa,
+        -0.054 * tibia_inertial_force_z_d_qd_thigh - thigh_moment_y_d_qd_thigh,
+        tibia_inertial_moment_y_d_qd_thigh, thigh_moment_z_d_qd_coxa, thigh_moment_z_d_qd_thigh, 0.0,
+        -tibia_inertial_moment_z_d_qd_coxa, 0.0, 0.0,
     ])
     return ca.Function(
         "phantomx_leg_right_front_inverse_dynamics_derivatives", [q, qd, qdd], [tau_d_q, tau_d_qd],
@@ -1746,6 +1738,8 @@ def right_front_regressor():
     thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd[1] * qd[1]
@@ -1786,14 +1780,11 @@ def right_front_regressor():
     t5 = sin_thigh * thigh_xx_inertial_moment_y
     thigh_yy_inertial_moment_y = thigh_xx_inertial_moment_y - thigh_m_field_x_z
     thigh_yy_moment_y = sin_thigh * thigh_yy_inertial_moment_y + t4
-    thigh_zz_moment_y = cos_thigh * thigh_frame_rates_before_z + t5
     thigh_xy_inertial_moment_z = thigh_field_y_y - t2
     thigh_xy_moment_y = sin_thigh * thigh_m_field_y_z + cos_thigh * thigh_xy_inertial_moment_z
     thigh_xz_inertial_moment_y = thigh_field_y_y - t1
     thigh_xz_moment_y = cos_thigh * thigh_own_field_x_y - sin_thigh * thigh_xz_inertial_moment_y
     thigh_yz_moment_y = cos_thigh * thigh_frame_pole_x - sin_thigh * thigh_m_field_y_x
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_spin_x = qd[0] * sin_thigh_tibia
     tibia_spin_y = qd[0] * cos_thigh_tibia
     tibia_at_own_x = tibia_at_y * sin_thigh_tibia + tibia_at_x * cos_thigh_tibia
@@ -1822,7 +1813,6 @@ def right_front_regressor():
     tibia_mx_force_x = sin_thigh_tibia * tibia_m_field_x_y + cos_thigh_tibia * tibia_m_field_x_z
     tibia_mx_force_y = cos_thigh_tibia * tibia_m_field_x_y - sin_thigh_tibia * tibia_m_field_x_z
     Y_tibia_mx_on_tibia_moment_y = tibia_lever_x * tibia_own_field_z_z - tibia_m_force_x
-    Y_tibia_mx_on_tibia_moment_z = tibia_lever_y * tibia_mx_force_x + tibia_lever_x * tibia_mx_force_y
     Y_tibia_mx_on_thigh_moment_z = 0.054 * tibia_own_field_z_z + Y_tibia_mx_on_tibia_moment_y
     t9 = cos_thigh_tibia * tibia_m_field_y_z
     tibia_my_force_x = t9 - sin_thigh_tibia * tibia_own_field_y_y
@@ -1831,7 +1821,6 @@ def right_front_regressor():
     tibia_my_moment_y = tibia_at_z * sin_thigh_tibia
     Y_tibia_my_on_tibia_moment_y = tibia_lever_x * tibia_m_field_y_x + tibia_my_moment_y
     Y_tibia_my_on_tibia_moment_z = tibia_lever_y * tibia_my_force_x + tibia_at_own_x - tibia_lever_x * tibia_my_force_y
-    Y_tibia_my_on_thigh_moment_z = 0.054 * tibia_m_field_y_x + Y_tibia_my_on_tibia_moment_y
     t10 = sin_thigh_tibia * tibia_own_field_x_y
     tibia_mz_force_x = cos_thigh_tibia * tibia_own_field_x_x + t10
     tibia_mz_force_y = cos_thigh_tibia * tibia_own_field_x_y - sin_thigh_tibia * tibia_own_field_x_x
@@ -1853,18 +1842,19 @@ def right_front_regressor():
     Y = _rows(3, 30, [
         0.0, 0.0, 0.0, 0.0, qdd[0], 0.0, 0.0, 0.0, 0.0, 0.0, Y_thigh_m_on_thigh_moment_z,
         Y_thigh_mx_on_thigh_moment_z, Y_thigh_my_on_thigh_moment_z, Y_thigh_mz_on_thigh_moment_z, t5 - t4,
-        thigh_yy_moment_y, -thigh_zz_moment_y, thigh_xy_moment_y, thigh_xz_moment_y, thigh_yz_moment_y,
-        Y_tibia_m_on_thigh_moment_z, Y_tibia_mx_on_thigh_moment_z, -Y_tibia_my_on_thigh_moment_z,
-        Y_tibia_mz_on_thigh_moment_z, t12 - t11, tibia_yy_moment_y, tibia_zz_moment_y, tibia_xy_moment_y,
+        thigh_yy_moment_y, -cos_thigh * thigh_frame_rates_before_z - t5, thigh_xy_moment_y, thigh_xz_moment_y,
+        thigh_yz_moment_y, Y_tibia_m_on_thigh_moment_z, Y_tibia_mx_on_thigh_moment_z,
+        -0.054 * tibia_m_field_y_x - Y_tibia_my_on_tibia_moment_y, Y_tibia_mz_on_thigh_moment_z, t12 - t11,
+        tibia_yy_moment_y, tibia_zz_moment_y, tibia_xy_moment_y,
         t10 - cos_thigh_tibia * tibia_xz_inertial_moment_y, tibia_yz_moment_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thigh_at_own_x, -thigh_at_own_y, thigh_xx_inertial_moment_x,
         -thigh_yy_inertial_moment_x, thigh_yy_inertial_moment_x, thigh_frame_pole_x - t3, thigh_m_field_x_y,
         t2 - t1, tibia_lever_y * tibia_m_force_x - tibia_lever_x * tibia_m_force_y,
-        -Y_tibia_mx_on_tibia_moment_z, Y_tibia_my_on_tibia_moment_z, Y_tibia_mz_on_tibia_moment_z,
-        tibia_xx_inertial_moment_x, tibia_yy_inertial_moment_x, t13, tibia_m_field_x_z, tibia_m_field_x_y,
-        tibia_yz_inertial_moment_x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -tibia_at_own_x, tibia_at_own_y, -tibia_xx_inertial_moment_x, t13,
-        tibia_yy_inertial_moment_x, -tibia_m_field_x_z,
+        -tibia_lever_y * tibia_mx_force_x - tibia_lever_x * tibia_mx_force_y, Y_tibia_my_on_tibia_moment_z,
+        Y_tibia_mz_on_tibia_moment_z, tibia_xx_inertial_moment_x, tibia_yy_inertial_moment_x, t13,
+        tibia_m_field_x_z, tibia_m_field_x_y, tibia_yz_inertial_moment_x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -tibia_at_own_x,
+        tibia_at_own_y, -tibia_xx_inertial_moment_x, t13, tibia_yy_inertial_moment_x, -tibia_m_field_x_z,
         tibia_xx_inertial_moment_z - tibia_frame_rates_before_z, t7 - t8,
     ])
     return ca.Function("phantomx_leg_right_front_regressor", [q, qd, qdd], [Y], ["q", "qd", "qdd"], ["Y"])
@@ -1888,6 +1878,8 @@ def right_front_base_parameters():
     thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
+    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd[1] * qd[1]
@@ -1911,7 +1903,6 @@ def right_front_base_parameters():
     thigh_own_field_y_x = qdd[1] + thigh_yy_inertial_moment_z
     thigh_own_field_y_z = thigh_spin_y * t1 - thigh_pole_y
     thigh_mx_moment_y = thigh_at_x * sin_thigh
-    Y_thigh_mx_on_thigh_moment_z = 0.054 * thigh_own_field_x_z + thigh_mx_moment_y
     thigh_yy_inertial_moment_x = qd[1] * thigh_spin_y
     thigh_zz_inertial_moment_y = qd[1] * thigh_spin_x
     thigh_yy_inertial_moment_y = thigh_zz_inertial_moment_y - thigh_own_field_x_z
@@ -1923,8 +1914,6 @@ def right_front_base_parameters():
     thigh_xz_inertial_moment_y = thigh_field_y_y - t3
     thigh_yz_inertial_moment_x = thigh_field_y_y - t4
     thigh_yz_moment_y = sin_thigh * thigh_own_field_y_x + cos_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_tibia = ca.cos(angle_thigh_tibia)
-    sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     tibia_spin_x = qd[0] * sin_thigh_tibia
     tibia_spin_y = qd[0] * cos_thigh_tibia
     tibia_pole_x = qdd[0] * cos_thigh_tibia
@@ -1950,7 +1939,6 @@ def right_front_base_parameters():
     tibia_mx_moment_x = tibia_at_z * sin_thigh_tibia
     tibia_mx_moment_y = tibia_at_z * cos_thigh_tibia
     Y_tibia_mx_on_tibia_moment_y = tibia_lever_x * tibia_own_field_x_z + tibia_mx_moment_y
-    Y_tibia_mx_on_thigh_moment_z = 0.054 * tibia_own_field_x_z + Y_tibia_mx_on_tibia_moment_y
     t12 = cos_thigh_tibia * tibia_own_field_y_x
     tibia_my_force_x = t12 - sin_thigh_tibia * tibia_own_field_y_y
     tibia_my_force_y = sin_thigh_tibia * tibia_own_field_y_x + cos_thigh_tibia * tibia_own_field_y_y
@@ -1969,12 +1957,13 @@ def right_front_base_parameters():
     t14 = tibia_lever_y * tibia_mx_force_x + tibia_lever_x * tibia_mx_force_y
     t15 = tibia_lever_y * tibia_my_force_x + tibia_at_own_x
     Y = _rows(3, 15, [
-        qdd[0], -Y_thigh_mx_on_thigh_moment_z, 0.054 * thigh_own_field_y_z - thigh_at_x * cos_thigh,
-        thigh_yy_moment_y, sin_thigh * thigh_zz_inertial_moment_y - t2,
+        qdd[0], -0.054 * thigh_own_field_x_z - thigh_mx_moment_y,
+        0.054 * thigh_own_field_y_z - thigh_at_x * cos_thigh, thigh_yy_moment_y,
+        sin_thigh * thigh_zz_inertial_moment_y - t2,
         sin_thigh * thigh_own_field_y_z - cos_thigh * thigh_own_field_x_z,
         sin_thigh * thigh_xz_inertial_moment_y - cos_thigh * thigh_own_field_x_y, thigh_yz_moment_y,
-        -Y_tibia_mx_on_thigh_moment_z, Y_tibia_my_on_thigh_moment_z, tibia_yy_moment_y,
-        t13 - cos_thigh_tibia * tibia_zz_inertial_moment_y, tibia_xy_moment_y,
+        -0.054 * tibia_own_field_x_z - Y_tibia_mx_on_tibia_moment_y, Y_tibia_my_on_thigh_moment_z,
+        tibia_yy_moment_y, t13 - cos_thigh_tibia * tibia_zz_inertial_moment_y, tibia_xy_moment_y,
         t11 - cos_thigh_tibia * tibia_xz_inertial_moment_y, tibia_yz_moment_y, 0.0, thigh_at_own_y,
         thigh_at_own_x, -thigh_yy_inertial_moment_z, qdd[1], thigh_xy_inertial_moment_z, -thigh_pole_y,
         thigh_pole_x, tibia_at_own_y - t14, tibia_lever_x * tibia_my_force_y - t15,
@@ -2011,9 +2000,9 @@ def foot_positions():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
     cos_thigh = ca.cos(q[1])
@@ -2024,8 +2013,7 @@ def foot_positions():
     thigh_to_tip_y = sin_thigh_tibia * 0.13 + thigh_to_tip_link_y
     coxa_to_tip_inner_y = thigh_to_tip_y + 0.054
     position_x = sin_turned_coxa * coxa_to_tip_inner_y + 0.1248
-    position_y = cos_turned_coxa * coxa_to_tip_inner_y + 0.06164
-    p = _rows(1, 3, [position_x, -position_y, 0.001116 - thigh_to_tip_x])
+    p = _rows(1, 3, [position_x, -cos_turned_coxa * coxa_to_tip_inner_y - 0.06164, 0.001116 - thigh_to_tip_x])
     return ca.Function("phantomx_leg_foot_positions", [q], [p], ["q"], ["p"])
 
 
@@ -2037,15 +2025,15 @@ def foot_jacobians():
     """
     q = ca.SX.sym("q", 3, 1)
     turned_coxa = q[0] + 0.7853981633974483
+    angle_thigh_tibia = q[1] - q[2]
     cos_turned_coxa = ca.cos(turned_coxa)
     sin_turned_coxa = ca.sin(turned_coxa)
-    angle_thigh_tibia = q[1] - q[2]
     cos_thigh_tibia = ca.cos(angle_thigh_tibia)
     sin_thigh_tibia = ca.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = ca.cos(q[1])
     sin_thigh = ca.sin(q[1])
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -2072,14 +2060,14 @@ def com():
     """
     base_pose = ca.SX.sym("base_pose", 4, 4)
     q = ca.SX.sym("q", 3, 1)
+    turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_right_front_thigh = ca.cos(q[1])
     sin_right_front_thigh = ca.sin(q[1])
+    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_coxa_borne_y = right_front_tibia_lever_x * 0.024357719 + 0.003945950478
-    turned_right_front_coxa = q[0] + 0.7853981633974483
-    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     moment_x = right_front_coxa_borne_y * sin_turned_right_front_coxa + 0.0121593733248
     moment_y = right_front_coxa_borne_y * cos_turned_right_front_coxa + 0.00600563919664
     moment_z = right_front_tibia_lever_y * 0.024357719 - 0.000108732857616
@@ -2104,16 +2092,16 @@ def com_jacobian():
     """
     base_pose = ca.SX.sym("base_pose", 4, 4)
     q = ca.SX.sym("q", 3, 1)
+    turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_right_front_thigh = ca.cos(q[1])
     sin_right_front_thigh = ca.sin(q[1])
+    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_thigh_moment_x = right_front_tibia_lever_x * 0.024357719
     right_front_thigh_moment_y = right_front_tibia_lever_y * 0.024357719
     right_front_coxa_borne_y = right_front_thigh_moment_x + 0.003945950478
-    turned_right_front_coxa = q[0] + 0.7853981633974483
-    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     right_front_coxa_moment_own_x = right_front_coxa_borne_y * sin_turned_right_front_coxa
     right_front_coxa_moment_own_y = right_front_coxa_borne_y * cos_turned_right_front_coxa
     moment_x = right_front_coxa_moment_own_x + 0.0121593733248
@@ -2124,9 +2112,6 @@ def com_jacobian():
     centre_z = moment_z * 0.9319400925870925
     turn_x_x = base_pose[0, 1] * centre_z - base_pose[0, 2] * centre_y
     turn_x_y = base_pose[1, 1] * centre_z - base_pose[1, 2] * centre_y
-    turn_y_x = base_pose[0, 2] * centre_x + base_pose[0, 0] * centre_z
-    turn_y_y = base_pose[1, 2] * centre_x + base_pose[1, 0] * centre_z
-    turn_y_z = base_pose[2, 2] * centre_x + base_pose[2, 0] * centre_z
     turn_z_x = base_pose[0, 1] * centre_x + base_pose[0, 0] * centre_y
     turn_z_y = base_pose[1, 1] * centre_x + base_pose[1, 0] * centre_y
     turn_z_z = base_pose[2, 1] * centre_x + base_pose[2, 0] * centre_y
@@ -2147,18 +2132,18 @@ def com_jacobian():
     right_front_thigh_unit_x = right_front_thigh_moment_y * 0.9319400925870925
     right_front_thigh_unit_y = right_front_thigh_moment_x * 0.9319400925870925
     t7 = base_pose[0, 2] * right_front_thigh_unit_y
-    right_front_thigh_column_x = right_front_coxa_frame_y_x * right_front_thigh_unit_x + t7
     t8 = base_pose[1, 2] * right_front_thigh_unit_y
-    right_front_thigh_column_y = right_front_coxa_frame_y_y * right_front_thigh_unit_x + t8
     t9 = base_pose[2, 2] * right_front_thigh_unit_y
-    right_front_thigh_column_z = right_front_coxa_frame_y_z * right_front_thigh_unit_x + t9
     J = _rows(3, 9, [
-        base_pose[0, 0], base_pose[0, 1], base_pose[0, 2], turn_x_x, -turn_y_x, turn_z_x,
-        right_front_coxa_column_x, -right_front_thigh_column_x, 0.0, base_pose[1, 0], base_pose[1, 1],
-        base_pose[1, 2], turn_x_y, -turn_y_y, turn_z_y, right_front_coxa_column_y,
-        -right_front_thigh_column_y, 0.0, base_pose[2, 0], base_pose[2, 1], base_pose[2, 2],
-        base_pose[2, 1] * centre_z - base_pose[2, 2] * centre_y, -turn_y_z, turn_z_z,
-        right_front_coxa_column_z, -right_front_thigh_column_z, 0.0,
+        base_pose[0, 0], base_pose[0, 1], base_pose[0, 2], turn_x_x,
+        -base_pose[0, 2] * centre_x - base_pose[0, 0] * centre_z, turn_z_x, right_front_coxa_column_x,
+        -right_front_coxa_frame_y_x * right_front_thigh_unit_x - t7, 0.0, base_pose[1, 0], base_pose[1, 1],
+        base_pose[1, 2], turn_x_y, -base_pose[1, 2] * centre_x - base_pose[1, 0] * centre_z, turn_z_y,
+        right_front_coxa_column_y, -right_front_coxa_frame_y_y * right_front_thigh_unit_x - t8, 0.0,
+        base_pose[2, 0], base_pose[2, 1], base_pose[2, 2],
+        base_pose[2, 1] * centre_z - base_pose[2, 2] * centre_y,
+        -base_pose[2, 2] * centre_x - base_pose[2, 0] * centre_z, turn_z_z, right_front_coxa_column_z,
+        -right_front_coxa_frame_y_z * right_front_thigh_unit_x - t9, 0.0,
     ])
     return ca.Function("phantomx_leg_com_jacobian", [base_pose, q], [J], ["base_pose", "q"], ["J"])
 
@@ -2174,18 +2159,18 @@ def centroidal_momentum_matrix():
     base_pose = ca.SX.sym("base_pose", 4, 4)
     q = ca.SX.sym("q", 3, 1)
     angle_right_front_thigh_tibia = q[1] - q[2]
+    turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
     sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     cos_right_front_thigh = ca.cos(q[1])
     sin_right_front_thigh = ca.sin(q[1])
+    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_thigh_moment_x = right_front_tibia_lever_x * 0.024357719
     right_front_thigh_moment_y = right_front_tibia_lever_y * 0.024357719
     right_front_coxa_borne_y = right_front_thigh_moment_x + 0.003945950478
-    turned_right_front_coxa = q[0] + 0.7853981633974483
-    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     right_front_coxa_moment_own_x = right_front_coxa_borne_y * sin_turned_right_front_coxa
     right_front_coxa_moment_own_y = right_front_coxa_borne_y * cos_turned_right_front_coxa
     moment_x = right_front_coxa_moment_own_x + 0.0121593733248
@@ -2283,9 +2268,6 @@ def centroidal_momentum_matrix():
     push_z_z = base_pose[2, 2] * 1.073030346
     turn_x_x = centre_z * push_y_x - centre_y * push_z_x
     turn_x_y = centre_z * push_y_y - centre_y * push_z_y
-    turn_y_x = centre_x * push_z_x + centre_z * push_x_x
-    turn_y_y = centre_x * push_z_y + centre_z * push_x_y
-    turn_y_z = centre_x * push_z_z + centre_z * push_x_z
     turn_z_x = centre_x * push_y_x + centre_y * push_x_x
     turn_z_y = centre_x * push_y_y + centre_y * push_x_y
     turn_z_z = centre_x * push_y_z + centre_y * push_x_z
@@ -2377,17 +2359,18 @@ def centroidal_momentum_matrix():
     t85 = t62 - base_pose[2, 2] * right_front_coxa_borne_zz
     t86 = right_front_coxa_frame_x_z * 0.0051411124 + t80
     A = _rows(6, 9, [
-        push_x_x, push_y_x, push_z_x, turn_x_x, -turn_y_x, turn_z_x, right_front_coxa_force_x,
-        -right_front_thigh_force_x, 0.0, push_x_y, push_y_y, push_z_y, turn_x_y, -turn_y_y, turn_z_y,
-        right_front_coxa_force_y, -right_front_thigh_force_y, 0.0, push_x_z, push_y_z, push_z_z,
-        centre_z * push_y_z - centre_y * push_z_z, -turn_y_z, turn_z_z, right_front_coxa_force_z,
-        -right_front_thigh_force_z, 0.0, 0.0, 0.0, 0.0, spin_x_x, spin_y_x, spin_z_x,
-        right_front_coxa_force_z * right_front_coxa_from_centre_y - t81, right_front_thigh_moment_x_2,
-        base_pose[0, 2] * right_front_tibia_inertia_yz - t82, 0.0, 0.0, 0.0, spin_x_y, spin_y_y, spin_z_y,
-        right_front_coxa_force_x * right_front_coxa_from_centre_z - t83, right_front_thigh_moment_y_2,
-        base_pose[1, 2] * right_front_tibia_inertia_yz - t84, 0.0, 0.0, 0.0, spin_x_z, spin_y_z, spin_z_z,
-        right_front_coxa_force_y * right_front_coxa_from_centre_x - t85, right_front_thigh_moment_z,
-        base_pose[2, 2] * right_front_tibia_inertia_yz - t86,
+        push_x_x, push_y_x, push_z_x, turn_x_x, -centre_x * push_z_x - centre_z * push_x_x, turn_z_x,
+        right_front_coxa_force_x, -right_front_thigh_force_x, 0.0, push_x_y, push_y_y, push_z_y, turn_x_y,
+        -centre_x * push_z_y - centre_z * push_x_y, turn_z_y, right_front_coxa_force_y,
+        -right_front_thigh_force_y, 0.0, push_x_z, push_y_z, push_z_z,
+        centre_z * push_y_z - centre_y * push_z_z, -centre_x * push_z_z - centre_z * push_x_z, turn_z_z,
+        right_front_coxa_force_z, -right_front_thigh_force_z, 0.0, 0.0, 0.0, 0.0, spin_x_x, spin_y_x,
+        spin_z_x, right_front_coxa_force_z * right_front_coxa_from_centre_y - t81,
+        right_front_thigh_moment_x_2, base_pose[0, 2] * right_front_tibia_inertia_yz - t82, 0.0, 0.0, 0.0,
+        spin_x_y, spin_y_y, spin_z_y, right_front_coxa_force_x * right_front_coxa_from_centre_z - t83,
+        right_front_thigh_moment_y_2, base_pose[1, 2] * right_front_tibia_inertia_yz - t84, 0.0, 0.0, 0.0,
+        spin_x_z, spin_y_z, spin_z_z, right_front_coxa_force_y * right_front_coxa_from_centre_x - t85,
+        right_front_thigh_moment_z, base_pose[2, 2] * right_front_tibia_inertia_yz - t86,
     ])
     return ca.Function(
         "phantomx_leg_centroidal_momentum_matrix", [base_pose, q], [A], ["base_pose", "q"], ["A"],
@@ -2404,8 +2387,13 @@ def centroidal_inertia():
     base_pose = ca.SX.sym("base_pose", 4, 4)
     q = ca.SX.sym("q", 3, 1)
     angle_right_front_thigh_tibia = q[1] - q[2]
+    turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_right_front_thigh = ca.cos(q[1])
     sin_right_front_thigh = ca.sin(q[1])
+    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
+    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     right_front_thigh_inertia_spun_x = cos_right_front_thigh * 1.9223094e-05
     right_front_thigh_inertia_spun_y = sin_right_front_thigh * 1.9223094e-05 + cos_right_front_thigh * 0.0070535925
     t1 = cos_right_front_thigh * right_front_thigh_inertia_spun_y
@@ -2415,8 +2403,6 @@ def centroidal_inertia():
     right_front_thigh_inertia_yz = sin_right_front_thigh * 0.00057530255 + cos_right_front_thigh * 2.4729049e-05
     t2 = cos_right_front_thigh * right_front_thigh_inertia_spun_x
     right_front_thigh_inertia_xy = t2 - sin_right_front_thigh * right_front_thigh_inertia_spun_y
-    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t3 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t3
@@ -2442,9 +2428,6 @@ def centroidal_inertia():
     right_front_thigh_composite_xz = right_front_thigh_inertia_xz + right_front_tibia_inertia_xz
     right_front_thigh_composite_yz = right_front_thigh_inertia_yz + right_front_tibia_inertia_yz
     right_front_thigh_composite_moment_y = right_front_tibia_lever_y * 0.024357719
-    turned_right_front_coxa = q[0] + 0.7853981633974483
-    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     t11 = right_front_thigh_composite_moment_x * 0.108
     right_front_coxa_borne_xx = t11 + (right_front_thigh_composite_zz + 0.000213081325812)
     right_front_coxa_borne_yy = right_front_thigh_composite_xx + 0.012415507885941882
@@ -2551,6 +2534,10 @@ def momentum():
     turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
+    cos_right_front_thigh = ca.cos(q[1])
+    sin_right_front_thigh = ca.sin(q[1])
+    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_own_x = v[4] * sin_turned_right_front_coxa + v[3] * cos_turned_right_front_coxa
     right_front_coxa_spin_own_y = v[4] * cos_turned_right_front_coxa - v[3] * sin_turned_right_front_coxa
     t1 = right_front_coxa_velocity_before_x * cos_turned_right_front_coxa
@@ -2560,8 +2547,6 @@ def momentum():
     right_front_thigh_velocity_before_x = right_front_coxa_spin_z * 0.054 + right_front_coxa_velocity_own_x
     right_front_thigh_velocity_before_z = right_front_coxa_spin_own_x * 0.054 + right_front_coxa_velocity_before_z
     right_front_thigh_spin_z = v[7] + right_front_coxa_spin_own_x
-    cos_right_front_thigh = ca.cos(q[1])
-    sin_right_front_thigh = ca.sin(q[1])
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_tibia_velocity_before_x = right_front_thigh_spin_z * right_front_tibia_lever_y + right_front_coxa_velocity_own_y
@@ -2594,8 +2579,6 @@ def momentum():
     t14 = right_front_coxa_spin_z * right_front_thigh_inertia_yz
     t15 = right_front_coxa_spin_own_y * right_front_thigh_inertia_xz + t14
     right_front_thigh_momentum_moment_z = t15 - right_front_thigh_spin_z * 0.0051411124
-    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t16 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t16
@@ -2732,6 +2715,10 @@ def momentum_rate():
     turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
+    cos_right_front_thigh = ca.cos(q[1])
+    sin_right_front_thigh = ca.sin(q[1])
+    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_x = v[4] * sin_turned_right_front_coxa + v[3] * cos_turned_right_front_coxa
     right_front_coxa_spin_y = v[4] * cos_turned_right_front_coxa - v[3] * sin_turned_right_front_coxa
     t8 = base_pole_x * cos_turned_right_front_coxa
@@ -2761,8 +2748,6 @@ def momentum_rate():
     right_front_thigh_pole_y = t16 - right_front_thigh_rates_before_x
     right_front_thigh_spin_z = v[7] + right_front_coxa_spin_x
     right_front_thigh_rate = a[7] + right_front_thigh_rates_before_z
-    cos_right_front_thigh = ca.cos(q[1])
-    sin_right_front_thigh = ca.sin(q[1])
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     t18 = right_front_thigh_spin_z * right_front_thigh_spin_z
@@ -2820,8 +2805,6 @@ def momentum_rate():
     t47 = right_front_thigh_pole_y * right_front_thigh_inertia_xz - t17 * t46
     t48 = right_front_thigh_rate * 0.0051411124 + t47 - right_front_thigh_inertia_xy * t45
     right_front_thigh_inertial_moment_z = t48 - right_front_coxa_field_x_y * right_front_thigh_inertia_yz
-    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t49 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t49
@@ -2978,6 +2961,10 @@ def demanded_wrench():
     turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
+    cos_right_front_thigh = ca.cos(q[1])
+    sin_right_front_thigh = ca.sin(q[1])
+    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_x = v[4] * sin_turned_right_front_coxa + v[3] * cos_turned_right_front_coxa
     right_front_coxa_spin_y = v[4] * cos_turned_right_front_coxa - v[3] * sin_turned_right_front_coxa
     t8 = base_pole_x * cos_turned_right_front_coxa
@@ -3007,8 +2994,6 @@ def demanded_wrench():
     right_front_thigh_pole_y = t16 - right_front_thigh_rates_before_x
     right_front_thigh_spin_z = v[7] + right_front_coxa_spin_x
     right_front_thigh_rate = a[7] + right_front_thigh_rates_before_z
-    cos_right_front_thigh = ca.cos(q[1])
-    sin_right_front_thigh = ca.sin(q[1])
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     t18 = right_front_thigh_spin_z * right_front_thigh_spin_z
@@ -3066,8 +3051,6 @@ def demanded_wrench():
     t47 = right_front_thigh_pole_y * right_front_thigh_inertia_xz - t17 * t46
     t48 = right_front_thigh_rate * 0.0051411124 + t47 - right_front_thigh_inertia_xy * t45
     right_front_thigh_inertial_moment_z = t48 - right_front_coxa_field_x_y * right_front_thigh_inertia_yz
-    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t49 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t49
@@ -3189,8 +3172,13 @@ def floating_mass_matrix():
     base_pose = ca.SX.sym("base_pose", 4, 4)
     q = ca.SX.sym("q", 3, 1)
     angle_right_front_thigh_tibia = q[1] - q[2]
+    turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_right_front_thigh = ca.cos(q[1])
     sin_right_front_thigh = ca.sin(q[1])
+    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
+    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     right_front_thigh_inertia_spun_x = cos_right_front_thigh * 1.9223094e-05
     right_front_thigh_inertia_spun_y = sin_right_front_thigh * 1.9223094e-05 + cos_right_front_thigh * 0.0070535925
     t1 = cos_right_front_thigh * right_front_thigh_inertia_spun_y
@@ -3200,8 +3188,6 @@ def floating_mass_matrix():
     right_front_thigh_inertia_yz = sin_right_front_thigh * 0.00057530255 + cos_right_front_thigh * 2.4729049e-05
     t2 = cos_right_front_thigh * right_front_thigh_inertia_spun_x
     right_front_thigh_inertia_xy = t2 - sin_right_front_thigh * right_front_thigh_inertia_spun_y
-    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t3 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t3
@@ -3227,9 +3213,6 @@ def floating_mass_matrix():
     right_front_thigh_composite_xz = right_front_thigh_inertia_xz + right_front_tibia_inertia_xz
     right_front_thigh_composite_yz = right_front_thigh_inertia_yz + right_front_tibia_inertia_yz
     right_front_thigh_composite_moment_y = right_front_tibia_lever_y * 0.024357719
-    turned_right_front_coxa = q[0] + 0.7853981633974483
-    cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
     t11 = right_front_thigh_composite_moment_x * 0.108
     right_front_coxa_borne_xx = t11 + (right_front_thigh_composite_zz + 0.000213081325812)
     right_front_coxa_borne_yy = right_front_thigh_composite_xx + 0.012415507885941882
@@ -3284,34 +3267,33 @@ def floating_mass_matrix():
     M_right_front_thigh_on_right_front_coxa = t28 - 0.001116 * right_front_coxa_force_group_y
     t29 = right_front_thigh_composite_moment_x * 0.1248 + right_front_coxa_moment_group_y
     M_right_front_thigh_on_right_front_coxa_2 = t29 - 0.001116 * right_front_coxa_force_group_x
-    t30 = right_front_tibia_inertia_xz * sin_turned_right_front_coxa
-    right_front_coxa_moment_group_x_2 = cos_turned_right_front_coxa * 0.0051411124 + t30
-    t31 = right_front_tibia_inertia_xz * cos_turned_right_front_coxa
-    right_front_coxa_moment_group_y_2 = t31 - sin_turned_right_front_coxa * 0.0051411124
-    t32 = 0.000108732857616 - right_front_thigh_composite_moment_y
-    t33 = -right_front_coxa_force_group_x
-    t34 = -base_moment_y
-    t35 = -base_moment_x
-    t36 = -right_front_thigh_composite_moment_x
-    t37 = M_right_front_coxa_on_right_front_coxa_m - 2.0318038301393697
-    t38 = right_front_thigh_composite_moment_y * 0.1248 - t37
-    t39 = -M_right_front_coxa_on_right_front_coxa_m
-    t40 = -right_front_coxa_moment_group_x_2
+    t30 = right_front_tibia_inertia_xz * cos_turned_right_front_coxa
+    right_front_coxa_moment_group_y_2 = t30 - sin_turned_right_front_coxa * 0.0051411124
+    t31 = 0.000108732857616 - right_front_thigh_composite_moment_y
+    t32 = -right_front_coxa_force_group_x
+    t33 = -base_moment_y
+    t34 = -base_moment_x
+    t35 = -right_front_thigh_composite_moment_x
+    t36 = M_right_front_coxa_on_right_front_coxa_m - 2.0318038301393697
+    t37 = right_front_thigh_composite_moment_y * 0.1248 - t36
+    t38 = -M_right_front_coxa_on_right_front_coxa_m
+    t39 = right_front_tibia_inertia_xz * sin_turned_right_front_coxa
+    t40 = -cos_turned_right_front_coxa * 0.0051411124 - t39
     t41 = 0.06164 * right_front_coxa_force_group_x + right_front_thigh_composite_yz
     t42 = 0.1248 * right_front_coxa_force_group_y - t41
     t43 = -right_front_thigh_composite_yz
     M = _rows(9, 9, [
-        1.073030346, 0.0, 0.0, 0.0, t32, base_moment_y, right_front_coxa_whole_moment_y, t33, 0.0, 0.0,
+        1.073030346, 0.0, 0.0, 0.0, t31, base_moment_y, right_front_coxa_whole_moment_y, t32, 0.0, 0.0,
         1.073030346, 0.0, base_moment_z, 0.0, base_moment_x, right_front_coxa_whole_moment_x,
-        right_front_coxa_force_group_y, 0.0, 0.0, 0.0, 1.073030346, t34, t35, 0.0, 0.0, t36, 0.0, 0.0,
-        base_moment_z, t34, base_xx, base_xy, t38, t39, M_right_front_thigh_on_right_front_coxa, t40, t32,
-        0.0, t35, base_xy, base_yy, base_yz, M_right_front_coxa_on_right_front_coxa_m_2,
+        right_front_coxa_force_group_y, 0.0, 0.0, 0.0, 1.073030346, t33, t34, 0.0, 0.0, t35, 0.0, 0.0,
+        base_moment_z, t33, base_xx, base_xy, t37, t38, M_right_front_thigh_on_right_front_coxa, t40, t31,
+        0.0, t34, base_xy, base_yy, base_yz, M_right_front_coxa_on_right_front_coxa_m_2,
         M_right_front_thigh_on_right_front_coxa_2, right_front_coxa_moment_group_y_2, base_moment_y,
-        base_moment_x, 0.0, t38, base_yz, base_zz, M_right_front_coxa_on_right_front_coxa_m_3, t42,
+        base_moment_x, 0.0, t37, base_yz, base_zz, M_right_front_coxa_on_right_front_coxa_m_3, t42,
         right_front_tibia_inertia_yz, right_front_coxa_whole_moment_y, right_front_coxa_whole_moment_x, 0.0,
-        t39, M_right_front_coxa_on_right_front_coxa_m_2, M_right_front_coxa_on_right_front_coxa_m_3,
-        right_front_coxa_borne_zz, t43, right_front_tibia_inertia_yz, t33, right_front_coxa_force_group_y,
-        t36, M_right_front_thigh_on_right_front_coxa, M_right_front_thigh_on_right_front_coxa_2, t42, t43,
+        t38, M_right_front_coxa_on_right_front_coxa_m_2, M_right_front_coxa_on_right_front_coxa_m_3,
+        right_front_coxa_borne_zz, t43, right_front_tibia_inertia_yz, t32, right_front_coxa_force_group_y,
+        t35, M_right_front_thigh_on_right_front_coxa, M_right_front_thigh_on_right_front_coxa_2, t42, t43,
         right_front_thigh_composite_zz, -0.0051411124, 0.0, 0.0, 0.0, t40, right_front_coxa_moment_group_y_2,
         right_front_tibia_inertia_yz, right_front_tibia_inertia_yz, -0.0051411124, 0.0051411124,
     ])
@@ -3365,6 +3347,10 @@ def floating_inverse_dynamics():
     turned_right_front_coxa = q[0] + 0.7853981633974483
     cos_turned_right_front_coxa = ca.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = ca.sin(turned_right_front_coxa)
+    cos_right_front_thigh = ca.cos(q[1])
+    sin_right_front_thigh = ca.sin(q[1])
+    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_x = v[4] * sin_turned_right_front_coxa + v[3] * cos_turned_right_front_coxa
     right_front_coxa_spin_y = v[4] * cos_turned_right_front_coxa - v[3] * sin_turned_right_front_coxa
     t11 = base_pole_x * cos_turned_right_front_coxa
@@ -3394,8 +3380,6 @@ def floating_inverse_dynamics():
     right_front_thigh_pole_y = t19 - right_front_thigh_rates_before_x
     right_front_thigh_spin_z = v[7] + right_front_coxa_spin_x
     right_front_thigh_rate = a[7] + right_front_thigh_rates_before_z
-    cos_right_front_thigh = ca.cos(q[1])
-    sin_right_front_thigh = ca.sin(q[1])
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     t21 = right_front_thigh_spin_z * right_front_thigh_spin_z
@@ -3453,8 +3437,6 @@ def floating_inverse_dynamics():
     t50 = right_front_thigh_pole_y * right_front_thigh_inertia_xz - t20 * t49
     t51 = right_front_thigh_rate * 0.0051411124 + t50 - right_front_thigh_inertia_xy * t48
     right_front_thigh_inertial_moment_z = t51 - right_front_coxa_field_x_y * right_front_thigh_inertia_yz
-    cos_right_front_thigh_tibia = ca.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = ca.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t52 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t52

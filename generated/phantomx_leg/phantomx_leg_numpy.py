@@ -154,33 +154,31 @@ def _right_front_inverse_branches(p):
     rho = np.where(t4, 0.0, radius)
     t5 = -target_y
     t6 = t2 - t1
-    yaw_plus_angle = np.arctan2(t5, t6)
-    taint = p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1))
     X_plus = rho + 0.054
-    t7 = offset_z * offset_z
-    distance2_plus = X_plus * X_plus + t7
-    slack = tolerance * 0.5002195144447293
-    outer2 = slack * 0.19610975722236468 + 0.038459036877814816
+    t7 = offset_z * 0.9756502324316491
+    lift_plus_sin = X_plus * 0.21933222279471182 - t7
+    t8 = offset_z * 0.21933222279471182
+    t9 = offset_z * offset_z
+    distance2_plus = X_plus * X_plus + t9
     knee_plus = distance2_plus * 58.17830843361056 - 0.23748170953711342
     knee_plus_clamped = np.where(2.0 < knee_plus, 2.0, np.where(knee_plus < 0.0, 0.0, knee_plus))
     knee_sin_plus = np.sqrt(knee_plus_clamped * (2.0 - knee_plus_clamped))
     knee_cos_plus = knee_plus_clamped - 1.0
-    t8 = offset_z * 0.9756502324316491
-    lift_plus_sin = X_plus * 0.21933222279471182 - t8
-    t9 = offset_z * 0.21933222279471182
-    lift_plus_cos = X_plus * 0.9756502324316491 + t9
-    lift_plus = np.arctan2(lift_plus_sin, -lift_plus_cos)
+    yaw_plus_angle = np.arctan2(t5, t6)
+    lift_plus = np.arctan2(lift_plus_sin, -X_plus * 0.9756502324316491 - t8)
     thigh_offset_plus = np.arctan2(knee_sin_plus * 0.13, knee_cos_plus * 0.13 + 0.06610975722236469)
-    gamma_plus = np.arctan2(knee_sin_plus, knee_cos_plus)
+    taint = p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1))
+    slack = tolerance * 0.5002195144447293
+    outer2 = slack * 0.19610975722236468 + 0.038459036877814816
     X_minus = rho - 0.054
-    distance2_minus = X_minus * X_minus + t7
+    distance2_minus = X_minus * X_minus + t9
     knee_minus = 58.17830843361056 * distance2_minus - 0.23748170953711342
     knee_minus_clamped = np.where(2.0 < knee_minus, 2.0, np.where(knee_minus < 0.0, 0.0, knee_minus))
     knee_sin_minus = np.sqrt(knee_minus_clamped * (2.0 - knee_minus_clamped))
     knee_cos_minus = knee_minus_clamped - 1.0
-    lift_minus_sin = 0.21933222279471182 * X_minus + t8
-    lift_minus_cos = 0.9756502324316491 * X_minus - t9
-    lift_minus = np.arctan2(-lift_minus_sin, lift_minus_cos)
+    lift_minus_cos = 0.9756502324316491 * X_minus - t8
+    gamma_plus = np.arctan2(knee_sin_plus, knee_cos_plus)
+    lift_minus = np.arctan2(-0.21933222279471182 * X_minus - t7, lift_minus_cos)
     thigh_offset_minus = np.arctan2(0.13 * knee_sin_minus, 0.13 * knee_cos_minus + 0.06610975722236469)
     gamma_minus = np.arctan2(knee_sin_minus, knee_cos_minus)
     t10 = np.logical_not(np.isfinite(taint))
@@ -212,7 +210,6 @@ def _right_front_inverse_branches(p):
     t20 = 4.491259005845174 - gamma_plus_checked
     t21 = np.where(t20 <= -3.141592653589793, 1.0, 0.0)
     q3_plus_plus_turns = np.where(3.141592653589793 < t20, 1.0, 0.0) - t21
-    q3_plus_plus_wrapped = 6.283185307179586 * q3_plus_plus_turns + q3_plus_plus_sum
     q3_plus_minus_sum = gamma_plus_checked + 4.491259005845174
     t22 = np.where(q3_plus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_plus_minus_turns = np.where(3.141592653589793 < q3_plus_minus_sum, 1.0, 0.0) - t22
@@ -231,15 +228,15 @@ def _right_front_inverse_branches(p):
     t25 = 4.491259005845174 - gamma_minus_checked
     t26 = np.where(t25 <= -3.141592653589793, 1.0, 0.0)
     q3_minus_plus_turns = np.where(3.141592653589793 < t25, 1.0, 0.0) - t26
-    q3_minus_plus_wrapped = 6.283185307179586 * q3_minus_plus_turns + q3_minus_plus_sum
     q3_minus_minus_sum = 4.491259005845174 + gamma_minus_checked
     t27 = np.where(q3_minus_minus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_minus_minus_turns = np.where(3.141592653589793 < q3_minus_minus_sum, 1.0, 0.0) - t27
     q3_minus_minus_wrapped = q3_minus_minus_sum - 6.283185307179586 * q3_minus_minus_turns
     q = _array(lead, (4, 3), np.float64, [
-        yaw_plus_checked, q2_plus_plus_wrapped, -q3_plus_plus_wrapped, yaw_plus_checked,
-        q2_plus_minus_wrapped, q3_plus_minus_wrapped, yaw_minus_checked, q2_minus_plus_wrapped,
-        -q3_minus_plus_wrapped, yaw_minus_checked, q2_minus_minus_wrapped, q3_minus_minus_wrapped,
+        yaw_plus_checked, q2_plus_plus_wrapped, -6.283185307179586 * q3_plus_plus_turns - q3_plus_plus_sum,
+        yaw_plus_checked, q2_plus_minus_wrapped, q3_plus_minus_wrapped, yaw_minus_checked,
+        q2_minus_plus_wrapped, -6.283185307179586 * q3_minus_plus_turns - q3_minus_plus_sum,
+        yaw_minus_checked, q2_minus_minus_wrapped, q3_minus_minus_wrapped,
     ])
     status = _array(lead, (4,), np.int32, [
         np.where(t10, 2.0, np.where(t12, 1.0, t13)),
@@ -303,7 +300,7 @@ def _right_front_inverse_one(p, branch):
     thigh_sin = X * across - offset_z * along
     thigh_cos = X * along + offset_z * across
     t7 = np.logical_and(0.0 <= branch, branch <= 3.0)
-    t8 = np.where(t7, 0.0, np.sqrt(-(branch * branch + 1.0)))
+    t8 = np.where(t7, 0.0, np.sqrt(-branch * branch - 1.0))
     taint = t8 + (p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1)))
     t9 = distance2_plus < 0.004081963122185181 - slack * 0.06389024277763532
     t10 = np.logical_and(knee_sin_plus == 0.0, 1.0 - t2 < 0.0)
@@ -311,9 +308,9 @@ def _right_front_inverse_one(p, branch):
     t12 = np.logical_or(outer2 < distance2_plus, t9)
     t13 = np.where(t12, 1.0, np.where(t11, 6.0, np.where(t6, 3.0, 0.0)))
     state = np.where(np.logical_not(np.isfinite(taint)), 2.0, t13)
+    lift_thigh_cos = thigh_cos * 0.9756502324316491 + thigh_sin * 0.21933222279471182
     yaw_one_angle = np.arctan2(rho_sign * target_y, rho_sign * target_x)
     gamma = np.arctan2(-knee_sin, knee_cos_plus)
-    lift_thigh_cos = thigh_cos * 0.9756502324316491 + thigh_sin * 0.21933222279471182
     t14 = thigh_sin * 0.9756502324316491 - thigh_cos * 0.21933222279471182
     thigh = np.arctan2(t14, lift_thigh_cos)
     yaw_one_half_open = np.where(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
@@ -326,8 +323,9 @@ def _right_front_inverse_one(p, branch):
     t15 = 4.491259005845174 - gamma_checked
     t16 = np.where(t15 <= -3.141592653589793, 1.0, 0.0)
     q3_one_turns = np.where(3.141592653589793 < t15, 1.0, 0.0) - t16
-    q3_one_wrapped = q3_one_turns * 6.283185307179586 + q3_one_sum
-    q = _array(lead, (3,), np.float64, [yaw_one_checked, q2_half_open, -q3_one_wrapped])
+    q = _array(lead, (3,), np.float64, [
+        yaw_one_checked, q2_half_open, -q3_one_turns * 6.283185307179586 - q3_one_sum,
+    ])
     status = _array(lead, (), np.int32, [state])
     target = _array(lead, (3,), np.float64, [t4 - t3, -target_y, offset_z])
     return q, status, target
@@ -372,13 +370,16 @@ def _right_front_row_distances(rows, p):
         _real("rows", rows, (4, 3)), _real("p", p, (3,)),
     )
     turned_coxa = rows_0_0 + 0.7853981633974483
+    angle_thigh_tibia = rows_0_1 - rows_0_2
+    turned_coxa_2 = rows_1_0 + 0.7853981633974483
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = rows_0_1 - rows_0_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
     cos_thigh = np.cos(rows_0_1)
     sin_thigh = np.sin(rows_0_1)
+    cos_turned_coxa_2 = np.cos(turned_coxa_2)
+    sin_turned_coxa_2 = np.sin(turned_coxa_2)
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - cos_thigh_tibia * 0.13
@@ -390,14 +391,17 @@ def _right_front_row_distances(rows, p):
     gap_x = p_0 - position_x
     gap_y = p_1 + position_y
     gap_z = p_2 + position_z
-    turned_coxa_2 = rows_1_0 + 0.7853981633974483
-    cos_turned_coxa_2 = np.cos(turned_coxa_2)
-    sin_turned_coxa_2 = np.sin(turned_coxa_2)
     angle_thigh_tibia_2 = rows_1_1 - rows_1_2
+    turned_coxa_3 = rows_2_0 + 0.7853981633974483
+    angle_thigh_tibia_3 = rows_2_1 - rows_2_2
     cos_thigh_tibia_2 = np.cos(angle_thigh_tibia_2)
     sin_thigh_tibia_2 = np.sin(angle_thigh_tibia_2)
     cos_thigh_2 = np.cos(rows_1_1)
     sin_thigh_2 = np.sin(rows_1_1)
+    cos_turned_coxa_3 = np.cos(turned_coxa_3)
+    sin_turned_coxa_3 = np.sin(turned_coxa_3)
+    cos_thigh_tibia_3 = np.cos(angle_thigh_tibia_3)
+    sin_thigh_tibia_3 = np.sin(angle_thigh_tibia_3)
     thigh_to_tip_link_x_2 = 0.0645 * sin_thigh_2 + 0.0145 * cos_thigh_2
     thigh_to_tip_link_y_2 = 0.0645 * cos_thigh_2 - 0.0145 * sin_thigh_2
     thigh_to_tip_x_2 = thigh_to_tip_link_x_2 - 0.13 * cos_thigh_tibia_2
@@ -409,14 +413,16 @@ def _right_front_row_distances(rows, p):
     gap_x_2 = p_0 - position_x_2
     gap_y_2 = p_1 + position_y_2
     gap_z_2 = p_2 + position_z_2
-    turned_coxa_3 = rows_2_0 + 0.7853981633974483
-    cos_turned_coxa_3 = np.cos(turned_coxa_3)
-    sin_turned_coxa_3 = np.sin(turned_coxa_3)
-    angle_thigh_tibia_3 = rows_2_1 - rows_2_2
-    cos_thigh_tibia_3 = np.cos(angle_thigh_tibia_3)
-    sin_thigh_tibia_3 = np.sin(angle_thigh_tibia_3)
+    turned_coxa_4 = rows_3_0 + 0.7853981633974483
+    angle_thigh_tibia_4 = rows_3_1 - rows_3_2
     cos_thigh_3 = np.cos(rows_2_1)
     sin_thigh_3 = np.sin(rows_2_1)
+    cos_turned_coxa_4 = np.cos(turned_coxa_4)
+    sin_turned_coxa_4 = np.sin(turned_coxa_4)
+    cos_thigh_tibia_4 = np.cos(angle_thigh_tibia_4)
+    sin_thigh_tibia_4 = np.sin(angle_thigh_tibia_4)
+    cos_thigh_4 = np.cos(rows_3_1)
+    sin_thigh_4 = np.sin(rows_3_1)
     thigh_to_tip_link_x_3 = 0.0645 * sin_thigh_3 + 0.0145 * cos_thigh_3
     thigh_to_tip_link_y_3 = 0.0645 * cos_thigh_3 - 0.0145 * sin_thigh_3
     thigh_to_tip_x_3 = thigh_to_tip_link_x_3 - 0.13 * cos_thigh_tibia_3
@@ -428,14 +434,6 @@ def _right_front_row_distances(rows, p):
     gap_x_3 = p_0 - position_x_3
     gap_y_3 = p_1 + position_y_3
     gap_z_3 = p_2 + position_z_3
-    turned_coxa_4 = rows_3_0 + 0.7853981633974483
-    cos_turned_coxa_4 = np.cos(turned_coxa_4)
-    sin_turned_coxa_4 = np.sin(turned_coxa_4)
-    angle_thigh_tibia_4 = rows_3_1 - rows_3_2
-    cos_thigh_tibia_4 = np.cos(angle_thigh_tibia_4)
-    sin_thigh_tibia_4 = np.sin(angle_thigh_tibia_4)
-    cos_thigh_4 = np.cos(rows_3_1)
-    sin_thigh_4 = np.sin(rows_3_1)
     thigh_to_tip_link_x_4 = 0.0645 * sin_thigh_4 + 0.0145 * cos_thigh_4
     thigh_to_tip_link_y_4 = 0.0645 * cos_thigh_4 - 0.0145 * sin_thigh_4
     thigh_to_tip_x_4 = thigh_to_tip_link_x_4 - 0.13 * cos_thigh_tibia_4
@@ -467,15 +465,15 @@ def _right_front_acceleration_jacobian(q, qd, a):
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("a", a, (3,)),
     )
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -530,9 +528,9 @@ def right_front_foot_position(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
     cos_thigh = np.cos(q_1)
@@ -543,8 +541,9 @@ def right_front_foot_position(q):
     thigh_to_tip_y = sin_thigh_tibia * 0.13 + thigh_to_tip_link_y
     coxa_to_tip_inner_y = thigh_to_tip_y + 0.054
     position_x = sin_turned_coxa * coxa_to_tip_inner_y + 0.1248
-    position_y = cos_turned_coxa * coxa_to_tip_inner_y + 0.06164
-    p = _array(lead, (3,), np.float64, [position_x, -position_y, 0.001116 - thigh_to_tip_x])
+    p = _array(lead, (3,), np.float64, [
+        position_x, -cos_turned_coxa * coxa_to_tip_inner_y - 0.06164, 0.001116 - thigh_to_tip_x,
+    ])
     return p
 
 
@@ -557,9 +556,9 @@ def right_front_foot_rotation(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
     frame_thigh_tibia_x_x = sin_turned_coxa * cos_thigh_tibia
@@ -582,9 +581,9 @@ def right_front_foot_pose(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
     cos_thigh = np.cos(q_1)
@@ -595,15 +594,14 @@ def right_front_foot_pose(q):
     thigh_to_tip_y = sin_thigh_tibia * 0.13 + thigh_to_tip_link_y
     coxa_to_tip_inner_y = thigh_to_tip_y + 0.054
     position_x = sin_turned_coxa * coxa_to_tip_inner_y + 0.1248
-    position_y = cos_turned_coxa * coxa_to_tip_inner_y + 0.06164
     frame_thigh_tibia_x_x = sin_turned_coxa * cos_thigh_tibia
     frame_thigh_tibia_x_y = cos_turned_coxa * cos_thigh_tibia
     frame_thigh_tibia_y_x = sin_turned_coxa * sin_thigh_tibia
     frame_thigh_tibia_y_y = cos_turned_coxa * sin_thigh_tibia
     T = _array(lead, (4, 4), np.float64, [
         -cos_turned_coxa, -frame_thigh_tibia_y_x, frame_thigh_tibia_x_x, position_x, -sin_turned_coxa,
-        frame_thigh_tibia_y_y, -frame_thigh_tibia_x_y, -position_y, 0.0, -cos_thigh_tibia, -sin_thigh_tibia,
-        0.001116 - thigh_to_tip_x, 0.0, 0.0, 0.0, 1.0,
+        frame_thigh_tibia_y_y, -frame_thigh_tibia_x_y, -cos_turned_coxa * coxa_to_tip_inner_y - 0.06164, 0.0,
+        -cos_thigh_tibia, -sin_thigh_tibia, 0.001116 - thigh_to_tip_x, 0.0, 0.0, 0.0, 1.0,
     ])
     return T
 
@@ -617,15 +615,15 @@ def right_front_foot_jacobian(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -653,15 +651,15 @@ def right_front_foot_position_jacobian(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -693,15 +691,15 @@ def right_front_foot_spatial_jacobian(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -730,15 +728,15 @@ def right_front_foot_hessian(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -776,15 +774,15 @@ def right_front_foot_velocity(q, qd):
     """
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2) = _elements(_real("q", q, (3,)), _real("qd", qd, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -815,15 +813,15 @@ def right_front_foot_acceleration(q, qd, qdd):
         _real("q", q, (3,)), _real("qd", qd, (3,)), _real("qdd", qdd, (3,)),
     )
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -875,15 +873,15 @@ def right_front_foot_bias_acceleration(q, qd):
     """
     lead, (q_0, q_1, q_2, qd_0, qd_1, qd_2) = _elements(_real("q", q, (3,)), _real("qd", qd, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -938,15 +936,15 @@ def right_front_foot_torque(q, f):
     """
     lead, (q_0, q_1, q_2, f_0, f_1, f_2) = _elements(_real("q", q, (3,)), _real("f", f, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -974,9 +972,9 @@ def right_front_joint_frames(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
     cos_thigh = np.cos(q_1)
@@ -1144,11 +1142,13 @@ def right_front_inverse_dynamics(q, qd, qdd, f):
     turned_coxa = q_0 + 0.7853981633974483
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
+    cos_thigh = np.cos(q_1)
+    sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     coxa_field_x_x = qd_0 * qd_0
     thigh_at_x = qdd_0 * 0.054
     thigh_at_y = coxa_field_x_x * 0.054
-    cos_thigh = np.cos(q_1)
-    sin_thigh = np.sin(q_1)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd_1 * qd_1
@@ -1170,8 +1170,6 @@ def right_front_inverse_dynamics(q, qd, qdd, f):
     t2 = qdd_0 * thigh_inertia_yy + thigh_field_y_y * thigh_inertia_xz
     thigh_inertial_moment_y = thigh_field_y_z * thigh_inertia_xy + (qdd_1 * thigh_inertia_yz + t2)
     thigh_inertial_moment_z = qdd_1 * 0.0051411124 + coxa_field_x_x * thigh_inertia_xy - qdd_0 * thigh_inertia_yz
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_yy = cos_thigh_tibia * tibia_inertia_spun_y - sin_thigh_tibia * tibia_inertia_spun_x
@@ -1217,10 +1215,12 @@ def right_front_forward_dynamics(q, qd, tau, f):
     turned_coxa = q_0 + 0.7853981633974483
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    coxa_field_x_x = qd_0 * qd_0
-    thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
+    coxa_field_x_x = qd_0 * qd_0
+    thigh_at_y = coxa_field_x_x * 0.054
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd_1 * qd_1
@@ -1239,8 +1239,6 @@ def right_front_forward_dynamics(q, qd, tau, f):
     thigh_inertia_xy = cos_thigh * thigh_inertia_spun_y - sin_thigh * thigh_inertia_spun_x
     thigh_inertial_moment_y = thigh_field_y_z * thigh_inertia_xy + thigh_field_y_y * thigh_inertia_xz
     thigh_inertial_moment_z = coxa_field_x_x * thigh_inertia_xy
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_x_2 = 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - tibia_inertia_spun_x_2
@@ -1307,13 +1305,13 @@ def right_front_mass_matrix(q):
     angle_thigh_tibia = q_1 - q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     thigh_inertia_spun_x = cos_thigh * 1.9223094e-05
     thigh_inertia_spun_y = sin_thigh * 1.9223094e-05 + cos_thigh * 0.0070535925
     thigh_inertia_xx = sin_thigh * thigh_inertia_spun_x + cos_thigh * thigh_inertia_spun_y
     thigh_inertia_rest = thigh_inertia_xx - 0.0070535925
     thigh_inertia_yz = sin_thigh * 0.00057530255 + cos_thigh * 2.4729049e-05
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * sin_thigh_tibia + 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_xx = sin_thigh_tibia * tibia_inertia_spun_y + cos_thigh_tibia * tibia_inertia_spun_x
@@ -1349,6 +1347,8 @@ def right_front_bias(q, qd):
     thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd_1 * qd_1
@@ -1365,8 +1365,6 @@ def right_front_bias(q, qd):
     thigh_inertia_xy = cos_thigh * thigh_inertia_spun_y - sin_thigh * thigh_inertia_spun_x
     thigh_inertial_moment_y = thigh_field_y_z * thigh_inertia_xy + thigh_field_y_y * thigh_inertia_xz
     thigh_inertial_moment_z = coxa_field_x_x * thigh_inertia_xy
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_xz = 2.4729049e-05 * cos_thigh_tibia - 0.00057530255 * sin_thigh_tibia
@@ -1382,8 +1380,9 @@ def right_front_bias(q, qd):
     thigh_moment_y = tibia_inertial_moment_y + t3
     t4 = tibia_lever_y * tibia_inertial_force_x + thigh_inertial_moment_z
     thigh_moment_z = tibia_inertial_moment_z + t4 - tibia_lever_x * tibia_inertial_force_y
-    coxa_own_moment_z = 0.054 * tibia_inertial_force_z + thigh_moment_y
-    h = _array(lead, (3,), np.float64, [-coxa_own_moment_z, thigh_moment_z, -tibia_inertial_moment_z])
+    h = _array(lead, (3,), np.float64, [
+        -0.054 * tibia_inertial_force_z - thigh_moment_y, thigh_moment_z, -tibia_inertial_moment_z,
+    ])
     return h
 
 
@@ -1414,6 +1413,8 @@ def right_front_coriolis_matrix(q, qd):
     angle_thigh_tibia = q_1 - q_2
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     tibia_spin_z = qd_1 - qd_2
@@ -1421,8 +1422,6 @@ def right_front_coriolis_matrix(q, qd):
     thigh_inertia_spun_y = cos_thigh * 1.9223094e-05 - sin_thigh * 0.0070535925
     thigh_inertia_xz = cos_thigh * 0.00057530255 - sin_thigh * 2.4729049e-05
     thigh_inertia_xy = cos_thigh * thigh_inertia_spun_y - sin_thigh * thigh_inertia_spun_x
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_xz = 2.4729049e-05 * cos_thigh_tibia - 0.00057530255 * sin_thigh_tibia
@@ -1473,6 +1472,8 @@ def right_front_kinetic_energy(q, qd):
     thigh_velocity_before_x = qd_0 * 0.054
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     tibia_velocity_before_x = qd_1 * tibia_lever_y
@@ -1487,8 +1488,6 @@ def right_front_kinetic_energy(q, qd):
     thigh_momentum_force_z = thigh_velocity_before_x * 0.048715438
     thigh_momentum_moment_y = qd_1 * thigh_inertia_yz + qd_0 * thigh_inertia_yy
     thigh_momentum_moment_z = qd_0 * thigh_inertia_yz - qd_1 * 0.0051411124
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_yy = cos_thigh_tibia * tibia_inertia_spun_y - sin_thigh_tibia * tibia_inertia_spun_x
@@ -1542,6 +1541,8 @@ def right_front_inverse_dynamics_derivatives(q, qd, qdd):
     thigh_at_x = qdd_0 * 0.054
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd_1 * qd_1
@@ -1563,8 +1564,6 @@ def right_front_inverse_dynamics_derivatives(q, qd, qdd):
     t3 = cos_thigh * thigh_inertia_spun_y
     t4 = sin_thigh * thigh_inertia_spun_x
     thigh_inertia_xy = t3 - t4
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_inertia_spun_x = 1.9223094e-05 * cos_thigh_tibia
     tibia_inertia_spun_x_d_q_thigh = 1.9223094e-05 * sin_thigh_tibia
     tibia_inertia_spun_y = 0.0070535925 * cos_thigh_tibia - tibia_inertia_spun_x_d_q_thigh
@@ -1607,7 +1606,6 @@ def right_front_inverse_dynamics_derivatives(q, qd, qdd):
     thigh_moment_y_d_q_thigh = t17 - thigh_inertial_moment_y_d_q_thigh
     t18 = tibia_lever_x * tibia_inertial_force_y_d_q_thigh + thigh_inertial_moment_z_d_q_thigh
     t19 = tibia_inertial_moment_z_d_q_thigh + t18 - tibia_lever_x * tibia_inertial_force_x
-    coxa_own_moment_z_d_q_thigh = 0.054 * tibia_inertial_force_z_d_q_thigh + thigh_moment_y_d_q_thigh
     thigh_at_y_d_qd_coxa = 0.054 * coxa_field_x_x_d_qd_coxa
     thigh_field_y_z_d_qd_coxa = qd_1 * 2.0
     tibia_at_x_d_qd_coxa = tibia_lever_x * coxa_field_x_x_d_qd_coxa + thigh_at_y_d_qd_coxa
@@ -1622,7 +1620,6 @@ def right_front_inverse_dynamics_derivatives(q, qd, qdd):
     thigh_moment_y_d_qd_coxa = tibia_inertia_xy * tibia_field_y_z_d_qd_coxa + t21
     t22 = tibia_lever_y * tibia_inertial_force_x_d_qd_coxa + thigh_inertial_moment_z_d_qd_coxa
     thigh_moment_z_d_qd_coxa = tibia_inertial_moment_z_d_qd_coxa + t22
-    coxa_own_moment_z_d_qd_coxa = 0.054 * tibia_inertial_force_z_d_qd_coxa + thigh_moment_y_d_qd_coxa
     tibia_at_x_d_qd_thigh = tibia_lever_x * thigh_field_y_z_d_qd_coxa
     tibia_at_z_d_qd_thigh = tibia_lever_y * coxa_field_x_x_d_qd_coxa
     thigh_inertial_moment_y_d_qd_thigh = thigh_inertia_xz * thigh_field_y_z_d_qd_coxa + thigh_inertial_moment_z_d_qd_coxa
@@ -1632,17 +1629,18 @@ def right_front_inverse_dynamics_derivatives(q, qd, qdd):
     t23 = tibia_lever_x * tibia_inertial_force_z_d_qd_thigh + thigh_inertial_moment_y_d_qd_thigh
     thigh_moment_y_d_qd_thigh = tibia_inertial_moment_y_d_qd_thigh + t23
     thigh_moment_z_d_qd_thigh = tibia_lever_y * tibia_inertial_force_x_d_qd_thigh - t20
-    coxa_own_moment_z_d_qd_thigh = 0.054 * tibia_inertial_force_z_d_qd_thigh + thigh_moment_y_d_qd_thigh
     t24 = t19 - tibia_lever_y * tibia_inertial_force_y
     tau_d_q = _array(lead, (3, 3), np.float64, [
-        0.0, -coxa_own_moment_z_d_q_thigh, tibia_inertial_moment_y_d_q_thigh, 0.0,
-        tibia_lever_y * tibia_inertial_force_x_d_q_thigh - t24, tibia_inertial_moment_z_d_q_thigh, 0.0,
-        tibia_inertial_moment_z_d_q_thigh, -tibia_inertial_moment_z_d_q_thigh,
+        0.0, -0.054 * tibia_inertial_force_z_d_q_thigh - thigh_moment_y_d_q_thigh,
+        tibia_inertial_moment_y_d_q_thigh, 0.0, tibia_lever_y * tibia_inertial_force_x_d_q_thigh - t24,
+        tibia_inertial_moment_z_d_q_thigh, 0.0, tibia_inertial_moment_z_d_q_thigh,
+        -tibia_inertial_moment_z_d_q_thigh,
     ])
     tau_d_qd = _array(lead, (3, 3), np.float64, [
-        -coxa_own_moment_z_d_qd_coxa, -coxa_own_moment_z_d_qd_thigh, tibia_inertial_moment_y_d_qd_thigh,
-        thigh_moment_z_d_qd_coxa, thigh_moment_z_d_qd_thigh, 0.0, -tibia_inertial_moment_z_d_qd_coxa, 0.0,
-        0.0,
+        -0.054 * tibia_inertial_force_z_d_qd_coxa - thigh_moment_y_d_qd_coxa,
+        -0.054 * tibia_inertial_force_z_d_qd_thigh - thigh_moment_y_d_qd_thigh,
+        tibia_inertial_moment_y_d_qd_thigh, thigh_moment_z_d_qd_coxa, thigh_moment_z_d_qd_thigh, 0.0,
+        -tibia_inertial_moment_z_d_qd_coxa, 0.0, 0.0,
     ])
     return tau_d_q, tau_d_qd
 
@@ -1664,6 +1662,8 @@ def right_front_regressor(q, qd, qdd):
     thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd_1 * qd_1
@@ -1704,14 +1704,11 @@ def right_front_regressor(q, qd, qdd):
     t5 = sin_thigh * thigh_xx_inertial_moment_y
     thigh_yy_inertial_moment_y = thigh_xx_inertial_moment_y - thigh_m_field_x_z
     thigh_yy_moment_y = sin_thigh * thigh_yy_inertial_moment_y + t4
-    thigh_zz_moment_y = cos_thigh * thigh_frame_rates_before_z + t5
     thigh_xy_inertial_moment_z = thigh_field_y_y - t2
     thigh_xy_moment_y = sin_thigh * thigh_m_field_y_z + cos_thigh * thigh_xy_inertial_moment_z
     thigh_xz_inertial_moment_y = thigh_field_y_y - t1
     thigh_xz_moment_y = cos_thigh * thigh_own_field_x_y - sin_thigh * thigh_xz_inertial_moment_y
     thigh_yz_moment_y = cos_thigh * thigh_frame_pole_x - sin_thigh * thigh_m_field_y_x
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_spin_x = qd_0 * sin_thigh_tibia
     tibia_spin_y = qd_0 * cos_thigh_tibia
     tibia_at_own_x = tibia_at_y * sin_thigh_tibia + tibia_at_x * cos_thigh_tibia
@@ -1740,7 +1737,6 @@ def right_front_regressor(q, qd, qdd):
     tibia_mx_force_x = sin_thigh_tibia * tibia_m_field_x_y + cos_thigh_tibia * tibia_m_field_x_z
     tibia_mx_force_y = cos_thigh_tibia * tibia_m_field_x_y - sin_thigh_tibia * tibia_m_field_x_z
     Y_tibia_mx_on_tibia_moment_y = tibia_lever_x * tibia_own_field_z_z - tibia_m_force_x
-    Y_tibia_mx_on_tibia_moment_z = tibia_lever_y * tibia_mx_force_x + tibia_lever_x * tibia_mx_force_y
     Y_tibia_mx_on_thigh_moment_z = 0.054 * tibia_own_field_z_z + Y_tibia_mx_on_tibia_moment_y
     t9 = cos_thigh_tibia * tibia_m_field_y_z
     tibia_my_force_x = t9 - sin_thigh_tibia * tibia_own_field_y_y
@@ -1749,7 +1745,6 @@ def right_front_regressor(q, qd, qdd):
     tibia_my_moment_y = tibia_at_z * sin_thigh_tibia
     Y_tibia_my_on_tibia_moment_y = tibia_lever_x * tibia_m_field_y_x + tibia_my_moment_y
     Y_tibia_my_on_tibia_moment_z = tibia_lever_y * tibia_my_force_x + tibia_at_own_x - tibia_lever_x * tibia_my_force_y
-    Y_tibia_my_on_thigh_moment_z = 0.054 * tibia_m_field_y_x + Y_tibia_my_on_tibia_moment_y
     t10 = sin_thigh_tibia * tibia_own_field_x_y
     tibia_mz_force_x = cos_thigh_tibia * tibia_own_field_x_x + t10
     tibia_mz_force_y = cos_thigh_tibia * tibia_own_field_x_y - sin_thigh_tibia * tibia_own_field_x_x
@@ -1771,18 +1766,19 @@ def right_front_regressor(q, qd, qdd):
     Y = _array(lead, (3, 30), np.float64, [
         0.0, 0.0, 0.0, 0.0, qdd_0, 0.0, 0.0, 0.0, 0.0, 0.0, Y_thigh_m_on_thigh_moment_z,
         Y_thigh_mx_on_thigh_moment_z, Y_thigh_my_on_thigh_moment_z, Y_thigh_mz_on_thigh_moment_z, t5 - t4,
-        thigh_yy_moment_y, -thigh_zz_moment_y, thigh_xy_moment_y, thigh_xz_moment_y, thigh_yz_moment_y,
-        Y_tibia_m_on_thigh_moment_z, Y_tibia_mx_on_thigh_moment_z, -Y_tibia_my_on_thigh_moment_z,
-        Y_tibia_mz_on_thigh_moment_z, t12 - t11, tibia_yy_moment_y, tibia_zz_moment_y, tibia_xy_moment_y,
+        thigh_yy_moment_y, -cos_thigh * thigh_frame_rates_before_z - t5, thigh_xy_moment_y, thigh_xz_moment_y,
+        thigh_yz_moment_y, Y_tibia_m_on_thigh_moment_z, Y_tibia_mx_on_thigh_moment_z,
+        -0.054 * tibia_m_field_y_x - Y_tibia_my_on_tibia_moment_y, Y_tibia_mz_on_thigh_moment_z, t12 - t11,
+        tibia_yy_moment_y, tibia_zz_moment_y, tibia_xy_moment_y,
         t10 - cos_thigh_tibia * tibia_xz_inertial_moment_y, tibia_yz_moment_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thigh_at_own_x, -thigh_at_own_y, thigh_xx_inertial_moment_x,
         -thigh_yy_inertial_moment_x, thigh_yy_inertial_moment_x, thigh_frame_pole_x - t3, thigh_m_field_x_y,
         t2 - t1, tibia_lever_y * tibia_m_force_x - tibia_lever_x * tibia_m_force_y,
-        -Y_tibia_mx_on_tibia_moment_z, Y_tibia_my_on_tibia_moment_z, Y_tibia_mz_on_tibia_moment_z,
-        tibia_xx_inertial_moment_x, tibia_yy_inertial_moment_x, t13, tibia_m_field_x_z, tibia_m_field_x_y,
-        tibia_yz_inertial_moment_x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -tibia_at_own_x, tibia_at_own_y, -tibia_xx_inertial_moment_x, t13,
-        tibia_yy_inertial_moment_x, -tibia_m_field_x_z,
+        -tibia_lever_y * tibia_mx_force_x - tibia_lever_x * tibia_mx_force_y, Y_tibia_my_on_tibia_moment_z,
+        Y_tibia_mz_on_tibia_moment_z, tibia_xx_inertial_moment_x, tibia_yy_inertial_moment_x, t13,
+        tibia_m_field_x_z, tibia_m_field_x_y, tibia_yz_inertial_moment_x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -tibia_at_own_x,
+        tibia_at_own_y, -tibia_xx_inertial_moment_x, t13, tibia_yy_inertial_moment_x, -tibia_m_field_x_z,
         tibia_xx_inertial_moment_z - tibia_frame_rates_before_z, t7 - t8,
     ])
     return Y
@@ -1807,6 +1803,8 @@ def right_front_base_parameters(q, qd, qdd):
     thigh_at_y = coxa_field_x_x * 0.054
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    cos_thigh_tibia = np.cos(angle_thigh_tibia)
+    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_lever_x = cos_thigh * 0.0645 - sin_thigh * 0.0145
     tibia_lever_y = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_field_y_y = qd_1 * qd_1
@@ -1830,7 +1828,6 @@ def right_front_base_parameters(q, qd, qdd):
     thigh_own_field_y_x = qdd_1 + thigh_yy_inertial_moment_z
     thigh_own_field_y_z = thigh_spin_y * t1 - thigh_pole_y
     thigh_mx_moment_y = thigh_at_x * sin_thigh
-    Y_thigh_mx_on_thigh_moment_z = 0.054 * thigh_own_field_x_z + thigh_mx_moment_y
     thigh_yy_inertial_moment_x = qd_1 * thigh_spin_y
     thigh_zz_inertial_moment_y = qd_1 * thigh_spin_x
     thigh_yy_inertial_moment_y = thigh_zz_inertial_moment_y - thigh_own_field_x_z
@@ -1842,8 +1839,6 @@ def right_front_base_parameters(q, qd, qdd):
     thigh_xz_inertial_moment_y = thigh_field_y_y - t3
     thigh_yz_inertial_moment_x = thigh_field_y_y - t4
     thigh_yz_moment_y = sin_thigh * thigh_own_field_y_x + cos_thigh * thigh_yz_inertial_moment_x
-    cos_thigh_tibia = np.cos(angle_thigh_tibia)
-    sin_thigh_tibia = np.sin(angle_thigh_tibia)
     tibia_spin_x = qd_0 * sin_thigh_tibia
     tibia_spin_y = qd_0 * cos_thigh_tibia
     tibia_pole_x = qdd_0 * cos_thigh_tibia
@@ -1869,7 +1864,6 @@ def right_front_base_parameters(q, qd, qdd):
     tibia_mx_moment_x = tibia_at_z * sin_thigh_tibia
     tibia_mx_moment_y = tibia_at_z * cos_thigh_tibia
     Y_tibia_mx_on_tibia_moment_y = tibia_lever_x * tibia_own_field_x_z + tibia_mx_moment_y
-    Y_tibia_mx_on_thigh_moment_z = 0.054 * tibia_own_field_x_z + Y_tibia_mx_on_tibia_moment_y
     t12 = cos_thigh_tibia * tibia_own_field_y_x
     tibia_my_force_x = t12 - sin_thigh_tibia * tibia_own_field_y_y
     tibia_my_force_y = sin_thigh_tibia * tibia_own_field_y_x + cos_thigh_tibia * tibia_own_field_y_y
@@ -1888,12 +1882,13 @@ def right_front_base_parameters(q, qd, qdd):
     t14 = tibia_lever_y * tibia_mx_force_x + tibia_lever_x * tibia_mx_force_y
     t15 = tibia_lever_y * tibia_my_force_x + tibia_at_own_x
     Y = _array(lead, (3, 15), np.float64, [
-        qdd_0, -Y_thigh_mx_on_thigh_moment_z, 0.054 * thigh_own_field_y_z - thigh_at_x * cos_thigh,
-        thigh_yy_moment_y, sin_thigh * thigh_zz_inertial_moment_y - t2,
+        qdd_0, -0.054 * thigh_own_field_x_z - thigh_mx_moment_y,
+        0.054 * thigh_own_field_y_z - thigh_at_x * cos_thigh, thigh_yy_moment_y,
+        sin_thigh * thigh_zz_inertial_moment_y - t2,
         sin_thigh * thigh_own_field_y_z - cos_thigh * thigh_own_field_x_z,
         sin_thigh * thigh_xz_inertial_moment_y - cos_thigh * thigh_own_field_x_y, thigh_yz_moment_y,
-        -Y_tibia_mx_on_thigh_moment_z, Y_tibia_my_on_thigh_moment_z, tibia_yy_moment_y,
-        t13 - cos_thigh_tibia * tibia_zz_inertial_moment_y, tibia_xy_moment_y,
+        -0.054 * tibia_own_field_x_z - Y_tibia_mx_on_tibia_moment_y, Y_tibia_my_on_thigh_moment_z,
+        tibia_yy_moment_y, t13 - cos_thigh_tibia * tibia_zz_inertial_moment_y, tibia_xy_moment_y,
         t11 - cos_thigh_tibia * tibia_xz_inertial_moment_y, tibia_yz_moment_y, 0.0, thigh_at_own_y,
         thigh_at_own_x, -thigh_yy_inertial_moment_z, qdd_1, thigh_xy_inertial_moment_z, -thigh_pole_y,
         thigh_pole_x, tibia_at_own_y - t14, tibia_lever_x * tibia_my_force_y - t15,
@@ -1932,9 +1927,9 @@ def foot_positions(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
     cos_thigh = np.cos(q_1)
@@ -1945,8 +1940,9 @@ def foot_positions(q):
     thigh_to_tip_y = sin_thigh_tibia * 0.13 + thigh_to_tip_link_y
     coxa_to_tip_inner_y = thigh_to_tip_y + 0.054
     position_x = sin_turned_coxa * coxa_to_tip_inner_y + 0.1248
-    position_y = cos_turned_coxa * coxa_to_tip_inner_y + 0.06164
-    p = _array(lead, (1, 3), np.float64, [position_x, -position_y, 0.001116 - thigh_to_tip_x])
+    p = _array(lead, (1, 3), np.float64, [
+        position_x, -cos_turned_coxa * coxa_to_tip_inner_y - 0.06164, 0.001116 - thigh_to_tip_x,
+    ])
     return p
 
 
@@ -1959,15 +1955,15 @@ def foot_jacobians(q):
     """
     lead, (q_0, q_1, q_2) = _elements(_real("q", q, (3,)))
     turned_coxa = q_0 + 0.7853981633974483
+    angle_thigh_tibia = q_1 - q_2
     cos_turned_coxa = np.cos(turned_coxa)
     sin_turned_coxa = np.sin(turned_coxa)
-    angle_thigh_tibia = q_1 - q_2
     cos_thigh_tibia = np.cos(angle_thigh_tibia)
     sin_thigh_tibia = np.sin(angle_thigh_tibia)
-    tibia_to_tip_x = cos_thigh_tibia * 0.13
-    tibia_to_tip_y = sin_thigh_tibia * 0.13
     cos_thigh = np.cos(q_1)
     sin_thigh = np.sin(q_1)
+    tibia_to_tip_x = cos_thigh_tibia * 0.13
+    tibia_to_tip_y = sin_thigh_tibia * 0.13
     thigh_to_tip_link_x = sin_thigh * 0.0645 + cos_thigh * 0.0145
     thigh_to_tip_link_y = cos_thigh * 0.0645 - sin_thigh * 0.0145
     thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x
@@ -1996,14 +1992,14 @@ def com(base_pose, q):
     lead, (base_pose_0_0, base_pose_0_1, base_pose_0_2, base_pose_0_3, base_pose_1_0, base_pose_1_1, base_pose_1_2, base_pose_1_3, base_pose_2_0, base_pose_2_1, base_pose_2_2, base_pose_2_3, base_pose_3_0, base_pose_3_1, base_pose_3_2, base_pose_3_3, q_0, q_1, q_2) = _elements(
         _real("base_pose", base_pose, (4, 4)), _real("q", q, (3,)),
     )
+    turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_right_front_thigh = np.cos(q_1)
     sin_right_front_thigh = np.sin(q_1)
+    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_coxa_borne_y = right_front_tibia_lever_x * 0.024357719 + 0.003945950478
-    turned_right_front_coxa = q_0 + 0.7853981633974483
-    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     moment_x = right_front_coxa_borne_y * sin_turned_right_front_coxa + 0.0121593733248
     moment_y = right_front_coxa_borne_y * cos_turned_right_front_coxa + 0.00600563919664
     moment_z = right_front_tibia_lever_y * 0.024357719 - 0.000108732857616
@@ -2030,16 +2026,16 @@ def com_jacobian(base_pose, q):
     lead, (base_pose_0_0, base_pose_0_1, base_pose_0_2, base_pose_0_3, base_pose_1_0, base_pose_1_1, base_pose_1_2, base_pose_1_3, base_pose_2_0, base_pose_2_1, base_pose_2_2, base_pose_2_3, base_pose_3_0, base_pose_3_1, base_pose_3_2, base_pose_3_3, q_0, q_1, q_2) = _elements(
         _real("base_pose", base_pose, (4, 4)), _real("q", q, (3,)),
     )
+    turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_right_front_thigh = np.cos(q_1)
     sin_right_front_thigh = np.sin(q_1)
+    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_thigh_moment_x = right_front_tibia_lever_x * 0.024357719
     right_front_thigh_moment_y = right_front_tibia_lever_y * 0.024357719
     right_front_coxa_borne_y = right_front_thigh_moment_x + 0.003945950478
-    turned_right_front_coxa = q_0 + 0.7853981633974483
-    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     right_front_coxa_moment_own_x = right_front_coxa_borne_y * sin_turned_right_front_coxa
     right_front_coxa_moment_own_y = right_front_coxa_borne_y * cos_turned_right_front_coxa
     moment_x = right_front_coxa_moment_own_x + 0.0121593733248
@@ -2050,9 +2046,6 @@ def com_jacobian(base_pose, q):
     centre_z = moment_z * 0.9319400925870925
     turn_x_x = base_pose_0_1 * centre_z - base_pose_0_2 * centre_y
     turn_x_y = base_pose_1_1 * centre_z - base_pose_1_2 * centre_y
-    turn_y_x = base_pose_0_2 * centre_x + base_pose_0_0 * centre_z
-    turn_y_y = base_pose_1_2 * centre_x + base_pose_1_0 * centre_z
-    turn_y_z = base_pose_2_2 * centre_x + base_pose_2_0 * centre_z
     turn_z_x = base_pose_0_1 * centre_x + base_pose_0_0 * centre_y
     turn_z_y = base_pose_1_1 * centre_x + base_pose_1_0 * centre_y
     turn_z_z = base_pose_2_1 * centre_x + base_pose_2_0 * centre_y
@@ -2070,17 +2063,17 @@ def com_jacobian(base_pose, q):
     right_front_thigh_unit_x = right_front_thigh_moment_y * 0.9319400925870925
     right_front_thigh_unit_y = right_front_thigh_moment_x * 0.9319400925870925
     t4 = base_pose_0_2 * right_front_thigh_unit_y
-    right_front_thigh_column_x = right_front_coxa_frame_y_x * right_front_thigh_unit_x + t4
     t5 = base_pose_1_2 * right_front_thigh_unit_y
-    right_front_thigh_column_y = right_front_coxa_frame_y_y * right_front_thigh_unit_x + t5
     t6 = base_pose_2_2 * right_front_thigh_unit_y
-    right_front_thigh_column_z = right_front_coxa_frame_y_z * right_front_thigh_unit_x + t6
     J = _array(lead, (3, 9), np.float64, [
-        base_pose_0_0, base_pose_0_1, base_pose_0_2, turn_x_x, -turn_y_x, turn_z_x, right_front_coxa_column_x,
-        -right_front_thigh_column_x, 0.0, base_pose_1_0, base_pose_1_1, base_pose_1_2, turn_x_y, -turn_y_y,
-        turn_z_y, right_front_coxa_column_y, -right_front_thigh_column_y, 0.0, base_pose_2_0, base_pose_2_1,
-        base_pose_2_2, base_pose_2_1 * centre_z - base_pose_2_2 * centre_y, -turn_y_z, turn_z_z,
-        right_front_coxa_column_z, -right_front_thigh_column_z, 0.0,
+        base_pose_0_0, base_pose_0_1, base_pose_0_2, turn_x_x,
+        -base_pose_0_2 * centre_x - base_pose_0_0 * centre_z, turn_z_x, right_front_coxa_column_x,
+        -right_front_coxa_frame_y_x * right_front_thigh_unit_x - t4, 0.0, base_pose_1_0, base_pose_1_1,
+        base_pose_1_2, turn_x_y, -base_pose_1_2 * centre_x - base_pose_1_0 * centre_z, turn_z_y,
+        right_front_coxa_column_y, -right_front_coxa_frame_y_y * right_front_thigh_unit_x - t5, 0.0,
+        base_pose_2_0, base_pose_2_1, base_pose_2_2, base_pose_2_1 * centre_z - base_pose_2_2 * centre_y,
+        -base_pose_2_2 * centre_x - base_pose_2_0 * centre_z, turn_z_z, right_front_coxa_column_z,
+        -right_front_coxa_frame_y_z * right_front_thigh_unit_x - t6, 0.0,
     ])
     return J
 
@@ -2098,18 +2091,18 @@ def centroidal_momentum_matrix(base_pose, q):
         _real("base_pose", base_pose, (4, 4)), _real("q", q, (3,)),
     )
     angle_right_front_thigh_tibia = q_1 - q_2
+    turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
     sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     cos_right_front_thigh = np.cos(q_1)
     sin_right_front_thigh = np.sin(q_1)
+    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_thigh_moment_x = right_front_tibia_lever_x * 0.024357719
     right_front_thigh_moment_y = right_front_tibia_lever_y * 0.024357719
     right_front_coxa_borne_y = right_front_thigh_moment_x + 0.003945950478
-    turned_right_front_coxa = q_0 + 0.7853981633974483
-    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     right_front_coxa_moment_own_x = right_front_coxa_borne_y * sin_turned_right_front_coxa
     right_front_coxa_moment_own_y = right_front_coxa_borne_y * cos_turned_right_front_coxa
     moment_x = right_front_coxa_moment_own_x + 0.0121593733248
@@ -2207,9 +2200,6 @@ def centroidal_momentum_matrix(base_pose, q):
     push_z_z = base_pose_2_2 * 1.073030346
     turn_x_x = centre_z * push_y_x - centre_y * push_z_x
     turn_x_y = centre_z * push_y_y - centre_y * push_z_y
-    turn_y_x = centre_x * push_z_x + centre_z * push_x_x
-    turn_y_y = centre_x * push_z_y + centre_z * push_x_y
-    turn_y_z = centre_x * push_z_z + centre_z * push_x_z
     turn_z_x = centre_x * push_y_x + centre_y * push_x_x
     turn_z_y = centre_x * push_y_y + centre_y * push_x_y
     turn_z_z = centre_x * push_y_z + centre_y * push_x_z
@@ -2301,17 +2291,18 @@ def centroidal_momentum_matrix(base_pose, q):
     t85 = t62 - base_pose_2_2 * right_front_coxa_borne_zz
     t86 = right_front_coxa_frame_x_z * 0.0051411124 + t80
     A = _array(lead, (6, 9), np.float64, [
-        push_x_x, push_y_x, push_z_x, turn_x_x, -turn_y_x, turn_z_x, right_front_coxa_force_x,
-        -right_front_thigh_force_x, 0.0, push_x_y, push_y_y, push_z_y, turn_x_y, -turn_y_y, turn_z_y,
-        right_front_coxa_force_y, -right_front_thigh_force_y, 0.0, push_x_z, push_y_z, push_z_z,
-        centre_z * push_y_z - centre_y * push_z_z, -turn_y_z, turn_z_z, right_front_coxa_force_z,
-        -right_front_thigh_force_z, 0.0, 0.0, 0.0, 0.0, spin_x_x, spin_y_x, spin_z_x,
-        right_front_coxa_force_z * right_front_coxa_from_centre_y - t81, right_front_thigh_moment_x_2,
-        base_pose_0_2 * right_front_tibia_inertia_yz - t82, 0.0, 0.0, 0.0, spin_x_y, spin_y_y, spin_z_y,
-        right_front_coxa_force_x * right_front_coxa_from_centre_z - t83, right_front_thigh_moment_y_2,
-        base_pose_1_2 * right_front_tibia_inertia_yz - t84, 0.0, 0.0, 0.0, spin_x_z, spin_y_z, spin_z_z,
-        right_front_coxa_force_y * right_front_coxa_from_centre_x - t85, right_front_thigh_moment_z,
-        base_pose_2_2 * right_front_tibia_inertia_yz - t86,
+        push_x_x, push_y_x, push_z_x, turn_x_x, -centre_x * push_z_x - centre_z * push_x_x, turn_z_x,
+        right_front_coxa_force_x, -right_front_thigh_force_x, 0.0, push_x_y, push_y_y, push_z_y, turn_x_y,
+        -centre_x * push_z_y - centre_z * push_x_y, turn_z_y, right_front_coxa_force_y,
+        -right_front_thigh_force_y, 0.0, push_x_z, push_y_z, push_z_z,
+        centre_z * push_y_z - centre_y * push_z_z, -centre_x * push_z_z - centre_z * push_x_z, turn_z_z,
+        right_front_coxa_force_z, -right_front_thigh_force_z, 0.0, 0.0, 0.0, 0.0, spin_x_x, spin_y_x,
+        spin_z_x, right_front_coxa_force_z * right_front_coxa_from_centre_y - t81,
+        right_front_thigh_moment_x_2, base_pose_0_2 * right_front_tibia_inertia_yz - t82, 0.0, 0.0, 0.0,
+        spin_x_y, spin_y_y, spin_z_y, right_front_coxa_force_x * right_front_coxa_from_centre_z - t83,
+        right_front_thigh_moment_y_2, base_pose_1_2 * right_front_tibia_inertia_yz - t84, 0.0, 0.0, 0.0,
+        spin_x_z, spin_y_z, spin_z_z, right_front_coxa_force_y * right_front_coxa_from_centre_x - t85,
+        right_front_thigh_moment_z, base_pose_2_2 * right_front_tibia_inertia_yz - t86,
     ])
     return A
 
@@ -2328,8 +2319,13 @@ def centroidal_inertia(base_pose, q):
         _real("base_pose", base_pose, (4, 4)), _real("q", q, (3,)),
     )
     angle_right_front_thigh_tibia = q_1 - q_2
+    turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_right_front_thigh = np.cos(q_1)
     sin_right_front_thigh = np.sin(q_1)
+    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
+    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     right_front_thigh_inertia_spun_x = cos_right_front_thigh * 1.9223094e-05
     right_front_thigh_inertia_spun_y = sin_right_front_thigh * 1.9223094e-05 + cos_right_front_thigh * 0.0070535925
     t1 = cos_right_front_thigh * right_front_thigh_inertia_spun_y
@@ -2339,8 +2335,6 @@ def centroidal_inertia(base_pose, q):
     right_front_thigh_inertia_yz = sin_right_front_thigh * 0.00057530255 + cos_right_front_thigh * 2.4729049e-05
     t2 = cos_right_front_thigh * right_front_thigh_inertia_spun_x
     right_front_thigh_inertia_xy = t2 - sin_right_front_thigh * right_front_thigh_inertia_spun_y
-    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t3 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t3
@@ -2366,9 +2360,6 @@ def centroidal_inertia(base_pose, q):
     right_front_thigh_composite_xz = right_front_thigh_inertia_xz + right_front_tibia_inertia_xz
     right_front_thigh_composite_yz = right_front_thigh_inertia_yz + right_front_tibia_inertia_yz
     right_front_thigh_composite_moment_y = right_front_tibia_lever_y * 0.024357719
-    turned_right_front_coxa = q_0 + 0.7853981633974483
-    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     t11 = right_front_thigh_composite_moment_x * 0.108
     right_front_coxa_borne_xx = t11 + (right_front_thigh_composite_zz + 0.000213081325812)
     right_front_coxa_borne_yy = right_front_thigh_composite_xx + 0.012415507885941882
@@ -2476,6 +2467,10 @@ def momentum(base_pose, q, v):
     turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
+    cos_right_front_thigh = np.cos(q_1)
+    sin_right_front_thigh = np.sin(q_1)
+    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_own_x = v_4 * sin_turned_right_front_coxa + v_3 * cos_turned_right_front_coxa
     right_front_coxa_spin_own_y = v_4 * cos_turned_right_front_coxa - v_3 * sin_turned_right_front_coxa
     t1 = right_front_coxa_velocity_before_x * cos_turned_right_front_coxa
@@ -2485,8 +2480,6 @@ def momentum(base_pose, q, v):
     right_front_thigh_velocity_before_x = right_front_coxa_spin_z * 0.054 + right_front_coxa_velocity_own_x
     right_front_thigh_velocity_before_z = right_front_coxa_spin_own_x * 0.054 + right_front_coxa_velocity_before_z
     right_front_thigh_spin_z = v_7 + right_front_coxa_spin_own_x
-    cos_right_front_thigh = np.cos(q_1)
-    sin_right_front_thigh = np.sin(q_1)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     right_front_tibia_velocity_before_x = right_front_thigh_spin_z * right_front_tibia_lever_y + right_front_coxa_velocity_own_y
@@ -2519,8 +2512,6 @@ def momentum(base_pose, q, v):
     t14 = right_front_coxa_spin_z * right_front_thigh_inertia_yz
     t15 = right_front_coxa_spin_own_y * right_front_thigh_inertia_xz + t14
     right_front_thigh_momentum_moment_z = t15 - right_front_thigh_spin_z * 0.0051411124
-    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t16 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t16
@@ -2654,6 +2645,10 @@ def momentum_rate(base_pose, q, v, a):
     turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
+    cos_right_front_thigh = np.cos(q_1)
+    sin_right_front_thigh = np.sin(q_1)
+    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_x = v_4 * sin_turned_right_front_coxa + v_3 * cos_turned_right_front_coxa
     right_front_coxa_spin_y = v_4 * cos_turned_right_front_coxa - v_3 * sin_turned_right_front_coxa
     t8 = base_pole_x * cos_turned_right_front_coxa
@@ -2683,8 +2678,6 @@ def momentum_rate(base_pose, q, v, a):
     right_front_thigh_pole_y = t16 - right_front_thigh_rates_before_x
     right_front_thigh_spin_z = v_7 + right_front_coxa_spin_x
     right_front_thigh_rate = a_7 + right_front_thigh_rates_before_z
-    cos_right_front_thigh = np.cos(q_1)
-    sin_right_front_thigh = np.sin(q_1)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     t18 = right_front_thigh_spin_z * right_front_thigh_spin_z
@@ -2742,8 +2735,6 @@ def momentum_rate(base_pose, q, v, a):
     t47 = right_front_thigh_pole_y * right_front_thigh_inertia_xz - t17 * t46
     t48 = right_front_thigh_rate * 0.0051411124 + t47 - right_front_thigh_inertia_xy * t45
     right_front_thigh_inertial_moment_z = t48 - right_front_coxa_field_x_y * right_front_thigh_inertia_yz
-    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t49 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t49
@@ -2897,6 +2888,10 @@ def demanded_wrench(base_pose, q, v, a):
     turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
+    cos_right_front_thigh = np.cos(q_1)
+    sin_right_front_thigh = np.sin(q_1)
+    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_x = v_4 * sin_turned_right_front_coxa + v_3 * cos_turned_right_front_coxa
     right_front_coxa_spin_y = v_4 * cos_turned_right_front_coxa - v_3 * sin_turned_right_front_coxa
     t8 = base_pole_x * cos_turned_right_front_coxa
@@ -2926,8 +2921,6 @@ def demanded_wrench(base_pose, q, v, a):
     right_front_thigh_pole_y = t16 - right_front_thigh_rates_before_x
     right_front_thigh_spin_z = v_7 + right_front_coxa_spin_x
     right_front_thigh_rate = a_7 + right_front_thigh_rates_before_z
-    cos_right_front_thigh = np.cos(q_1)
-    sin_right_front_thigh = np.sin(q_1)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     t18 = right_front_thigh_spin_z * right_front_thigh_spin_z
@@ -2985,8 +2978,6 @@ def demanded_wrench(base_pose, q, v, a):
     t47 = right_front_thigh_pole_y * right_front_thigh_inertia_xz - t17 * t46
     t48 = right_front_thigh_rate * 0.0051411124 + t47 - right_front_thigh_inertia_xy * t45
     right_front_thigh_inertial_moment_z = t48 - right_front_coxa_field_x_y * right_front_thigh_inertia_yz
-    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t49 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t49
@@ -3108,8 +3099,13 @@ def floating_mass_matrix(base_pose, q):
         _real("base_pose", base_pose, (4, 4)), _real("q", q, (3,)),
     )
     angle_right_front_thigh_tibia = q_1 - q_2
+    turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_right_front_thigh = np.cos(q_1)
     sin_right_front_thigh = np.sin(q_1)
+    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
+    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
+    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     right_front_thigh_inertia_spun_x = cos_right_front_thigh * 1.9223094e-05
     right_front_thigh_inertia_spun_y = sin_right_front_thigh * 1.9223094e-05 + cos_right_front_thigh * 0.0070535925
     t1 = cos_right_front_thigh * right_front_thigh_inertia_spun_y
@@ -3119,8 +3115,6 @@ def floating_mass_matrix(base_pose, q):
     right_front_thigh_inertia_yz = sin_right_front_thigh * 0.00057530255 + cos_right_front_thigh * 2.4729049e-05
     t2 = cos_right_front_thigh * right_front_thigh_inertia_spun_x
     right_front_thigh_inertia_xy = t2 - sin_right_front_thigh * right_front_thigh_inertia_spun_y
-    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t3 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t3
@@ -3146,9 +3140,6 @@ def floating_mass_matrix(base_pose, q):
     right_front_thigh_composite_xz = right_front_thigh_inertia_xz + right_front_tibia_inertia_xz
     right_front_thigh_composite_yz = right_front_thigh_inertia_yz + right_front_tibia_inertia_yz
     right_front_thigh_composite_moment_y = right_front_tibia_lever_y * 0.024357719
-    turned_right_front_coxa = q_0 + 0.7853981633974483
-    cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
-    sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
     t11 = right_front_thigh_composite_moment_x * 0.108
     right_front_coxa_borne_xx = t11 + (right_front_thigh_composite_zz + 0.000213081325812)
     right_front_coxa_borne_yy = right_front_thigh_composite_xx + 0.012415507885941882
@@ -3203,34 +3194,33 @@ def floating_mass_matrix(base_pose, q):
     M_right_front_thigh_on_right_front_coxa = t28 - 0.001116 * right_front_coxa_force_group_y
     t29 = right_front_thigh_composite_moment_x * 0.1248 + right_front_coxa_moment_group_y
     M_right_front_thigh_on_right_front_coxa_2 = t29 - 0.001116 * right_front_coxa_force_group_x
-    t30 = right_front_tibia_inertia_xz * sin_turned_right_front_coxa
-    right_front_coxa_moment_group_x_2 = cos_turned_right_front_coxa * 0.0051411124 + t30
-    t31 = right_front_tibia_inertia_xz * cos_turned_right_front_coxa
-    right_front_coxa_moment_group_y_2 = t31 - sin_turned_right_front_coxa * 0.0051411124
-    t32 = 0.000108732857616 - right_front_thigh_composite_moment_y
-    t33 = -right_front_coxa_force_group_x
-    t34 = -base_moment_y
-    t35 = -base_moment_x
-    t36 = -right_front_thigh_composite_moment_x
-    t37 = M_right_front_coxa_on_right_front_coxa_m - 2.0318038301393697
-    t38 = right_front_thigh_composite_moment_y * 0.1248 - t37
-    t39 = -M_right_front_coxa_on_right_front_coxa_m
-    t40 = -right_front_coxa_moment_group_x_2
+    t30 = right_front_tibia_inertia_xz * cos_turned_right_front_coxa
+    right_front_coxa_moment_group_y_2 = t30 - sin_turned_right_front_coxa * 0.0051411124
+    t31 = 0.000108732857616 - right_front_thigh_composite_moment_y
+    t32 = -right_front_coxa_force_group_x
+    t33 = -base_moment_y
+    t34 = -base_moment_x
+    t35 = -right_front_thigh_composite_moment_x
+    t36 = M_right_front_coxa_on_right_front_coxa_m - 2.0318038301393697
+    t37 = right_front_thigh_composite_moment_y * 0.1248 - t36
+    t38 = -M_right_front_coxa_on_right_front_coxa_m
+    t39 = right_front_tibia_inertia_xz * sin_turned_right_front_coxa
+    t40 = -cos_turned_right_front_coxa * 0.0051411124 - t39
     t41 = 0.06164 * right_front_coxa_force_group_x + right_front_thigh_composite_yz
     t42 = 0.1248 * right_front_coxa_force_group_y - t41
     t43 = -right_front_thigh_composite_yz
     M = _array(lead, (9, 9), np.float64, [
-        1.073030346, 0.0, 0.0, 0.0, t32, base_moment_y, right_front_coxa_whole_moment_y, t33, 0.0, 0.0,
+        1.073030346, 0.0, 0.0, 0.0, t31, base_moment_y, right_front_coxa_whole_moment_y, t32, 0.0, 0.0,
         1.073030346, 0.0, base_moment_z, 0.0, base_moment_x, right_front_coxa_whole_moment_x,
-        right_front_coxa_force_group_y, 0.0, 0.0, 0.0, 1.073030346, t34, t35, 0.0, 0.0, t36, 0.0, 0.0,
-        base_moment_z, t34, base_xx, base_xy, t38, t39, M_right_front_thigh_on_right_front_coxa, t40, t32,
-        0.0, t35, base_xy, base_yy, base_yz, M_right_front_coxa_on_right_front_coxa_m_2,
+        right_front_coxa_force_group_y, 0.0, 0.0, 0.0, 1.073030346, t33, t34, 0.0, 0.0, t35, 0.0, 0.0,
+        base_moment_z, t33, base_xx, base_xy, t37, t38, M_right_front_thigh_on_right_front_coxa, t40, t31,
+        0.0, t34, base_xy, base_yy, base_yz, M_right_front_coxa_on_right_front_coxa_m_2,
         M_right_front_thigh_on_right_front_coxa_2, right_front_coxa_moment_group_y_2, base_moment_y,
-        base_moment_x, 0.0, t38, base_yz, base_zz, M_right_front_coxa_on_right_front_coxa_m_3, t42,
+        base_moment_x, 0.0, t37, base_yz, base_zz, M_right_front_coxa_on_right_front_coxa_m_3, t42,
         right_front_tibia_inertia_yz, right_front_coxa_whole_moment_y, right_front_coxa_whole_moment_x, 0.0,
-        t39, M_right_front_coxa_on_right_front_coxa_m_2, M_right_front_coxa_on_right_front_coxa_m_3,
-        right_front_coxa_borne_zz, t43, right_front_tibia_inertia_yz, t33, right_front_coxa_force_group_y,
-        t36, M_right_front_thigh_on_right_front_coxa, M_right_front_thigh_on_right_front_coxa_2, t42, t43,
+        t38, M_right_front_coxa_on_right_front_coxa_m_2, M_right_front_coxa_on_right_front_coxa_m_3,
+        right_front_coxa_borne_zz, t43, right_front_tibia_inertia_yz, t32, right_front_coxa_force_group_y,
+        t35, M_right_front_thigh_on_right_front_coxa, M_right_front_thigh_on_right_front_coxa_2, t42, t43,
         right_front_thigh_composite_zz, -0.0051411124, 0.0, 0.0, 0.0, t40, right_front_coxa_moment_group_y_2,
         right_front_tibia_inertia_yz, right_front_tibia_inertia_yz, -0.0051411124, 0.0051411124,
     ])
@@ -3284,6 +3274,10 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     turned_right_front_coxa = q_0 + 0.7853981633974483
     cos_turned_right_front_coxa = np.cos(turned_right_front_coxa)
     sin_turned_right_front_coxa = np.sin(turned_right_front_coxa)
+    cos_right_front_thigh = np.cos(q_1)
+    sin_right_front_thigh = np.sin(q_1)
+    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
+    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_coxa_spin_x = v_4 * sin_turned_right_front_coxa + v_3 * cos_turned_right_front_coxa
     right_front_coxa_spin_y = v_4 * cos_turned_right_front_coxa - v_3 * sin_turned_right_front_coxa
     t11 = base_pole_x * cos_turned_right_front_coxa
@@ -3313,8 +3307,6 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     right_front_thigh_pole_y = t19 - right_front_thigh_rates_before_x
     right_front_thigh_spin_z = v_7 + right_front_coxa_spin_x
     right_front_thigh_rate = a_7 + right_front_thigh_rates_before_z
-    cos_right_front_thigh = np.cos(q_1)
-    sin_right_front_thigh = np.sin(q_1)
     right_front_tibia_lever_x = cos_right_front_thigh * 0.0645 - sin_right_front_thigh * 0.0145
     right_front_tibia_lever_y = sin_right_front_thigh * 0.0645 + cos_right_front_thigh * 0.0145
     t21 = right_front_thigh_spin_z * right_front_thigh_spin_z
@@ -3372,8 +3364,6 @@ def floating_inverse_dynamics(base_pose, q, v, a, foot_forces):
     t50 = right_front_thigh_pole_y * right_front_thigh_inertia_xz - t20 * t49
     t51 = right_front_thigh_rate * 0.0051411124 + t50 - right_front_thigh_inertia_xy * t48
     right_front_thigh_inertial_moment_z = t51 - right_front_coxa_field_x_y * right_front_thigh_inertia_yz
-    cos_right_front_thigh_tibia = np.cos(angle_right_front_thigh_tibia)
-    sin_right_front_thigh_tibia = np.sin(angle_right_front_thigh_tibia)
     right_front_tibia_inertia_spun_x = 1.9223094e-05 * sin_right_front_thigh_tibia
     t52 = 1.9223094e-05 * cos_right_front_thigh_tibia
     right_front_tibia_inertia_spun_y = 0.0070535925 * sin_right_front_thigh_tibia + t52

@@ -6,10 +6,16 @@
  */
 #include "phantomx_leg.h"
 #include "walkgen_loops.h"
+#include "walkgen_real_f64.h"
+#include "walkgen_wide.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+extern const struct walkgen_wide phantomx_leg_avx2, phantomx_leg_avx512;
+static const struct walkgen_wide *const phantomx_leg_wide[] = {&phantomx_leg_avx2, &phantomx_leg_avx512};
+WALKGEN_LEVEL(phantomx_leg)
 
 static const walkgen_port phantomx_leg_right_front_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -17,15 +23,12 @@ static const walkgen_port phantomx_leg_right_front_foot_position_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_position) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_foot_position(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_position, double, 6, , phantomx_leg_right_front_foot_position_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_position, phantomx_leg, 0, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_position, wide_rows, double, 6, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_rotation_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -33,15 +36,12 @@ static const walkgen_port phantomx_leg_right_front_foot_rotation_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_rotation) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_foot_rotation(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_rotation, double, 12, , phantomx_leg_right_front_foot_rotation_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_rotation, phantomx_leg, 1, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_rotation, wide_rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_pose_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -49,13 +49,12 @@ static const walkgen_port phantomx_leg_right_front_foot_pose_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_pose) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_foot_pose((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_pose, double, 19, , phantomx_leg_right_front_foot_pose_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_pose, phantomx_leg, 2, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_pose, wide_rows, double, 19, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -63,15 +62,12 @@ static const walkgen_port phantomx_leg_right_front_foot_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_foot_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_jacobian, double, 12, , phantomx_leg_right_front_foot_jacobian_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_jacobian, phantomx_leg, 3, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_jacobian, wide_rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_position_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -80,16 +76,15 @@ static const walkgen_port phantomx_leg_right_front_foot_position_jacobian_ports[
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_position_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_foot_position_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_position_jacobian, double, 15, , phantomx_leg_right_front_foot_position_jacobian_ports, 3)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_position_jacobian, phantomx_leg, 4, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_position_jacobian, wide_rows, double, 15, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_spatial_jacobian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -97,15 +92,12 @@ static const walkgen_port phantomx_leg_right_front_foot_spatial_jacobian_ports[]
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_spatial_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_foot_spatial_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_foot_spatial_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_spatial_jacobian, double, 21, , phantomx_leg_right_front_foot_spatial_jacobian_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_spatial_jacobian, phantomx_leg, 5, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_spatial_jacobian, wide_rows, double, 21, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_hessian_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -113,13 +105,12 @@ static const walkgen_port phantomx_leg_right_front_foot_hessian_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_hessian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_foot_hessian((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_hessian, double, 30, , phantomx_leg_right_front_foot_hessian_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_hessian, phantomx_leg, 6, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_hessian, wide_rows, double, 30, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -128,16 +119,15 @@ static const walkgen_port phantomx_leg_right_front_foot_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_foot_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_velocity, double, 9, , phantomx_leg_right_front_foot_velocity_ports, 3)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_velocity, phantomx_leg, 7, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_velocity, wide_rows, double, 9, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -147,17 +137,16 @@ static const walkgen_port phantomx_leg_right_front_foot_acceleration_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_foot_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_acceleration, double, 12, , phantomx_leg_right_front_foot_acceleration_ports, 4)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_acceleration, phantomx_leg, 8, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_acceleration, wide_rows, double, 12, 4)
 
 static const walkgen_port phantomx_leg_right_front_foot_bias_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -166,16 +155,15 @@ static const walkgen_port phantomx_leg_right_front_foot_bias_acceleration_ports[
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_bias_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_foot_bias_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_bias_acceleration, double, 12, , phantomx_leg_right_front_foot_bias_acceleration_ports, 3)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_bias_acceleration, phantomx_leg, 9, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_bias_acceleration, wide_rows, double, 12, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -184,16 +172,15 @@ static const walkgen_port phantomx_leg_right_front_foot_torque_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_foot_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_foot_torque(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_foot_torque, double, 9, , phantomx_leg_right_front_foot_torque_ports, 3)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_torque, phantomx_leg, 10, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_foot_torque, wide_rows, double, 9, 3)
 
 static const walkgen_port phantomx_leg_right_front_joint_frames_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -201,13 +188,11 @@ static const walkgen_port phantomx_leg_right_front_joint_frames_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_joint_frames) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_joint_frames((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_joint_frames(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_joint_frames, double, 67, , phantomx_leg_right_front_joint_frames_ports, 2)
+WALKGEN_LOOP(phantomx_leg_right_front_joint_frames, rows, double, 67, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -216,16 +201,14 @@ static const walkgen_port phantomx_leg_right_front_inverse_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         (void)phantomx_leg_right_front_inverse(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]),
-            (int32_t *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse, double, 19, , phantomx_leg_right_front_inverse_ports, 3)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse, rows, double, 19, 3)
 
 static const walkgen_port phantomx_leg_right_front_inverse_branch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -235,16 +218,14 @@ static const walkgen_port phantomx_leg_right_front_inverse_branch_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_branch) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = phantomx_leg_right_front_inverse_branch(
-            (const double *)(a[0] + at * step[0]),
-            walkgen_integer(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = phantomx_leg_right_front_inverse_branch(
+            WALKGEN_PORT(double, 0),
+            walkgen_integer(WALKGEN_PLACE(1)),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_branch, double, 8, , phantomx_leg_right_front_inverse_branch_ports, 4)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_branch, rows, double, 8, 4)
 
 static const walkgen_port phantomx_leg_right_front_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -254,16 +235,14 @@ static const walkgen_port phantomx_leg_right_front_inverse_near_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_near) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = phantomx_leg_right_front_inverse_near(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = phantomx_leg_right_front_inverse_near(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_near, double, 10, , phantomx_leg_right_front_inverse_near_ports, 4)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_near, rows, double, 10, 4)
 
 static const walkgen_port phantomx_leg_right_front_inverse_admissible_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -272,15 +251,13 @@ static const walkgen_port phantomx_leg_right_front_inverse_admissible_ports[] = 
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_admissible) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[2] + at * step[2]) = phantomx_leg_right_front_inverse_admissible(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 2) = phantomx_leg_right_front_inverse_admissible(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_admissible, double, 7, , phantomx_leg_right_front_inverse_admissible_ports, 3)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_admissible, rows, double, 7, 3)
 
 static const walkgen_port phantomx_leg_right_front_inverse_distance_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -288,15 +265,11 @@ static const walkgen_port phantomx_leg_right_front_inverse_distance_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_distance) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_inverse_distance(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_inverse_distance(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_distance, double, 7, , phantomx_leg_right_front_inverse_distance_ports, 2)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_distance, rows, double, 7, 2)
 
 static const walkgen_port phantomx_leg_right_front_within_limits_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -304,14 +277,12 @@ static const walkgen_port phantomx_leg_right_front_within_limits_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_within_limits) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[1] + at * step[1]) = phantomx_leg_right_front_within_limits(
-            (const double *)(a[0] + at * step[0]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 1) = phantomx_leg_right_front_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_within_limits, double, 4, , phantomx_leg_right_front_within_limits_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_within_limits, phantomx_leg, 11, 1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_velocity_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -321,16 +292,14 @@ static const walkgen_port phantomx_leg_right_front_inverse_velocity_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_velocity) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = phantomx_leg_right_front_inverse_velocity(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = phantomx_leg_right_front_inverse_velocity(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_velocity, double, 10, , phantomx_leg_right_front_inverse_velocity_ports, 4)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_velocity, rows, double, 10, 4)
 
 static const walkgen_port phantomx_leg_right_front_inverse_acceleration_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -341,17 +310,15 @@ static const walkgen_port phantomx_leg_right_front_inverse_acceleration_ports[] 
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_acceleration) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[4] + at * step[4]) = phantomx_leg_right_front_inverse_acceleration(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 4) = phantomx_leg_right_front_inverse_acceleration(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_acceleration, double, 13, , phantomx_leg_right_front_inverse_acceleration_ports, 5)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_acceleration, rows, double, 13, 5)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -362,18 +329,17 @@ static const walkgen_port phantomx_leg_right_front_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics, double, 15, , phantomx_leg_right_front_inverse_dynamics_ports, 5)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_dynamics, phantomx_leg, 12, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port phantomx_leg_right_front_forward_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -384,18 +350,17 @@ static const walkgen_port phantomx_leg_right_front_forward_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_forward_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_forward_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_forward_dynamics, double, 15, , phantomx_leg_right_front_forward_dynamics_ports, 5)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_forward_dynamics, phantomx_leg, 13, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port phantomx_leg_right_front_mass_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -403,13 +368,12 @@ static const walkgen_port phantomx_leg_right_front_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_mass_matrix((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_mass_matrix, double, 12, , phantomx_leg_right_front_mass_matrix_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_mass_matrix, phantomx_leg, 14, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_right_front_bias_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -418,16 +382,12 @@ static const walkgen_port phantomx_leg_right_front_bias_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_bias) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_bias(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_bias, double, 9, , phantomx_leg_right_front_bias_ports, 3)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_bias, phantomx_leg, 15, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port phantomx_leg_right_front_gravity_torque_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -435,15 +395,12 @@ static const walkgen_port phantomx_leg_right_front_gravity_torque_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_gravity_torque) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_gravity_torque(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_gravity_torque, double, 6, , phantomx_leg_right_front_gravity_torque_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_gravity_torque, phantomx_leg, 16, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port phantomx_leg_right_front_coriolis_matrix_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -452,16 +409,15 @@ static const walkgen_port phantomx_leg_right_front_coriolis_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_coriolis_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_coriolis_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_coriolis_matrix, double, 15, , phantomx_leg_right_front_coriolis_matrix_ports, 3)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_coriolis_matrix, phantomx_leg, 17, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port phantomx_leg_right_front_kinetic_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -470,16 +426,15 @@ static const walkgen_port phantomx_leg_right_front_kinetic_energy_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_kinetic_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_kinetic_energy(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_kinetic_energy, double, 7, , phantomx_leg_right_front_kinetic_energy_ports, 3)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_kinetic_energy, phantomx_leg, 18, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port phantomx_leg_right_front_potential_energy_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -487,15 +442,12 @@ static const walkgen_port phantomx_leg_right_front_potential_energy_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_potential_energy) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_right_front_potential_energy(
-            (const double *)(a[0] + at * step[0]),
-            (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_right_front_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_potential_energy, double, 4, , phantomx_leg_right_front_potential_energy_ports, 2)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_potential_energy, phantomx_leg, 19, -1, NULL)
+WALKGEN_LOOP(phantomx_leg_right_front_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_derivatives_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -506,18 +458,16 @@ static const walkgen_port phantomx_leg_right_front_inverse_dynamics_derivatives_
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_inverse_dynamics_derivatives) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_inverse_dynamics_derivatives(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics_derivatives, double, 27, , phantomx_leg_right_front_inverse_dynamics_derivatives_ports, 5)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics_derivatives, rows, double, 27, 5)
 
 static const walkgen_port phantomx_leg_right_front_regressor_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -527,17 +477,15 @@ static const walkgen_port phantomx_leg_right_front_regressor_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_regressor) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_regressor(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_regressor, double, 99, , phantomx_leg_right_front_regressor_ports, 4)
+WALKGEN_LOOP(phantomx_leg_right_front_regressor, rows, double, 99, 4)
 
 static const walkgen_port phantomx_leg_right_front_base_parameters_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -548,18 +496,16 @@ static const walkgen_port phantomx_leg_right_front_base_parameters_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_right_front_base_parameters) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_right_front_base_parameters(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_base_parameters, double, 69, , phantomx_leg_right_front_base_parameters_ports, 5)
+WALKGEN_LOOP(phantomx_leg_right_front_base_parameters, rows, double, 69, 5)
 
 static const walkgen_port phantomx_leg_platform_poses_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -567,13 +513,11 @@ static const walkgen_port phantomx_leg_platform_poses_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_platform_poses) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_platform_poses((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_platform_poses(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_platform_poses, double, 19, , phantomx_leg_platform_poses_ports, 2)
+WALKGEN_LOOP(phantomx_leg_platform_poses, rows, double, 19, 2)
 
 static const walkgen_port phantomx_leg_foot_positions_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -581,13 +525,11 @@ static const walkgen_port phantomx_leg_foot_positions_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_foot_positions) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_foot_positions((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_foot_positions(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_foot_positions, double, 6, , phantomx_leg_foot_positions_ports, 2)
+WALKGEN_LOOP(phantomx_leg_foot_positions, rows, double, 6, 2)
 
 static const walkgen_port phantomx_leg_foot_jacobians_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -595,13 +537,11 @@ static const walkgen_port phantomx_leg_foot_jacobians_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_foot_jacobians) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_foot_jacobians((const double *)(a[0] + at * step[0]), (double *)(a[1] + at * step[1]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_foot_jacobians(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_LOOP(phantomx_leg_foot_jacobians, double, 12, , phantomx_leg_foot_jacobians_ports, 2)
+WALKGEN_LOOP(phantomx_leg_foot_jacobians, rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_com_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -610,16 +550,11 @@ static const walkgen_port phantomx_leg_com_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_com) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_com(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_com(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_com, double, 22, , phantomx_leg_com_ports, 3)
+WALKGEN_LOOP(phantomx_leg_com, rows, double, 22, 3)
 
 static const walkgen_port phantomx_leg_com_jacobian_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -628,16 +563,11 @@ static const walkgen_port phantomx_leg_com_jacobian_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_com_jacobian) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_com_jacobian(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_com_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_com_jacobian, double, 46, , phantomx_leg_com_jacobian_ports, 3)
+WALKGEN_LOOP(phantomx_leg_com_jacobian, rows, double, 46, 3)
 
 static const walkgen_port phantomx_leg_centroidal_momentum_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -646,16 +576,14 @@ static const walkgen_port phantomx_leg_centroidal_momentum_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_centroidal_momentum_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_centroidal_momentum_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_centroidal_momentum_matrix, double, 73, , phantomx_leg_centroidal_momentum_matrix_ports, 3)
+WALKGEN_LOOP(phantomx_leg_centroidal_momentum_matrix, rows, double, 73, 3)
 
 static const walkgen_port phantomx_leg_centroidal_inertia_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -664,16 +592,11 @@ static const walkgen_port phantomx_leg_centroidal_inertia_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_centroidal_inertia) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_centroidal_inertia(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_centroidal_inertia(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_centroidal_inertia, double, 28, , phantomx_leg_centroidal_inertia_ports, 3)
+WALKGEN_LOOP(phantomx_leg_centroidal_inertia, rows, double, 28, 3)
 
 static const walkgen_port phantomx_leg_momentum_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -683,17 +606,15 @@ static const walkgen_port phantomx_leg_momentum_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_momentum) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_momentum(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_LOOP(phantomx_leg_momentum, double, 34, , phantomx_leg_momentum_ports, 4)
+WALKGEN_LOOP(phantomx_leg_momentum, rows, double, 34, 4)
 
 static const walkgen_port phantomx_leg_momentum_rate_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -704,18 +625,16 @@ static const walkgen_port phantomx_leg_momentum_rate_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_momentum_rate) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_momentum_rate(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(phantomx_leg_momentum_rate, double, 43, , phantomx_leg_momentum_rate_ports, 5)
+WALKGEN_LOOP(phantomx_leg_momentum_rate, rows, double, 43, 5)
 
 static const walkgen_port phantomx_leg_demanded_wrench_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -726,18 +645,16 @@ static const walkgen_port phantomx_leg_demanded_wrench_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_demanded_wrench) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_demanded_wrench(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(phantomx_leg_demanded_wrench, double, 43, , phantomx_leg_demanded_wrench_ports, 5)
+WALKGEN_LOOP(phantomx_leg_demanded_wrench, rows, double, 43, 5)
 
 static const walkgen_port phantomx_leg_floating_mass_matrix_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -746,16 +663,11 @@ static const walkgen_port phantomx_leg_floating_mass_matrix_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_floating_mass_matrix) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        phantomx_leg_floating_mass_matrix(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        phantomx_leg_floating_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_floating_mass_matrix, double, 100, , phantomx_leg_floating_mass_matrix_ports, 3)
+WALKGEN_LOOP(phantomx_leg_floating_mass_matrix, rows, double, 100, 3)
 
 static const walkgen_port phantomx_leg_floating_inverse_dynamics_ports[] = {
     {8, 0, 0, 2, {4, 4}},
@@ -767,19 +679,17 @@ static const walkgen_port phantomx_leg_floating_inverse_dynamics_ports[] = {
 };
 
 WALKGEN_ROWS(phantomx_leg_floating_inverse_dynamics) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         phantomx_leg_floating_inverse_dynamics(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (const double *)(a[2] + at * step[2]),
-            (const double *)(a[3] + at * step[3]),
-            (const double *)(a[4] + at * step[4]),
-            (double *)(a[5] + at * step[5]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4),
+            WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(phantomx_leg_floating_inverse_dynamics, double, 49, , phantomx_leg_floating_inverse_dynamics_ports, 6)
+WALKGEN_LOOP(phantomx_leg_floating_inverse_dynamics, rows, double, 49, 6)
 
 #ifdef __cplusplus
 }

@@ -24,6 +24,7 @@
  *     WG_C(0.5)                    a literal of that type
  *     WG_EPSILON WG_TINY WG_HUGE WG_PI    unit roundoff times 2, least normal, greatest finite number, pi
  *     WG_SIN WG_COS WG_ATAN2       walkgen_trig.h, which the precision header includes; the C library's with WALKGEN_LIBM
+ *     WG_SINCOS_2 .. 4, WG_ATAN2_2 .. 4   several at once: WG_SINCOS_2(x, sin_x, cos_x, y, sin_y, cos_y)
  *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
  *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN
@@ -32,6 +33,8 @@
  *
  * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, slower. It is implied
  * where sums are not rounded as written: by -ffast-math and where the compiler keeps intermediate results wider than their type.
+ *
+ * WALKGEN_NO_BLOCKS lets `_batch` take row after row, WALKGEN_PLAIN selects C99 alone, without vector types: the same bits.
  *
  * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
  *
@@ -82,6 +85,25 @@
 #if defined(FP_FAST_FMAF) || defined(__FP_FAST_FMAF) || defined(__FMA__) || defined(__AVX512F__) || defined(__ARM_FEATURE_FMA)
 #define WALKGEN_FAST_FMAF
 #endif
+#endif
+
+/* Four numbers in one instruction: where the compiler has vector types, the target AVX2, and neither size nor the plainest C is asked for.
+ * With narrower vectors single numbers are faster. */
+#if defined(__GNUC__) && defined(__AVX2__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN) && !defined(WALKGEN_LIBM)
+#define WALKGEN_VECTORS
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_elementwise_fma)
+#define WALKGEN_ELEMENTWISE
+#endif
+#if __has_builtin(__builtin_shufflevector)
+#define WALKGEN_SHUFFLEVECTOR
+#endif
+#endif
+#endif
+
+/* Rows side by side (walkgen_batch.h): where vectors hold several numbers and speed is asked for. */
+#if (defined(__SSE2__) || defined(__aarch64__) || defined(_M_X64)) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_LIBM) && !defined(WALKGEN_NO_BLOCKS)
+#define WALKGEN_BLOCKS
 #endif
 
 #if defined(__clang__)

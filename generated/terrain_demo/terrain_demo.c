@@ -4,8 +4,48 @@
  * Spec digest 6eff9b301e0f5289109684180a7bb601a72f40f414c7508261f0c844be2a6177; 9 functions, 960 operations. This code
  *   is yours to use under any terms.
  */
+#if !defined(WALKGEN_ROWS) /* else only what is read twice: see walkgen_lanes.h */
 #include "terrain_demo.h"
 #include "walkgen_real_f64.h"
+#include "walkgen_batch.h"
+#endif
+
+WG_ROW(void terrain_demo_leg_foot_position)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT p) {
+    (void)param;
+    p[1] = 0.0;
+    const double angle_hip_knee = q[0] + q[1];
+    double sin_hip_knee, cos_hip_knee, sin_hip, cos_hip;
+    WG_SINCOS_2(angle_hip_knee, sin_hip_knee, cos_hip_knee, q[0], sin_hip, cos_hip);
+    const double knee_to_tip_x = cos_hip_knee*0.25;
+    const double knee_to_tip_y = sin_hip_knee*0.25;
+    const double hip_to_tip_x = WG_FMA(0.25, cos_hip, knee_to_tip_x);
+    p[0] = hip_to_tip_x;
+    const double hip_to_tip_y = WG_FMA(0.25, sin_hip, knee_to_tip_y);
+    p[2] = hip_to_tip_y;
+}
+
+#if defined(WALKGEN_ROWS)
+#if WALKGEN_ROWS == 2
+
+WG_BLOCK(terrain_demo_leg_foot_position) {
+    WG_EACH_LANE {
+        double WG_LOST, q[2], param[1], p[3];
+        WG_TAKE_2(q, 0)
+        WG_TAKE_1(param, 2)
+        terrain_demo_leg_foot_position_lane(q, param, p);
+        WG_KEEP_3(p, 0)
+        WG_DONE(3)
+    }
+}
+
+WG_ALONE(terrain_demo_leg_foot_position) {
+    terrain_demo_leg_foot_position(&given[0], &given[2], &found[0]);
+}
+WG_LANED(terrain_demo_leg_foot_position, 2, 1);
+
+#endif
+#else
 
 static void terrain_demo_terrain_ball_start_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT at_ball_next) {
@@ -71,13 +111,12 @@ static void terrain_demo_terrain_normal_at_kernel(const double *WG_RESTRICT p, c
     const double hump_x = 2.0*hump_cos;
     const double hump_x_2 = param[0]*hump_x;
     const double hump_3 = p[0]*0.05;
-    const double hump_x_4 = WG_FMA(p[1], 0.05, hump_x_2);
     const int t1 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
     const int t2 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t3 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t4 = isfinite(p[0]) && isfinite(p[1]);
     const double t5 = t4 ? 0.0 : WG_NAN;
-    const double across_x = t2 ? ball_f_slope : (t3 ? -hump_x_4 : t5);
+    const double across_x = t2 ? ball_f_slope : (t3 ? WG_FMA(-p[1], 0.05, -hump_x_2) : t5);
     const double across_y = t2 ? ball_f_slope_2 : (t3 ? -hump_3 : t5);
     const double across_z = t2 ? ball_f_slope_3 : (t3 ? 1.0 : (t4 ? 1.0 : WG_NAN));
     const double sign = across_z*9.80665 < 0.0 ? -1.0 : 1.0;
@@ -108,13 +147,12 @@ static void terrain_demo_terrain_tangents_at_kernel(const double *WG_RESTRICT p,
     const double hump_x = 2.0*hump_cos;
     const double hump_x_2 = param[0]*hump_x;
     const double hump_3 = p[0]*0.05;
-    const double hump_x_4 = WG_FMA(p[1], 0.05, hump_x_2);
     const int t1 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
     const int t2 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t3 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t4 = isfinite(p[0]) && isfinite(p[1]);
     const double t5 = t4 ? 0.0 : WG_NAN;
-    const double across_x = t2 ? ball_f_slope : (t3 ? -hump_x_4 : t5);
+    const double across_x = t2 ? ball_f_slope : (t3 ? WG_FMA(-p[1], 0.05, -hump_x_2) : t5);
     const double across_y = t2 ? ball_f_slope_2 : (t3 ? -hump_3 : t5);
     const double across_z = t2 ? ball_f_slope_3 : (t3 ? 1.0 : (t4 ? 1.0 : WG_NAN));
     const double sign = across_z*9.80665 < 0.0 ? -1.0 : 1.0;
@@ -239,13 +277,12 @@ static void terrain_demo_terrain_compliance_at_kernel(const double *WG_RESTRICT 
     const double hump_x = 2.0*hump_cos;
     const double hump_x_2 = param[0]*hump_x;
     const double hump_3 = p[0]*0.05;
-    const double hump_x_4 = WG_FMA(p[1], 0.05, hump_x_2);
     const int t1 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
     const int t2 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t3 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t4 = isfinite(p[0]) && isfinite(p[1]);
     const double t5 = t4 ? 0.0 : WG_NAN;
-    const double across_x = t2 ? ball_f_slope : (t3 ? -hump_x_4 : t5);
+    const double across_x = t2 ? ball_f_slope : (t3 ? WG_FMA(-p[1], 0.05, -hump_x_2) : t5);
     const double across_y = t2 ? ball_f_slope_2 : (t3 ? -hump_3 : t5);
     const double across_z = t2 ? ball_f_slope_3 : (t3 ? 1.0 : (t4 ? 1.0 : WG_NAN));
     const double sign = across_z*9.80665 < 0.0 ? -1.0 : 1.0;
@@ -369,11 +406,11 @@ static void terrain_demo_terrain_hump_nearer_kernel(const double *WG_RESTRICT p,
     const double gradient_u = WG_FMA(hump_x_4, away_z, away_x);
     const double gradient_v = WG_FMA(hump_3, away_z, away_y);
     const double square = WG_FMA(away_z, away_z, WG_FMA(away_y, away_y, away_x*away_x));
-    const double area = WG_FMA(bent_uv, bent_uv, metric_vv*bent_uu);
     const double t2 = metric_uu - t1;
-    const int t3 = (0.0 < t2 && 0.0 < metric_vv) && -(bent_uu*(metric_vv*0.0001)) < -area;
-    const double curve_uu = t3 ? t2 : metric_uu;
-    const double curve_uv = t3 ? bent_uv : metric_uv;
+    const int t3 = -(bent_uu*(metric_vv*0.0001)) < WG_FMA(-bent_uv, bent_uv, -(metric_vv*bent_uu));
+    const int t4 = (0.0 < t2 && 0.0 < metric_vv) && t3;
+    const double curve_uu = t4 ? t2 : metric_uu;
+    const double curve_uv = t4 ? bent_uv : metric_uv;
     const double stiff_uu = WG_FMA(near_hump[2], metric_uu, curve_uu);
     const double stiff_vv = WG_FMA(near_hump[2], metric_vv, metric_vv);
     const double det = WG_FMA(-stiff_uu, stiff_vv, curve_uv*curve_uv);
@@ -384,17 +421,17 @@ static void terrain_demo_terrain_hump_nearer_kernel(const double *WG_RESTRICT p,
     const double hump_7 = param[0]*hump_sin_2;
     const double hump_8 = 0.05*next_u;
     const double hump_10 = WG_FMA(next_v, hump_8, hump_7);
-    const double t4 = next_u - p[0];
-    const double t5 = next_v - p[1];
-    const double t6 = hump_10 - p[2];
-    const double square_ahead = WG_FMA(t6, t6, WG_FMA(t5, t5, t4*t4));
+    const double t5 = next_u - p[0];
+    const double t6 = next_v - p[1];
+    const double t7 = hump_10 - p[2];
+    const double square_ahead = WG_FMA(t7, t7, WG_FMA(t6, t6, t5*t5));
     const double roundoff = 64.0*WG_EPSILON;
     const double bound = WG_FMA(square, roundoff, square);
-    const int t7 = square_ahead <= bound;
-    near_hump_next[0] = t7 ? next_u : near_hump[0];
-    near_hump_next[1] = t7 ? next_v : near_hump[1];
-    const double t8 = roundoff < near_hump[2] ? near_hump[2]*0.125 : 0.0;
-    near_hump_next[2] = t7 ? t8 : (0.001 < near_hump[2] ? near_hump[2]*8.0 : 0.01);
+    const int t8 = square_ahead <= bound;
+    near_hump_next[0] = t8 ? next_u : near_hump[0];
+    near_hump_next[1] = t8 ? next_v : near_hump[1];
+    const double t9 = roundoff < near_hump[2] ? near_hump[2]*0.125 : 0.0;
+    near_hump_next[2] = t8 ? t9 : (0.001 < near_hump[2] ? near_hump[2]*8.0 : 0.01);
 }
 
 static void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
@@ -410,7 +447,10 @@ static void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT p, 
     const double roundoff = 64.0*WG_EPSILON;
     const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
     const double hump = p[0]*2.0;
-    const double hump_sin = WG_SIN(hump);
+    const double hump_6 = near_hump[0]*2.0;
+    double hump_sin, t1, hump_sin_2, hump_cos_2;
+    WG_SINCOS_2(hump, hump_sin, t1, hump_6, hump_sin_2, hump_cos_2);
+    (void)t1;
     const double hump_2 = param[0]*hump_sin;
     const double hump_3 = p[0]*0.05;
     const double hump_5 = WG_FMA(p[1], hump_3, hump_2);
@@ -422,21 +462,18 @@ static void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT p, 
     const double ball_f_slope_6 = near_ball[2]*2.0;
     const double ball_f_13 = WG_FMA(near_ball[2], near_ball[2], ball_f_11);
     const double ball_f_14 = ball_f_13 - 0.04;
-    const double t1 = WG_FMA(ball_f_slope_5, ball_f_slope_5, ball_f_slope_4*ball_f_slope_4);
-    const double gradient2 = WG_FMA(ball_f_slope_6, ball_f_slope_6, t1);
+    const double t2 = WG_FMA(ball_f_slope_5, ball_f_slope_5, ball_f_slope_4*ball_f_slope_4);
+    const double gradient2 = WG_FMA(ball_f_slope_6, ball_f_slope_6, t2);
     const double away_x = near_ball[0] - p[0];
     const double away_y = near_ball[1] - p[1];
     const double away_z = near_ball[2] - p[2];
-    const double t2 = WG_FMA(ball_f_slope_5, away_y, ball_f_slope_4*away_x);
-    const double share = WG_FMA(ball_f_slope_6, away_z, t2)/gradient2;
+    const double t3 = WG_FMA(ball_f_slope_5, away_y, ball_f_slope_4*away_x);
+    const double share = WG_FMA(ball_f_slope_6, away_z, t3)/gradient2;
     const double side_x = WG_FMA(-ball_f_slope_4, share, away_x);
     const double side_y = WG_FMA(-ball_f_slope_5, share, away_y);
     const double side_z = WG_FMA(-ball_f_slope_6, share, away_z);
-    const double t3 = fabs(p[2]) + (fabs(p[1]) + (1.0 + fabs(p[0])));
-    const double slack = tolerance*(fabs(near_ball[2]) + (fabs(near_ball[1]) + (fabs(near_ball[0]) + t3)));
-    const double hump_6 = near_hump[0]*2.0;
-    const double hump_sin_2 = WG_SIN(hump_6);
-    const double hump_cos_2 = WG_COS(hump_6);
+    const double t4 = fabs(p[2]) + (fabs(p[1]) + (1.0 + fabs(p[0])));
+    const double slack = tolerance*(fabs(near_ball[2]) + (fabs(near_ball[1]) + (fabs(near_ball[0]) + t4)));
     const double hump_x_5 = 2.0*hump_cos_2;
     const double hump_7 = param[0]*hump_sin_2;
     const double hump_x_6 = param[0]*hump_x_5;
@@ -451,63 +488,39 @@ static void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT p, 
     const double metric_vv = WG_FMA(hump_8, hump_8, 1.0);
     const double gradient_u = WG_FMA(hump_x_8, away_z_2, away_x_2);
     const double gradient_v = WG_FMA(hump_8, away_z_2, away_y_2);
-    const double slack_2 = tolerance*(fabs(hump_10) + (fabs(near_hump[1]) + (t3 + fabs(near_hump[0]))));
-    const int t4 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
-    const int t5 = t4 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
-    const int t6 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
-    const int t7 = isfinite(p[0]) && isfinite(p[1]);
-    const double t8 = t7 ? p[0] : WG_NAN;
-    const double nearest_x = t5 ? near_ball[0] : (t6 ? near_hump[0] : t8);
-    const double t9 = t7 ? p[1] : WG_NAN;
-    const double nearest_y = t5 ? near_ball[1] : (t6 ? near_hump[1] : t9);
-    const double t10 = t7 ? 0.0 : WG_NAN;
-    const double nearest_z = t5 ? near_ball[2] : (t6 ? hump_10 : t10);
-    const int t11 = -0.2 <= near_ball[1] && near_ball[1] <= 0.2;
-    const int t12 = -1.0 <= near_hump[0] && near_hump[0] <= 1.0;
-    const double t13 = (t12 && (-1.0 <= near_hump[1] && near_hump[1] <= 1.0)) ? 1.0 : 0.0;
-    const double t14 = ((1.3 <= near_ball[0] && near_ball[0] <= 1.7) && t11) ? 1.0 : 0.0;
-    const double inside = t5 ? t14 : (t6 ? t13 : (t7 ? (t7 ? 1.0 : 0.0) : 0.0));
-    const double t15 = slack*slack;
-    const int t16 = WG_FMA(side_z, side_z, WG_FMA(side_y, side_y, side_x*side_x)) <= t15;
-    const int t17 = gradient_u*gradient_u/metric_uu + gradient_v*gradient_v/metric_vv <= slack_2*slack_2;
-    const int t18 = isfinite(p[2]);
-    const double t19 = t7 ? (t18 ? 1.0 : 0.0) : 0.0;
-    const double t20 = (t16 && ball_f_14*ball_f_14/gradient2 <= t15) ? 1.0 : 0.0;
-    const double close = t5 ? t20 : (t6 ? (t17 ? 1.0 : 0.0) : t19);
-    const double t21 = t6 ? (0.0 < WG_FMA(-metric_uv, metric_uv, metric_uu*metric_vv) ? 1.0 : 0.0) : t19;
-    const double regular = t5 ? (0.0 < gradient2 ? 1.0 : 0.0) : t21;
-    const int t22 = t7 && t18;
-    const int t23 = inside == 1.0;
-    foot[0] = t22 ? (t23 ? nearest_x : (t5 ? p[0] : (t6 ? p[0] : t8))) : WG_NAN;
-    foot[1] = t22 ? (t23 ? nearest_y : (t5 ? p[1] : (t6 ? p[1] : t9))) : WG_NAN;
-    foot[2] = t22 ? (t23 ? nearest_z : (t5 ? at_ball[0] : (t6 ? hump_5 : t10))) : WG_NAN;
-    const int t24 = (isfinite(nearest_x) && isfinite(nearest_y)) && isfinite(nearest_z);
-    const double t25 = t23 ? (regular == 1.0 ? ((close == 1.0 && t24) ? 0.0 : 4.0) : 3.0) : 1.0;
-    *status = (int32_t)(t22 ? t25 : 2.0);
-}
-
-void terrain_demo_leg_foot_position(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT p) {
-    (void)param;
-    p[1] = 0.0;
-    const double angle_hip_knee = q[0] + q[1];
-    const double cos_hip_knee = WG_COS(angle_hip_knee);
-    const double sin_hip_knee = WG_SIN(angle_hip_knee);
-    const double knee_to_tip_x = cos_hip_knee*0.25;
-    const double knee_to_tip_y = sin_hip_knee*0.25;
-    const double cos_hip = WG_COS(q[0]);
-    const double sin_hip = WG_SIN(q[0]);
-    const double hip_to_tip_x = WG_FMA(0.25, cos_hip, knee_to_tip_x);
-    p[0] = hip_to_tip_x;
-    const double hip_to_tip_y = WG_FMA(0.25, sin_hip, knee_to_tip_y);
-    p[2] = hip_to_tip_y;
-}
-
-void terrain_demo_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_leg_foot_position(q + row * 2, param, p + row * 3);
-    }
+    const double slack_2 = tolerance*(fabs(hump_10) + (fabs(near_hump[1]) + (t4 + fabs(near_hump[0]))));
+    const int t5 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
+    const int t6 = t5 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
+    const int t7 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
+    const int t8 = isfinite(p[0]) && isfinite(p[1]);
+    const double t9 = t8 ? p[0] : WG_NAN;
+    const double nearest_x = t6 ? near_ball[0] : (t7 ? near_hump[0] : t9);
+    const double t10 = t8 ? p[1] : WG_NAN;
+    const double nearest_y = t6 ? near_ball[1] : (t7 ? near_hump[1] : t10);
+    const double t11 = t8 ? 0.0 : WG_NAN;
+    const double nearest_z = t6 ? near_ball[2] : (t7 ? hump_10 : t11);
+    const int t12 = -0.2 <= near_ball[1] && near_ball[1] <= 0.2;
+    const int t13 = -1.0 <= near_hump[0] && near_hump[0] <= 1.0;
+    const double t14 = (t13 && (-1.0 <= near_hump[1] && near_hump[1] <= 1.0)) ? 1.0 : 0.0;
+    const double t15 = ((1.3 <= near_ball[0] && near_ball[0] <= 1.7) && t12) ? 1.0 : 0.0;
+    const double inside = t6 ? t15 : (t7 ? t14 : (t8 ? (t8 ? 1.0 : 0.0) : 0.0));
+    const double t16 = slack*slack;
+    const int t17 = WG_FMA(side_z, side_z, WG_FMA(side_y, side_y, side_x*side_x)) <= t16;
+    const int t18 = gradient_u*gradient_u/metric_uu + gradient_v*gradient_v/metric_vv <= slack_2*slack_2;
+    const int t19 = isfinite(p[2]);
+    const double t20 = t8 ? (t19 ? 1.0 : 0.0) : 0.0;
+    const double t21 = (t17 && ball_f_14*ball_f_14/gradient2 <= t16) ? 1.0 : 0.0;
+    const double close = t6 ? t21 : (t7 ? (t18 ? 1.0 : 0.0) : t20);
+    const double t22 = t7 ? (0.0 < WG_FMA(-metric_uv, metric_uv, metric_uu*metric_vv) ? 1.0 : 0.0) : t20;
+    const double regular = t6 ? (0.0 < gradient2 ? 1.0 : 0.0) : t22;
+    const int t23 = t8 && t19;
+    const int t24 = inside == 1.0;
+    foot[0] = t23 ? (t24 ? nearest_x : (t6 ? p[0] : (t7 ? p[0] : t9))) : WG_NAN;
+    foot[1] = t23 ? (t24 ? nearest_y : (t6 ? p[1] : (t7 ? p[1] : t10))) : WG_NAN;
+    foot[2] = t23 ? (t24 ? nearest_z : (t6 ? at_ball[0] : (t7 ? hump_5 : t11))) : WG_NAN;
+    const int t25 = (isfinite(nearest_x) && isfinite(nearest_y)) && isfinite(nearest_z);
+    const double t26 = t24 ? (regular == 1.0 ? ((close == 1.0 && t25) ? 0.0 : 4.0) : 3.0) : 1.0;
+    *status = (int32_t)(t23 ? t26 : 2.0);
 }
 
 void terrain_demo_terrain_height(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -700,3 +713,24 @@ size_t terrain_demo_terrain_project_batch(size_t rows, const double *WG_RESTRICT
     }
     return bad;
 }
+
+#if defined(WALKGEN_BLOCKS)
+#define WALKGEN_ROWS 2
+#include "walkgen_lanes.h"
+#include "terrain_demo.c"
+#undef WALKGEN_ROWS
+#endif
+
+void terrain_demo_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT p) {
+#if defined(WALKGEN_BLOCKS)
+    const struct wg_array arrays[] = {WG_DENSE(q, 2), WG_SHARED(param, 1), WG_DENSE(p, 3)};
+    (void)WG_NAME(wg_batch)(&terrain_demo_leg_foot_position_laned, rows, arrays, NULL);
+#else
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_leg_foot_position(q + row * 2, param, p + row * 3);
+    }
+#endif
+}
+
+#endif

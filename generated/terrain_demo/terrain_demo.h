@@ -65,7 +65,7 @@ void terrain_demo_terrain_height_batch(size_t rows, const double *WG_RESTRICT p,
 /* Unit normal of the ground at the point's x and y, turned against gravity; NaN off every patch and where there is
  *   none.
  * p [3] m, param [1] as declared -> n [3]
- * 85 operations (at most 240 bytes of locals).
+ * 85 operations (at most 232 bytes of locals).
  * Source: theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)
  */
 void terrain_demo_terrain_normal(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -76,7 +76,7 @@ void terrain_demo_terrain_normal_batch(size_t rows, const double *WG_RESTRICT p,
 /* Unit tangents t1, t2 (rows) of the ground at the point's x and y, with t1 x t2 = n; x and y of the world on level
  *   ground.
  * p [3] m, param [1] as declared -> t [2, 3]
- * 102 operations (at most 264 bytes of locals).
+ * 102 operations (at most 256 bytes of locals).
  * Source: Duff et al., Building an orthonormal basis, revisited, JCGT 2017
  */
 void terrain_demo_terrain_tangents(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -110,7 +110,7 @@ void terrain_demo_terrain_ground_batch(size_t rows, const double *WG_RESTRICT p,
  *   NaN off every patch and where there is no normal. In series with a leg's compliance: their sum is what
  *   contact_forces takes.
  * p [3] m, param [1] as declared -> C [3, 3] m/N
- * 110 operations (at most 328 bytes of locals).
+ * 110 operations (at most 320 bytes of locals).
  * Source: theory 4.3: C = n n'/kn + (1 - n n')/kt
  */
 void terrain_demo_terrain_compliance(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -132,7 +132,7 @@ void terrain_demo_terrain_patch_batch(size_t rows, const double *WG_RESTRICT p, 
  *   p finds it: p minus it is normal to the surface. UNREACHABLE where it lies beyond the patch's domain (foot is then
  *   the point over p) or p is off every patch (NaN); SINGULAR where the surface has no normal at the foot.
  * p [3] m, param [1] as declared -> foot [3] m, status
- * Returns the status. 320 operations (at most 688 bytes of locals).
+ * Returns the status. 320 operations (at most 696 bytes of locals).
  * Source: theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)
  */
 int32_t terrain_demo_terrain_project(const double *WG_RESTRICT p, const double *WG_RESTRICT param,

@@ -137,7 +137,6 @@ def _terrain_normal_at():
     hump_x = 2.0 * hump_cos
     hump_x_2 = param[0] * hump_x
     hump_3 = p[0] * 0.05
-    hump_x_4 = p[1] * 0.05 + hump_x_2
     t1 = ca.logic_and(-0.2 <= p[1], p[1] <= 0.2)
     t2 = ca.fabs(ball_rest) <= tolerance * (1.0 + ca.fabs(at_ball[0]))
     t3 = ca.logic_and(ca.logic_and(ca.logic_and(1.3 <= p[0], p[0] <= 1.7), t1), t2)
@@ -145,7 +144,7 @@ def _terrain_normal_at():
     t5 = ca.logic_and(t4, ca.logic_and(-1.0 <= p[1], p[1] <= 1.0))
     t6 = ca.logic_and(_finite(p[0]), _finite(p[1]))
     t7 = ca.if_else(t6, 0.0, float("nan"))
-    across_x = ca.if_else(t3, ball_f_slope, ca.if_else(t5, -hump_x_4, t7))
+    across_x = ca.if_else(t3, ball_f_slope, ca.if_else(t5, -p[1] * 0.05 - hump_x_2, t7))
     across_y = ca.if_else(t3, ball_f_slope_2, ca.if_else(t5, -hump_3, t7))
     t8 = ca.if_else(t5, 1.0, ca.if_else(t6, 1.0, float("nan")))
     across_z = ca.if_else(t3, ball_f_slope_3, t8)
@@ -186,7 +185,6 @@ def _terrain_tangents_at():
     hump_x = 2.0 * hump_cos
     hump_x_2 = param[0] * hump_x
     hump_3 = p[0] * 0.05
-    hump_x_4 = p[1] * 0.05 + hump_x_2
     t1 = ca.logic_and(-0.2 <= p[1], p[1] <= 0.2)
     t2 = ca.fabs(ball_rest) <= tolerance * (1.0 + ca.fabs(at_ball[0]))
     t3 = ca.logic_and(ca.logic_and(ca.logic_and(1.3 <= p[0], p[0] <= 1.7), t1), t2)
@@ -194,7 +192,7 @@ def _terrain_tangents_at():
     t5 = ca.logic_and(t4, ca.logic_and(-1.0 <= p[1], p[1] <= 1.0))
     t6 = ca.logic_and(_finite(p[0]), _finite(p[1]))
     t7 = ca.if_else(t6, 0.0, float("nan"))
-    across_x = ca.if_else(t3, ball_f_slope, ca.if_else(t5, -hump_x_4, t7))
+    across_x = ca.if_else(t3, ball_f_slope, ca.if_else(t5, -p[1] * 0.05 - hump_x_2, t7))
     across_y = ca.if_else(t3, ball_f_slope_2, ca.if_else(t5, -hump_3, t7))
     t8 = ca.if_else(t5, 1.0, ca.if_else(t6, 1.0, float("nan")))
     across_z = ca.if_else(t3, ball_f_slope_3, t8)
@@ -356,7 +354,6 @@ def _terrain_compliance_at():
     hump_x = 2.0 * hump_cos
     hump_x_2 = param[0] * hump_x
     hump_3 = p[0] * 0.05
-    hump_x_4 = p[1] * 0.05 + hump_x_2
     t1 = ca.logic_and(-0.2 <= p[1], p[1] <= 0.2)
     t2 = ca.fabs(ball_rest) <= tolerance * (1.0 + ca.fabs(at_ball[0]))
     t3 = ca.logic_and(ca.logic_and(ca.logic_and(1.3 <= p[0], p[0] <= 1.7), t1), t2)
@@ -364,7 +361,7 @@ def _terrain_compliance_at():
     t5 = ca.logic_and(t4, ca.logic_and(-1.0 <= p[1], p[1] <= 1.0))
     t6 = ca.logic_and(_finite(p[0]), _finite(p[1]))
     t7 = ca.if_else(t6, 0.0, float("nan"))
-    across_x = ca.if_else(t3, ball_f_slope, ca.if_else(t5, -hump_x_4, t7))
+    across_x = ca.if_else(t3, ball_f_slope, ca.if_else(t5, -p[1] * 0.05 - hump_x_2, t7))
     across_y = ca.if_else(t3, ball_f_slope_2, ca.if_else(t5, -hump_3, t7))
     t8 = ca.if_else(t5, 1.0, ca.if_else(t6, 1.0, float("nan")))
     across_z = ca.if_else(t3, ball_f_slope_3, t8)
@@ -533,9 +530,8 @@ def _terrain_hump_nearer():
     gradient_u = hump_x_4 * away_z + away_x
     gradient_v = hump_3 * away_z + away_y
     square = away_z * away_z + (away_y * away_y + away_x * away_x)
-    area = bent_uv * bent_uv + metric_vv * bent_uu
     t2 = metric_uu - t1
-    t3 = -(bent_uu * (metric_vv * 0.0001)) < -area
+    t3 = -(bent_uu * (metric_vv * 0.0001)) < -bent_uv * bent_uv - metric_vv * bent_uu
     t4 = ca.logic_and(ca.logic_and(0.0 < t2, 0.0 < metric_vv), t3)
     curve_uu = ca.if_else(t4, t2, metric_uu)
     curve_uv = ca.if_else(t4, bent_uv, metric_uv)
@@ -589,7 +585,10 @@ def _terrain_project_at():
     roundoff = 64.0 * 2.220446049250313e-16
     tolerance = ca.if_else(1e-09 < roundoff, roundoff, 1e-09)
     hump = p[0] * 2.0
+    hump_6 = near_hump[0] * 2.0
     hump_sin = ca.sin(hump)
+    hump_sin_2 = ca.sin(hump_6)
+    hump_cos_2 = ca.cos(hump_6)
     hump_2 = param[0] * hump_sin
     hump_3 = p[0] * 0.05
     hump_5 = p[1] * hump_3 + hump_2
@@ -614,9 +613,6 @@ def _terrain_project_at():
     t3 = ca.fabs(p[2]) + (ca.fabs(p[1]) + (1.0 + ca.fabs(p[0])))
     t4 = ca.fabs(near_ball[2]) + (ca.fabs(near_ball[1]) + (ca.fabs(near_ball[0]) + t3))
     slack = tolerance * t4
-    hump_6 = near_hump[0] * 2.0
-    hump_sin_2 = ca.sin(hump_6)
-    hump_cos_2 = ca.cos(hump_6)
     hump_x_5 = 2.0 * hump_cos_2
     hump_7 = param[0] * hump_sin_2
     hump_x_6 = param[0] * hump_x_5
@@ -692,10 +688,10 @@ def leg_foot_position():
     angle_hip_knee = q[0] + q[1]
     cos_hip_knee = ca.cos(angle_hip_knee)
     sin_hip_knee = ca.sin(angle_hip_knee)
-    knee_to_tip_x = cos_hip_knee * 0.25
-    knee_to_tip_y = sin_hip_knee * 0.25
     cos_hip = ca.cos(q[0])
     sin_hip = ca.sin(q[0])
+    knee_to_tip_x = cos_hip_knee * 0.25
+    knee_to_tip_y = sin_hip_knee * 0.25
     hip_to_tip_x = 0.25 * cos_hip + knee_to_tip_x
     hip_to_tip_y = 0.25 * sin_hip + knee_to_tip_y
     p = _column([hip_to_tip_x, 0.0, hip_to_tip_y])

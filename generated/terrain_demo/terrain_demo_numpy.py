@@ -187,7 +187,6 @@ def _terrain_normal_at(p, at_ball, param):
     hump_x = 2.0 * hump_cos
     hump_x_2 = param_0 * hump_x
     hump_3 = p_0 * 0.05
-    hump_x_4 = p_1 * 0.05 + hump_x_2
     t1 = np.logical_and(-0.2 <= p_1, p_1 <= 0.2)
     t2 = np.logical_and(np.logical_and(1.3 <= p_0, p_0 <= 1.7), t1)
     t3 = np.logical_and(t2, np.abs(ball_rest) <= tolerance * (1.0 + np.abs(at_ball_0)))
@@ -195,7 +194,7 @@ def _terrain_normal_at(p, at_ball, param):
     t5 = np.logical_and(t4, np.logical_and(-1.0 <= p_1, p_1 <= 1.0))
     t6 = np.logical_and(np.isfinite(p_0), np.isfinite(p_1))
     t7 = np.where(t6, 0.0, float("nan"))
-    across_x = np.where(t3, ball_f_slope, np.where(t5, -hump_x_4, t7))
+    across_x = np.where(t3, ball_f_slope, np.where(t5, -p_1 * 0.05 - hump_x_2, t7))
     across_y = np.where(t3, ball_f_slope_2, np.where(t5, -hump_3, t7))
     across_z = np.where(t3, ball_f_slope_3, np.where(t5, 1.0, np.where(t6, 1.0, float("nan"))))
     sign = np.where(across_z * 9.80665 < 0.0, -1.0, 1.0)
@@ -232,7 +231,6 @@ def _terrain_tangents_at(p, at_ball, param):
     hump_x = 2.0 * hump_cos
     hump_x_2 = param_0 * hump_x
     hump_3 = p_0 * 0.05
-    hump_x_4 = p_1 * 0.05 + hump_x_2
     t1 = np.logical_and(-0.2 <= p_1, p_1 <= 0.2)
     t2 = np.logical_and(np.logical_and(1.3 <= p_0, p_0 <= 1.7), t1)
     t3 = np.logical_and(t2, np.abs(ball_rest) <= tolerance * (1.0 + np.abs(at_ball_0)))
@@ -240,7 +238,7 @@ def _terrain_tangents_at(p, at_ball, param):
     t5 = np.logical_and(t4, np.logical_and(-1.0 <= p_1, p_1 <= 1.0))
     t6 = np.logical_and(np.isfinite(p_0), np.isfinite(p_1))
     t7 = np.where(t6, 0.0, float("nan"))
-    across_x = np.where(t3, ball_f_slope, np.where(t5, -hump_x_4, t7))
+    across_x = np.where(t3, ball_f_slope, np.where(t5, -p_1 * 0.05 - hump_x_2, t7))
     across_y = np.where(t3, ball_f_slope_2, np.where(t5, -hump_3, t7))
     across_z = np.where(t3, ball_f_slope_3, np.where(t5, 1.0, np.where(t6, 1.0, float("nan"))))
     sign = np.where(across_z * 9.80665 < 0.0, -1.0, 1.0)
@@ -389,7 +387,6 @@ def _terrain_compliance_at(p, at_ball, param):
     hump_x = 2.0 * hump_cos
     hump_x_2 = param_0 * hump_x
     hump_3 = p_0 * 0.05
-    hump_x_4 = p_1 * 0.05 + hump_x_2
     t1 = np.logical_and(-0.2 <= p_1, p_1 <= 0.2)
     t2 = np.logical_and(np.logical_and(1.3 <= p_0, p_0 <= 1.7), t1)
     t3 = np.logical_and(t2, np.abs(ball_rest) <= tolerance * (1.0 + np.abs(at_ball_0)))
@@ -397,7 +394,7 @@ def _terrain_compliance_at(p, at_ball, param):
     t5 = np.logical_and(t4, np.logical_and(-1.0 <= p_1, p_1 <= 1.0))
     t6 = np.logical_and(np.isfinite(p_0), np.isfinite(p_1))
     t7 = np.where(t6, 0.0, float("nan"))
-    across_x = np.where(t3, ball_f_slope, np.where(t5, -hump_x_4, t7))
+    across_x = np.where(t3, ball_f_slope, np.where(t5, -p_1 * 0.05 - hump_x_2, t7))
     across_y = np.where(t3, ball_f_slope_2, np.where(t5, -hump_3, t7))
     across_z = np.where(t3, ball_f_slope_3, np.where(t5, 1.0, np.where(t6, 1.0, float("nan"))))
     sign = np.where(across_z * 9.80665 < 0.0, -1.0, 1.0)
@@ -547,10 +544,9 @@ def _terrain_hump_nearer(p, near_hump, param):
     gradient_u = hump_x_4 * away_z + away_x
     gradient_v = hump_3 * away_z + away_y
     square = away_z * away_z + (away_y * away_y + away_x * away_x)
-    area = bent_uv * bent_uv + metric_vv * bent_uu
     t2 = metric_uu - t1
-    t3 = np.logical_and(0.0 < t2, 0.0 < metric_vv)
-    t4 = np.logical_and(t3, -(bent_uu * (metric_vv * 0.0001)) < -area)
+    t3 = -(bent_uu * (metric_vv * 0.0001)) < -bent_uv * bent_uv - metric_vv * bent_uu
+    t4 = np.logical_and(np.logical_and(0.0 < t2, 0.0 < metric_vv), t3)
     curve_uu = np.where(t4, t2, metric_uu)
     curve_uv = np.where(t4, bent_uv, metric_uv)
     stiff_uu = near_hump_2 * metric_uu + curve_uu
@@ -598,7 +594,10 @@ def _terrain_project_at(p, at_ball, near_ball, near_hump, param):
     roundoff = 64.0 * 2.220446049250313e-16
     tolerance = np.where(1e-09 < roundoff, roundoff, 1e-09)
     hump = p_0 * 2.0
+    hump_6 = near_hump_0 * 2.0
     hump_sin = np.sin(hump)
+    hump_sin_2 = np.sin(hump_6)
+    hump_cos_2 = np.cos(hump_6)
     hump_2 = param_0 * hump_sin
     hump_3 = p_0 * 0.05
     hump_5 = p_1 * hump_3 + hump_2
@@ -623,9 +622,6 @@ def _terrain_project_at(p, at_ball, near_ball, near_hump, param):
     t3 = np.abs(p_2) + (np.abs(p_1) + (1.0 + np.abs(p_0)))
     t4 = np.abs(near_ball_2) + (np.abs(near_ball_1) + (np.abs(near_ball_0) + t3))
     slack = tolerance * t4
-    hump_6 = near_hump_0 * 2.0
-    hump_sin_2 = np.sin(hump_6)
-    hump_cos_2 = np.cos(hump_6)
     hump_x_5 = 2.0 * hump_cos_2
     hump_7 = param_0 * hump_sin_2
     hump_x_6 = param_0 * hump_x_5
@@ -694,10 +690,10 @@ def leg_foot_position(q, param):
     angle_hip_knee = q_0 + q_1
     cos_hip_knee = np.cos(angle_hip_knee)
     sin_hip_knee = np.sin(angle_hip_knee)
-    knee_to_tip_x = cos_hip_knee * 0.25
-    knee_to_tip_y = sin_hip_knee * 0.25
     cos_hip = np.cos(q_0)
     sin_hip = np.sin(q_0)
+    knee_to_tip_x = cos_hip_knee * 0.25
+    knee_to_tip_y = sin_hip_knee * 0.25
     hip_to_tip_x = 0.25 * cos_hip + knee_to_tip_x
     hip_to_tip_y = 0.25 * sin_hip + knee_to_tip_y
     p = _array(lead, (3,), np.float64, [hip_to_tip_x, 0.0, hip_to_tip_y])

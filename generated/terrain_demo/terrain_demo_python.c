@@ -6,10 +6,16 @@
  */
 #include "terrain_demo.h"
 #include "walkgen_loops.h"
+#include "walkgen_real_f64.h"
+#include "walkgen_wide.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+extern const struct walkgen_wide terrain_demo_avx2, terrain_demo_avx512;
+static const struct walkgen_wide *const terrain_demo_wide[] = {&terrain_demo_avx2, &terrain_demo_avx512};
+WALKGEN_LEVEL(terrain_demo)
 
 static const walkgen_port terrain_demo_leg_foot_position_ports[] = {
     {8, 0, 0, 1, {2}},
@@ -18,16 +24,12 @@ static const walkgen_port terrain_demo_leg_foot_position_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_leg_foot_position) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        terrain_demo_leg_foot_position(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        terrain_demo_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_leg_foot_position, double, 6, , terrain_demo_leg_foot_position_ports, 3)
+WALKGEN_WIDE_ROWS(terrain_demo_leg_foot_position, terrain_demo, 0, -1, NULL)
+WALKGEN_LOOP(terrain_demo_leg_foot_position, wide_rows, double, 6, 3)
 
 static const walkgen_port terrain_demo_terrain_height_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -36,16 +38,11 @@ static const walkgen_port terrain_demo_terrain_height_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_height) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        terrain_demo_terrain_height(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        terrain_demo_terrain_height(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_height, double, 5, , terrain_demo_terrain_height_ports, 3)
+WALKGEN_LOOP(terrain_demo_terrain_height, rows, double, 5, 3)
 
 static const walkgen_port terrain_demo_terrain_normal_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -54,16 +51,11 @@ static const walkgen_port terrain_demo_terrain_normal_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_normal) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        terrain_demo_terrain_normal(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        terrain_demo_terrain_normal(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_normal, double, 7, , terrain_demo_terrain_normal_ports, 3)
+WALKGEN_LOOP(terrain_demo_terrain_normal, rows, double, 7, 3)
 
 static const walkgen_port terrain_demo_terrain_tangents_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -72,16 +64,11 @@ static const walkgen_port terrain_demo_terrain_tangents_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_tangents) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        terrain_demo_terrain_tangents(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        terrain_demo_terrain_tangents(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_tangents, double, 10, , terrain_demo_terrain_tangents_ports, 3)
+WALKGEN_LOOP(terrain_demo_terrain_tangents, rows, double, 10, 3)
 
 static const walkgen_port terrain_demo_terrain_curvature_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -90,16 +77,11 @@ static const walkgen_port terrain_demo_terrain_curvature_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_curvature) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        terrain_demo_terrain_curvature(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        terrain_demo_terrain_curvature(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_curvature, double, 8, , terrain_demo_terrain_curvature_ports, 3)
+WALKGEN_LOOP(terrain_demo_terrain_curvature, rows, double, 8, 3)
 
 static const walkgen_port terrain_demo_terrain_ground_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -110,18 +92,16 @@ static const walkgen_port terrain_demo_terrain_ground_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_ground) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
+    WALKGEN_EACH_ROW {
         terrain_demo_terrain_ground(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]),
-            (double *)(a[3] + at * step[3]),
-            (double *)(a[4] + at * step[4]));
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2),
+            WALKGEN_PORT(double, 3),
+            WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_ground, double, 7, , terrain_demo_terrain_ground_ports, 5)
+WALKGEN_LOOP(terrain_demo_terrain_ground, rows, double, 7, 5)
 
 static const walkgen_port terrain_demo_terrain_compliance_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -130,16 +110,11 @@ static const walkgen_port terrain_demo_terrain_compliance_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_compliance) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        terrain_demo_terrain_compliance(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        terrain_demo_terrain_compliance(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_compliance, double, 13, , terrain_demo_terrain_compliance_ports, 3)
+WALKGEN_LOOP(terrain_demo_terrain_compliance, rows, double, 13, 3)
 
 static const walkgen_port terrain_demo_terrain_patch_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -148,16 +123,11 @@ static const walkgen_port terrain_demo_terrain_patch_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_patch) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        terrain_demo_terrain_patch(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (int32_t *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        terrain_demo_terrain_patch(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_patch, double, 5, , terrain_demo_terrain_patch_ports, 3)
+WALKGEN_LOOP(terrain_demo_terrain_patch, rows, double, 5, 3)
 
 static const walkgen_port terrain_demo_terrain_project_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -167,16 +137,14 @@ static const walkgen_port terrain_demo_terrain_project_ports[] = {
 };
 
 WALKGEN_ROWS(terrain_demo_terrain_project) {
-    intptr_t at;
-    (void)dimensions;
-    for (at = 0; at < rows; at++) {
-        *(int32_t *)(a[3] + at * step[3]) = terrain_demo_terrain_project(
-            (const double *)(a[0] + at * step[0]),
-            (const double *)(a[1] + at * step[1]),
-            (double *)(a[2] + at * step[2]));
+    WALKGEN_EACH_ROW {
+        *WALKGEN_PORT(int32_t, 3) = terrain_demo_terrain_project(
+            WALKGEN_PORT(double, 0),
+            WALKGEN_PORT(double, 1),
+            WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(terrain_demo_terrain_project, double, 8, , terrain_demo_terrain_project_ports, 4)
+WALKGEN_LOOP(terrain_demo_terrain_project, rows, double, 8, 4)
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,131 @@
+/* walkgen_trig_kernel.h: the steps of walkgen_trig.h, written once for single numbers and for vectors of them; it alone includes this.
+ *
+ *     WG_T WG_TN(x)                   the type, a number or a vector, and names for it
+ *     WG_TC(0.5) WG_TK(WG_MAGIC)      a literal and a macro's number, in every lane
+ *     WG_TFMA WG_TABS WG_TCOPYSIGN    as WG_FMA, WG_ABS and the C library's copysign, lane by lane
+ */
+#if defined(WG_T)
+/* An angle less n quarter turns: high - low, where low is at most about a rounding of high. */
+struct WG_TN(wg_reduced) {
+    WG_T n, high, low;
+};
+
+#if WG_REAL_BITS == 64
+/* pi/2 in 36 + 36 + 53 bits; |n| < 2^16. */
+WG_INLINE struct WG_TN(wg_reduced) WG_TN(wg_reduce)(WG_T x) {
+    const WG_T n = WG_TFMA(x, WG_TC(0.63661977236758138), WG_TK(WG_MAGIC)) - WG_TK(WG_MAGIC);
+    const WG_T rest = WG_TFMA(n, WG_TC(-1.5707963267923333), x);
+    const WG_T high = WG_TFMA(n, WG_TC(-2.5633441515839558e-12), rest);
+    const WG_T dropped = WG_TFMA(n, WG_TC(-2.5633441515839558e-12), rest - high);
+    const struct WG_TN(wg_reduced) reduced = {n, high, WG_TFMA(n, WG_TC(1.0562999066987428e-23), -dropped)};
+    return reduced;
+}
+
+/* (r - sin r) / r^3 by z = r^2; relative error of sin 2^-57.8 for |r| <= 0.7854. */
+WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z, WG_T z2) {
+    const WG_T start = WG_TFMA(z, WG_TC(-0.0083333333333218407), WG_TC(0.1666666666666663));
+    const WG_T middle = WG_TFMA(z, WG_TC(-2.7557313538625445e-6), WG_TC(0.00019841269829358506));
+    const WG_T end = WG_TFMA(z, WG_TC(-1.5895440412425314e-10), WG_TC(2.5050734448150096e-8));
+    return WG_TFMA(z2, WG_TFMA(z2, end, middle), start);
+}
+
+/* (cos r - 1 + r^2/2) / r^4; relative error of cos 2^-63.9. */
+WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z, WG_T z2) {
+    const WG_T start = WG_TFMA(z, WG_TC(-0.0013888888888873342), WG_TC(0.041666666666666595));
+    const WG_T middle = WG_TFMA(z, WG_TC(-2.755731421703696e-7), WG_TC(2.4801587289002079e-5));
+    const WG_T end = WG_TFMA(z, WG_TC(-1.1358749148704411e-11), WG_TC(2.0875705395231184e-9));
+    return WG_TFMA(z2, WG_TFMA(z2, end, middle), start);
+}
+
+/* (r - atan r) / r^3; relative error of atan 2^-56.9 for |r| <= 1/2. */
+WG_INLINE WG_T WG_TN(wg_arctangent_series)(WG_T z) {
+    const WG_T z2 = z * z, z4 = z2 * z2;
+    const WG_T first = WG_TFMA(z, WG_TC(-0.19999999999903106), WG_TC(0.33333333333332982));
+    const WG_T second = WG_TFMA(z, WG_TC(-0.11111110659608543), WG_TC(0.14285714276385342));
+    const WG_T third = WG_TFMA(z, WG_TC(-0.076920739212926956), WG_TC(0.09090896244393766));
+    const WG_T fourth = WG_TFMA(z, WG_TC(-0.058583021924568282), WG_TC(0.066638109061915016));
+    const WG_T fifth = WG_TFMA(z, WG_TC(-0.041865531557321534), WG_TC(0.051220239044616304));
+    const WG_T sixth = WG_TFMA(z, WG_TC(-0.010116791246824708), WG_TC(0.02743544686817501));
+    const WG_T start = WG_TFMA(z2, second, first), middle = WG_TFMA(z2, fourth, third), end = WG_TFMA(z2, sixth, fifth);
+    return WG_TFMA(z4, WG_TFMA(z4, end, middle), start);
+}
+#else
+/* pi/2 in 11 + 11 + 11 + 24 bits; |n| < 2^13. */
+WG_INLINE struct WG_TN(wg_reduced) WG_TN(wg_reduce)(WG_T x) {
+    const WG_T n = WG_TFMA(x, WG_TC(0.636619772), WG_TK(WG_MAGIC)) - WG_TK(WG_MAGIC);
+    const WG_T first = WG_TFMA(n, WG_TC(-1.5703125), x);
+    const WG_T second = WG_TFMA(n, WG_TC(-0.000483751297), first);
+    const WG_T dropped = WG_TFMA(n, WG_TC(-0.000483751297), first - second);
+    const WG_T third = WG_TFMA(n, WG_TC(7.54953362e-8), -dropped);
+    const WG_T high = second - third;
+    const struct WG_TN(wg_reduced) reduced = {n, high, WG_TFMA(n, WG_TC(2.56334407e-12), third - (second - high))};
+    return reduced;
+}
+
+/* (r - sin r) / r^3 by z = r^2; relative error of sin 2^-27.8 for |r| <= 0.7866. */
+WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z, WG_T z2) {
+    return WG_TFMA(z2, WG_TC(0.000195176981), WG_TFMA(z, WG_TC(-0.00833218638), WG_TC(0.166666552)));
+}
+
+/* (cos r - 1 + r^2/2) / r^4; relative error of cos 2^-32.9. */
+WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z, WG_T z2) {
+    return WG_TFMA(z2, WG_TC(2.44323219e-5), WG_TFMA(z, WG_TC(-0.00138873095), WG_TC(0.0416666456)));
+}
+
+/* (r - atan r) / r^3; relative error of atan 2^-27.4 for |r| <= 1/2. */
+WG_INLINE WG_T WG_TN(wg_arctangent_series)(WG_T z) {
+    const WG_T z2 = z * z;
+    const WG_T start = WG_TFMA(z, WG_TC(-0.199941665), WG_TC(0.33333233));
+    const WG_T end = WG_TFMA(z2, WG_TC(0.051244162), WG_TFMA(z, WG_TC(-0.101555221), WG_TC(0.141741738)));
+    return WG_TFMA(z2, end, start);
+}
+#endif
+
+/* sin(high - low), |high| <= pi/4. Of -0, +0 is subtracted, which keeps its sign. */
+WG_INLINE WG_T WG_TN(wg_sine_near_0)(WG_T high, WG_T low) {
+    const WG_T z = high * high;
+    const WG_T cosine = WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0));
+    return high - WG_TFMA(z * high, WG_TN(wg_sine_series)(z, z * z), low * cosine);
+}
+
+/* cos(high - low), |high| <= pi/4. */
+WG_INLINE WG_T WG_TN(wg_cosine_near_0)(WG_T high, WG_T low) {
+    const WG_T z = high * high, z2 = z * z;
+    const WG_T cosine = WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0));
+    const WG_T dropped = WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0) - cosine);
+    return cosine + (dropped + WG_TFMA(z2, WG_TN(wg_cosine_series)(z, z2), high * low));
+}
+
+/* The nearest multiple of 2 of a whole number; of an odd number, that of 4. */
+WG_INLINE WG_T WG_TN(wg_even)(WG_T n) { return (n + WG_TK(WG_C(2.0) * WG_MAGIC)) - WG_TK(WG_C(2.0) * WG_MAGIC); }
+
+/* cos(n pi/2) and -sin(n pi/2): 0, 1 or -1, for a selection without jumps; their products are exact. */
+WG_INLINE WG_T WG_TN(wg_quarters_cosine)(WG_T n) { return (n + WG_TC(1.0)) - WG_TN(wg_even)(n + WG_TC(1.0)); }
+WG_INLINE WG_T WG_TN(wg_quarters_sine_negated)(WG_T n) { return WG_TN(wg_even)(n) - n; }
+
+/* sin x and cos x, |x| <= WG_FARTHEST. */
+WG_INLINE void WG_TN(wg_sincos_near)(WG_T x, WG_T *sine, WG_T *cosine) {
+    const struct WG_TN(wg_reduced) r = WG_TN(wg_reduce)(x);
+    const WG_T s = WG_TN(wg_sine_near_0)(r.high, r.low), c = WG_TN(wg_cosine_near_0)(r.high, r.low);
+    const WG_T to_cosine = WG_TN(wg_quarters_cosine)(r.n), to_sine = WG_TN(wg_quarters_sine_negated)(r.n);
+    *sine = to_cosine * s - to_sine * c;
+    *cosine = to_cosine * c + to_sine * s;
+}
+
+/* The angle of (x, y). The direction (along, across) it is seen from is (1, 0), (1, 1) or (0, 1), mirrored where x < 0: the one that
+ * keeps the tangent within 1/2, where the difference in it is exact (Sterbenz). The answer holds where WG_LEAST_EXTENT <= extent <=
+ * WG_GREATEST_EXTENT. */
+WG_INLINE WG_T WG_TN(wg_atan2_near)(WG_T y, WG_T x, WG_T *extent) {
+    const WG_T ax = WG_TABS(x), ay = WG_TABS(y);
+    const WG_T along = WG_TC(0.5) + WG_TCOPYSIGN(WG_TC(0.5), WG_TFMA(WG_TC(-0.5), ay, ax));
+    const WG_T across = WG_TC(0.5) + WG_TCOPYSIGN(WG_TC(0.5), WG_TFMA(WG_TC(-0.5), ax, ay));
+    const WG_T side = WG_TCOPYSIGN(WG_TC(1.0), x);
+    *extent = WG_TFMA(ax, along, ay * across);
+    const WG_T tangent = WG_TFMA(ay * side, along, -(x * across)) / *extent;
+    const WG_T eighths = WG_TFMA(side, across - along - WG_TC(1.0), WG_TC(2.0)); /* the direction's angle, 0 .. 4 times pi/4 */
+    const WG_T start = eighths * WG_TK(WG_EIGHTH), sum = start + tangent, dropped = (start - sum) + tangent;
+    const WG_T z = tangent * tangent;
+    const WG_T bend = WG_TFMA(-(tangent * z), WG_TN(wg_arctangent_series)(z), eighths * WG_TK(WG_EIGHTH_REST));
+    return WG_TCOPYSIGN(sum + (dropped + bend), y);
+}
+#endif

@@ -1,0 +1,64 @@
+/* walkgen_together.h: several sines and cosines, or arctangents, in one statement; included by the precision's header, and again by
+ * walkgen_lanes.h, where each lane has an angle of its own and they come one after another.
+ */
+/* Several sines and cosines, or arctangents, at once: each angle with the two variables, each point (y, x) with the one, that are set. */
+#undef WG_SINCOS_2
+#undef WG_SINCOS_3
+#undef WG_SINCOS_4
+#undef WG_ATAN2_2
+#undef WG_ATAN2_3
+#undef WG_ATAN2_4
+#if defined(WALKGEN_VECTORS) && !(defined(WALKGEN_ROWS) && WALKGEN_ROWS == 2)
+#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) \
+    do { \
+        const struct WG_NAME(wg_turned) wg_turned = WG_NAME(wg_sincos_together)(a0, a1, a0, a1); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1; \
+    } while (0)
+#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
+    do { \
+        const struct WG_NAME(wg_turned) wg_turned = WG_NAME(wg_sincos_together)(a0, a1, a2, a0); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1, s2 = wg_turned.sine2, c2 = wg_turned.cosine2; \
+    } while (0)
+#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    do { \
+        const struct WG_NAME(wg_turned) wg_turned = WG_NAME(wg_sincos_together)(a0, a1, a2, a3); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1; \
+        s2 = wg_turned.sine2, c2 = wg_turned.cosine2, s3 = wg_turned.sine3, c3 = wg_turned.cosine3; \
+    } while (0)
+#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) \
+    do { \
+        const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y0, x0, y1, x1); \
+        r0 = wg_angles.angle0, r1 = wg_angles.angle1; \
+    } while (0)
+#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) \
+    do { \
+        const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y2, x2, y0, x0); \
+        r0 = wg_angles.angle0, r1 = wg_angles.angle1, r2 = wg_angles.angle2; \
+    } while (0)
+#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
+    do { \
+        const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y2, x2, y3, x3); \
+        r0 = wg_angles.angle0, r1 = wg_angles.angle1, r2 = wg_angles.angle2, r3 = wg_angles.angle3; \
+    } while (0)
+#else
+#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1)
+#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
+#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_EACH_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
+#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
+#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
+#endif
+
+#if !defined(WG_SINCOS_EACH_1)
+/* One after another. */
+#define WG_SINCOS_EACH_1(a, s, c) s = WG_SIN(a), c = WG_COS(a)
+#define WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_1(a0, s0, c0), WG_SINCOS_EACH_1(a1, s1, c1)
+#define WG_SINCOS_EACH_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1), WG_SINCOS_EACH_1(a2, s2, c2)
+#define WG_SINCOS_EACH_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1), WG_SINCOS_EACH_2(a2, s2, c2, a3, s3, c3)
+#define WG_ATAN2_EACH_1(y, x, r) r = WG_ATAN2(y, x)
+#define WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_1(y0, x0, r0), WG_ATAN2_EACH_1(y1, x1, r1)
+#define WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_EACH_1(y2, x2, r2)
+#define WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
+    WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_EACH_2(y2, x2, r2, y3, x3, r3)
+#endif
