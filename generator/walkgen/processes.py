@@ -1,7 +1,9 @@
 """Two tasks at a time: the second in a process of its own, a copy of this one, where the system makes such copies."""
 
+import ctypes
 import multiprocessing
 import os
+import signal
 import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -10,6 +12,9 @@ from typing import ParamSpec, TypeVar
 First = TypeVar("First")
 Second = TypeVar("Second")
 Arguments = ParamSpec("Arguments")
+
+_PR_SET_PDEATHSIG = 1
+"""linux/prctl.h."""
 
 
 def both(
@@ -25,9 +30,14 @@ def both(
     """
     if not _copies():
         return first(), second(*arguments, **named)
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("fork")) as beside:
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), _ends_with_its_parent) as beside:
         other = beside.submit(second, *arguments, **named)
         return first(), other.result()
+
+
+def _ends_with_its_parent() -> None:
+    """A process that is killed leaves none behind."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _copies() -> bool:

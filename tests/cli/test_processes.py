@@ -1,6 +1,8 @@
 """Two tasks at a time give what they give one after the other."""
 
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -44,3 +46,11 @@ def test_what_a_task_raises_arrives_whole(monkeypatch: pytest.MonkeyPatch, alone
     assert second.value.problems == (Problem("WG101", "no robot", "mend it"),)
     with pytest.raises(SpecError):
         both(lambda: refused("WG101"), squared, 4)
+
+
+def test_a_killed_process_leaves_none_behind() -> None:
+    """The second process would hold the pipe open for a minute."""
+    killed = "import os, signal, time; from walkgen.processes import both; "
+    killed += "both(lambda: time.sleep(0.5) or os.kill(os.getpid(), signal.SIGKILL), time.sleep, 60)"
+    done = subprocess.run([sys.executable, "-c", killed], stdout=subprocess.PIPE, timeout=30, check=False)
+    assert done.returncode == -9
