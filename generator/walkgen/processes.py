@@ -3,11 +3,12 @@
 import ctypes
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 First = TypeVar("First")
 Second = TypeVar("Second")
@@ -31,8 +32,13 @@ def both(
     if not _copies():
         return first(), second(*arguments, **named)
     with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), _ends_with_its_parent) as beside:
-        other = beside.submit(second, *arguments, **named)
+        other = beside.submit(_called, pickle.dumps((second, arguments, named)))  # whole before the first task touches what they share
         return first(), other.result()
+
+
+def _called(task: bytes) -> Any:
+    function, arguments, named = pickle.loads(task)  # noqa: S301 (written by this process)
+    return function(*arguments, **named)
 
 
 def _ends_with_its_parent() -> None:

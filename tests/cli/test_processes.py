@@ -20,6 +20,13 @@ def refused(code: str) -> None:
     raise SpecError(Problem(code, "no robot", "mend it"))
 
 
+def grown(shared: dict[int, int]) -> int:
+    """While another process reads it."""
+    for key in range(400_000):
+        shared.setdefault(key, key)
+    return len(shared)
+
+
 def in_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where the system does not copy processes."""
     monkeypatch.setattr("sys.platform", "elsewhere")
@@ -46,6 +53,11 @@ def test_what_a_task_raises_arrives_whole(monkeypatch: pytest.MonkeyPatch, alone
     assert second.value.problems == (Problem("WG101", "no robot", "mend it"),)
     with pytest.raises(SpecError):
         both(lambda: refused("WG101"), squared, 4)
+
+
+def test_the_first_task_may_change_what_both_are_given() -> None:
+    shared = dict.fromkeys(range(200_000), 0)
+    assert both(lambda: grown(shared), len, shared) == (400_000, 200_000)
 
 
 def test_a_killed_process_leaves_none_behind() -> None:
