@@ -45,16 +45,12 @@ struct wg_array {
     int32_t size, kind;
 };
 
-/* Rows of so many numbers one after another, of statuses, one row for all; then numbers of one element side by side, `stride` apart. */
+/* Rows of so many numbers one after another, of statuses, one row for all. */
 #define WG_DENSE_OF(data, type, size, kind) \
     {(char *)(uintptr_t)(const void *)(data), (ptrdiff_t)((size) * sizeof(type)), (ptrdiff_t)sizeof(type), size, kind}
 #define WG_DENSE(data, size) WG_DENSE_OF(data, WG_REAL, size, WG_NUMBER)
 #define WG_DENSE_STATUS(data, size) WG_DENSE_OF(data, int32_t, size, WG_STATUS)
 #define WG_SHARED(data, size) {(char *)(uintptr_t)(const void *)(data), 0, (ptrdiff_t)sizeof(WG_REAL), size, WG_NUMBER}
-#define WG_PLANAR_OF(data, type, size, kind) \
-    {(char *)(uintptr_t)(const void *)(data), (ptrdiff_t)sizeof(type), (ptrdiff_t)(stride * sizeof(type)), size, kind}
-#define WG_PLANAR(data, size) WG_PLANAR_OF(data, WG_REAL, size, WG_NUMBER)
-#define WG_PLANAR_STATUS(data, size) WG_PLANAR_OF(data, int32_t, size, WG_STATUS)
 #endif
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_BATCH_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_BATCH_F32))

@@ -44,6 +44,7 @@ class Verify(StrEnum):
 
 Specs = Annotated[list[Path], typer.Argument(metavar="SPEC", help="Robot specs (TOML).")]
 Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Each robot gets its own folder DIR/<robot>/.")]
+SoleName = Annotated[str | None, typer.Option("--sole", metavar="NAME", help='Instead, which of the spec\'s soles; "" its only one.')]
 
 
 def targets_of(text: str) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from walkgen import __version__
-from walkgen.arguments import TO_FILE, Body, Format, Output, Specs, Stage, Verify, targets_of
+from walkgen.arguments import TO_FILE, Body, Format, Output, SoleName, Specs, Stage, Verify, targets_of
 from walkgen.errors import Problem, WalkgenError
 from walkgen.terminal import as_json, count, deliver, print_build, print_walk, progress_of, report, write_new
 
@@ -198,9 +198,7 @@ def gait(
 def design(
     spec: Annotated[Path, typer.Argument(metavar="SPEC", help="A robot spec (TOML) with a [balance.NAME] or [sole_design.NAME].")],
     balance: Annotated[str, typer.Option("--balance", metavar="NAME", help="Which of the spec's balances; its only one if left out.")] = "",
-    sole: Annotated[
-        str | None, typer.Option("--sole", metavar="NAME", help='Instead, which of the spec\'s designs of soles; "" its only one.')
-    ] = None,
+    sole: SoleName = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SPEC.toml", help="The spec with what was found.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="What is left: .html to look into, .png.")] = None,
     cam: Annotated[Path | None, typer.Option("--cam", metavar="FILE", help="The cam's profile: .csv, .svg, .dxf.")] = None,

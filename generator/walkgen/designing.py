@@ -39,12 +39,14 @@ def designed(path: Path, balance: str, sole: str | None, starts: int | None, see
 
 def reported(found: "Found") -> str:
     """For the terminal."""
-    text: str = _module("sole_report").sole_report(found) if _rolls(found) else _module("report").report(found)
+    text: str = _told(found, "report")
     return text
 
 
-def _rolls(found: "Found") -> bool:
-    return hasattr(found, "roll")
+def _told(found: "Found", how: str) -> Any:
+    """By the module and function of that name for this kind of design."""
+    name = found.module_prefix + how
+    return getattr(_module(name), name)(found)
 
 
 def check_suffixes(plot: Path | None, cam: Path | None) -> None:
@@ -76,8 +78,7 @@ def files(path: Path, found: "Found", output: Path | None, plot: Path | None, ca
 
 def _plotted(found: "Found", output: Path) -> str | bytes:
     """By the file's suffix."""
-    kind = ("sole_" if _rolls(found) else "") + ("page" if output.suffix == ".html" else "picture")
-    drawn: str | bytes = getattr(_module(kind), kind)(found)
+    drawn: str | bytes = _told(found, "page" if output.suffix == ".html" else "picture")
     return drawn
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -34,6 +34,9 @@ class CamDesigned:
         profile: its shape.
         given: the shape of the spec's own, where there is one and another was looked for.
     """
+
+    module_prefix: ClassVar[str] = ""
+    """Of the modules that report and draw it."""
 
     balance: Balance
     values: dict[str, float]

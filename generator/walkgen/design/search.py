@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -47,6 +48,9 @@ class Designed:
         after: with those that were found.
         lengths: least and largest of every spring (m), with its free length [3, springs].
     """
+
+    module_prefix: ClassVar[str] = ""
+    """Of the modules that report and draw it."""
 
     balance: Balance
     values: dict[str, float]

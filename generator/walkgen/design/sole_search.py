@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -42,6 +43,9 @@ class SoleDesigned:
         found: with those that weigh least.
         front: designs of which none is better in both objectives, the least acceleration first.
     """
+
+    module_prefix: ClassVar[str] = "sole_"
+    """Of the modules that report and draw it."""
 
     roll: SoleRoll
     given: SolePoint

@@ -41,7 +41,7 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     known = kernels | programs
     lanes = {each.body: each for each in laned(code)}
     functions = [(_public(body, known, printer), batch_function(body, lanes.get(body), precision)) for body in code.functions]
-    rows = read_rows(code, tuple(lanes.values()), kernels | programs, functions, printer.precision)
+    rows = read_rows(code, tuple(lanes.values()), known, functions, precision)
     called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     callbacks = [callback_function(callback, known, printer) for callback in called_back]
     return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks], functions, rows)

@@ -127,15 +127,15 @@ def read_twice(function: CFunction) -> CFunction:
     return replace(function, head=f"WG_{'STATIC_' if static else ''}ROW({head})({rest}")
 
 
-def arrays(signature: Signature, form: str) -> str:
-    """The ports as an initialiser of wg_array's: `form` is DENSE or PLANAR."""
-    return f"{{{', '.join(_array(port, form) for port in (*signature.inputs, *signature.outputs))}}}"
+def arrays(signature: Signature) -> str:
+    """The ports as an initialiser of wg_array's."""
+    return f"{{{', '.join(map(_array, (*signature.inputs, *signature.outputs)))}}}"
 
 
-def _array(port: Port, form: str) -> str:
+def _array(port: Port) -> str:
     if port.name == "param":
         return f"WG_SHARED(param, {port.size})"
-    return f"WG_{form}{'' if port.kind == 'real' else '_STATUS'}({port.name}, {port.size})"
+    return f"WG_DENSE{'' if port.kind == 'real' else '_STATUS'}({port.name}, {port.size})"
 
 
 def _starts(ports: Iterable[Port]) -> dict[str, int]:

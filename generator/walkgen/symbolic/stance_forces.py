@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import sympy
 
 from walkgen.signature import Port
+from walkgen.symbolic.affine import FREE, Affine
 from walkgen.symbolic.branches import INFEASIBLE, SINGULAR
 from walkgen.symbolic.choices import at_most
 from walkgen.symbolic.function import Function, LessEqual, Select
@@ -18,14 +19,13 @@ from walkgen.symbolic.settled import Case, settled
 from walkgen.symbolic.sole_ports import HIP_MOTION, MOTION, PLANE, STATUS, Exprs, SoleLeg, cross, named
 from walkgen.symbolic.tape import Tape, symbols_of
 
-_FREE = 3
 _UNKNOWNS = 12
 _RANK = sympy.Rational(1, 10**9)
 _LOAD = Port("load", (2,), "N")
 _CENTRE = Port("centre", (), "m")
 _MU = Port("mu")
 _SIDE = Port("side", kind="integer", default=(1.0,))
-_CLOSING = Port("closing", (_FREE, _UNKNOWNS + 1))
+_CLOSING = Port("closing", (FREE, _UNKNOWNS + 1))
 _OUTPUTS = (
     Port("torque", (3,), "N m"),
     Port("hip_force", (2,), "N"),
@@ -45,31 +45,6 @@ _DOC = (
     "{dead}; INFEASIBLE: the ground would have to pull."
 )
 _STRAIGHT = "thigh and shank are in line"
-
-
-class Affine:
-    """A constant, and factors of the three free unknowns."""
-
-    def __init__(self, constant: sympy.Expr, factors: Exprs = (sympy.S.Zero,) * _FREE) -> None:
-        self.constant, self.factors = sympy.sympify(constant), tuple(factors)
-
-    def __add__(self, other: "Affine") -> "Affine":
-        return Affine(self.constant + other.constant, [a + b for a, b in zip(self.factors, other.factors, strict=True)])
-
-    def __sub__(self, other: "Affine") -> "Affine":
-        return self + other.scaled(sympy.S.NegativeOne)
-
-    def scaled(self, factor: sympy.Expr) -> "Affine":
-        """factor times it."""
-        return Affine(factor * self.constant, [factor * entry for entry in self.factors])
-
-    def at(self, free: Exprs) -> sympy.Expr:
-        """Its value."""
-        return self.constant + sympy.Add(*(factor * value for factor, value in zip(self.factors, free, strict=True)))
-
-    def named(self, tape: Tape, name: str) -> "Affine":
-        """On the tape."""
-        return Affine(tape.let(name, self.constant), [tape.let(f"{name}_by", factor) for factor in self.factors])
 
 
 @dataclass(frozen=True)
@@ -118,7 +93,7 @@ def _loaded(balance: Balance, given: Mapping[str, Exprs]) -> tuple[Affine, Affin
 def _general(balance: Balance, given: Mapping[str, Exprs]) -> list[Affine]:
     """Rows a of a z = b."""
     entries, width = given["closing"], _UNKNOWNS + 1
-    rows = [entries[width * row : width * row + width] for row in range(_FREE)]
+    rows = [entries[width * row : width * row + width] for row in range(FREE)]
     found = []
     for row in rows:
         total = Affine(-row[-1])
@@ -301,8 +276,8 @@ def _closed(tape: Tape, rows: Sequence[Affine]) -> tuple[list[sympy.Expr], list[
     right = [-row.constant for row in rows]
     others = ((1, 2), (2, 0), (0, 1))
     minors = [[tape.let("minor", matrix[i][k] * matrix[j][m] - matrix[i][m] * matrix[j][k]) for k, m in others] for i, j in others]
-    determinant = tape.let("determinant", sympy.Add(*(matrix[0][k] * minors[0][k] for k in range(_FREE))))
-    free = [tape.let("free", sympy.Add(*(right[i] * minors[i][k] for i in range(_FREE))) / determinant) for k in range(_FREE)]
+    determinant = tape.let("determinant", sympy.Add(*(matrix[0][k] * minors[0][k] for k in range(FREE))))
+    free = [tape.let("free", sympy.Add(*(right[i] * minors[i][k] for i in range(FREE))) / determinant) for k in range(FREE)]
     if determinant.is_number:
         return free, []
     size = sympy.Mul(*(tape.let("row_size", sympy.Add(*(abs(entry) for entry in row))) for row in matrix))

@@ -59,24 +59,22 @@ def adapt_velocity(
     """
     inputs = [np.asarray(item, float) for item in (geometry, topology, limits, q, xd, qd0, epsilon, lambda_max)]
     shape, rows = broadcast_rows(inputs, (1, 1, 2, 1, 2, 1, 0, 0))
-    rates, status = np.full((*shape, nq), np.nan), np.full(shape, _BAD_INPUT, np.int32)
+    rates, status = np.empty((*shape, nq)), np.empty(shape, np.int32)
     for place in np.ndindex(shape):
-        answer = _answer([row[place] for row in rows], nq, feet, platforms)
-        if answer is not None:
-            rates[place], status[place] = answer
+        rates[place], status[place] = _answer([row[place] for row in rows], nq, feet, platforms)
     return rates, status
 
 
-def _answer(row: Sequence[Reals], nq: int, feet: int, platforms: int) -> tuple[Reals, int] | None:
-    """Of one row, None where its input is bad or what comes out is no number."""
+def _answer(row: Sequence[Reals], nq: int, feet: int, platforms: int) -> tuple[Reals, int]:
+    """Of one row, BAD_INPUT with NaN where its input is bad or what comes out is no number."""
     numbers, links, bounds, values, speeds, wanted, least, most = row
     tree = read_tree(numbers, links, nq, feet, platforms)
     given = np.concatenate([values, speeds.ravel(), wanted])
     if tree is None or not (np.isfinite(given).all() and limits_fit(bounds)):
-        return None
+        return np.full(nq, np.nan), _BAD_INPUT
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
         found, state = _resolved(tree, bounds, values, speeds, wanted, (float(least), float(most)))
-    return (found, state) if state != _BAD_INPUT and np.isfinite(found).all() else None
+    return (found, state) if state != _BAD_INPUT and np.isfinite(found).all() else (np.full(nq, np.nan), _BAD_INPUT)
 
 
 def _resolved(tree: Tree, limits: Reals, q: Reals, xd: Reals, qd0: Reals, damping: tuple[float, float]) -> tuple[Reals, int]:
