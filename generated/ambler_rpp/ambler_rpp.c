@@ -1005,12 +1005,6 @@ void ambler_rpp_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRIC
     T[52] = t2;
 }
 
-void ambler_rpp_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_joint_frames(q + row * 3, T + row * 64);
-    }
-}
-
 int32_t ambler_rpp_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     double geometry[21];
     ambler_rpp_leg_screws_kernel(geometry);
@@ -1022,31 +1016,12 @@ int32_t ambler_rpp_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT 
     return ok;
 }
 
-size_t ambler_rpp_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        bad += ambler_rpp_leg_inverse(p + row * 3, q + row * 6, status + row * 2) == 0;
-    }
-    return bad;
-}
-
 int32_t ambler_rpp_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q) {
     double geometry[21];
     int32_t status = WALKGEN_OK;
     ambler_rpp_leg_screws_kernel(geometry);
     wg_inverse_general_branch(geometry, p, 11, branch, q, &status);
     return status;
-}
-
-size_t ambler_rpp_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
-    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_branch(p + row * 3, branch[row], q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t ambler_rpp_leg_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -1059,16 +1034,6 @@ int32_t ambler_rpp_leg_inverse_near(const double *WG_RESTRICT p, const double *W
     wg_inverse_general(geometry, p, 11, rows, states);
     wg_nearest_row(rows, states, q_seed, 11, 2, q, &status);
     return status;
-}
-
-size_t ambler_rpp_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
-    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_near(p + row * 3, q_seed + row * 3, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t ambler_rpp_leg_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q) {
@@ -1091,16 +1056,6 @@ int32_t ambler_rpp_leg_inverse_admissible(const double *WG_RESTRICT p, double *W
     return status;
 }
 
-size_t ambler_rpp_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_admissible(p + row * 3, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 void ambler_rpp_leg_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
     double rows[6];
     int32_t states[2];
@@ -1108,12 +1063,6 @@ void ambler_rpp_leg_inverse_distance(const double *WG_RESTRICT p, double *WG_RES
     ambler_rpp_leg_screws_kernel(geometry);
     wg_inverse_general(geometry, p, 11, rows, states);
     ambler_rpp_leg_row_distances_kernel(rows, p, distance);
-}
-
-void ambler_rpp_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_inverse_distance(p + row * 3, distance + row * 2);
-    }
 }
 
 int32_t ambler_rpp_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
@@ -1125,16 +1074,6 @@ int32_t ambler_rpp_leg_inverse_velocity(const double *WG_RESTRICT q, const doubl
     return status;
 }
 
-size_t ambler_rpp_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    double *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_velocity(q + row * 3, v + row * 3, qd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 int32_t ambler_rpp_leg_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT a, double *WG_RESTRICT qdd) {
     double J[9];
@@ -1143,16 +1082,6 @@ int32_t ambler_rpp_leg_inverse_acceleration(const double *WG_RESTRICT q, const d
     ambler_rpp_leg_acceleration_jacobian_kernel(q, qd, a, J, rest);
     wg_damped_inverse_3(J, rest, 0.01, 0.01, qdd, &status);
     return status;
-}
-
-size_t ambler_rpp_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, qdd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 void ambler_rpp_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1266,13 +1195,6 @@ void ambler_rpp_leg_regressor(const double *WG_RESTRICT q, const double *WG_REST
     Y[22] = t3;
 }
 
-void ambler_rpp_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 90);
-    }
-}
-
 void ambler_rpp_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
     (void)q;
     T[0] = 1.0;
@@ -1293,12 +1215,6 @@ void ambler_rpp_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRICT 
     T[15] = 1.0;
 }
 
-void ambler_rpp_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_platform_poses(q + row * 3, T + row * 16);
-    }
-}
-
 void ambler_rpp_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double cos_shoulder = WG_COS(q[0]);
     const double sin_shoulder = WG_SIN(q[0]);
@@ -1309,12 +1225,6 @@ void ambler_rpp_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT 
     p[0] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     p[1] = shoulder_to_tip_y;
-}
-
-void ambler_rpp_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_foot_positions(q + row * 3, p + row * 3);
-    }
 }
 
 void ambler_rpp_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
@@ -1332,12 +1242,6 @@ void ambler_rpp_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT 
     J[3] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     J[0] = -shoulder_to_tip_y;
-}
-
-void ambler_rpp_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_foot_jacobians(q + row * 3, J + row * 9);
-    }
 }
 
 void ambler_rpp_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c) {
@@ -1361,13 +1265,6 @@ void ambler_rpp_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRI
     const double t3 = WG_FMA(base_pose[9], centre_y, base_pose[8]*centre_x);
     const double centre_world_z = WG_FMA(-base_pose[10], centre_z, t3);
     c[2] = base_pose[11] + centre_world_z;
-}
-
-void ambler_rpp_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    double *WG_RESTRICT c) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_com(base_pose + row * 16, q + row * 3, c + row * 3);
-    }
 }
 
 void ambler_rpp_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -1425,13 +1322,6 @@ void ambler_rpp_com_jacobian(const double *WG_RESTRICT base_pose, const double *
     const double t3 = WG_FMA(-base_pose[8], centre_y, base_pose[9]*centre_x);
     J[23] = t3;
     J[24] = t3;
-}
-
-void ambler_rpp_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_com_jacobian(base_pose + row * 16, q + row * 3, J + row * 27);
-    }
 }
 
 void ambler_rpp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -1639,13 +1529,6 @@ void ambler_rpp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, 
     A[44] = WG_FMA(-leg_extend_from_centre_z, leg_extend_force_x, t56);
 }
 
-void ambler_rpp_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT A) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, A + row * 54);
-    }
-}
-
 void ambler_rpp_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     double *WG_RESTRICT I) {
     const double leg_extend_slid_y = q[2] - 0.2;
@@ -1740,13 +1623,6 @@ void ambler_rpp_centroidal_inertia(const double *WG_RESTRICT base_pose, const do
     I[8] = WG_FMA(-base_pose[10], spin_z_z, -t36);
 }
 
-void ambler_rpp_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT I) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_centroidal_inertia(base_pose + row * 16, q + row * 3, I + row * 9);
-    }
-}
-
 void ambler_rpp_momentum(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, double *WG_RESTRICT h) {
     const double leg_shoulder_spin_z = v[5] + v[6];
@@ -1832,13 +1708,6 @@ void ambler_rpp_momentum(const double *WG_RESTRICT base_pose, const double *WG_R
     const double t18 = WG_FMA(base_pose[10], momentum_about_centre_z, base_pose[9]*momentum_about_centre_y);
     const double momentum_moment_world_z = WG_FMA(-base_pose[8], momentum_about_centre_x, t18);
     h[5] = momentum_moment_world_z;
-}
-
-void ambler_rpp_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_momentum(base_pose + row * 16, q + row * 3, v + row * 9, h + row * 6);
-    }
 }
 
 void ambler_rpp_momentum_rate(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -1968,13 +1837,6 @@ void ambler_rpp_momentum_rate(const double *WG_RESTRICT base_pose, const double 
     hd[5] = rate_moment_world_z;
 }
 
-void ambler_rpp_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, hd + row * 6);
-    }
-}
-
 void ambler_rpp_demanded_wrench(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
     const double base_pole_x = WG_FMA(v[3], v[5], a[4]);
@@ -2089,13 +1951,6 @@ void ambler_rpp_demanded_wrench(const double *WG_RESTRICT base_pose, const doubl
     const double t25 = WG_FMA(base_pose[10], base_moment_z, base_pose[9]*base_moment_y);
     const double moment_world_z = WG_FMA(-base_pose[8], base_moment_x, t25);
     w[5] = WG_FMA(-base_pose[3], force_world_y, base_pose[7]*force_world_x) - moment_world_z;
-}
-
-void ambler_rpp_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, w + row * 6);
-    }
 }
 
 void ambler_rpp_floating_mass_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -2231,13 +2086,6 @@ void ambler_rpp_floating_mass_matrix(const double *WG_RESTRICT base_pose, const 
     M[67] = t12;
 }
 
-void ambler_rpp_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_floating_mass_matrix(base_pose + row * 16, q + row * 3, M + row * 81);
-    }
-}
-
 void ambler_rpp_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT foot_forces,
     double *WG_RESTRICT tau) {
@@ -2356,6 +2204,160 @@ void ambler_rpp_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, c
     tau[5] = base_moment_z;
 }
 
+#if !defined(WALKGEN_NO_BATCHES)
+
+void ambler_rpp_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_joint_frames(q + row * 3, T + row * 64);
+    }
+}
+
+size_t ambler_rpp_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        bad += ambler_rpp_leg_inverse(p + row * 3, q + row * 6, status + row * 2) == 0;
+    }
+    return bad;
+}
+
+size_t ambler_rpp_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
+    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = ambler_rpp_leg_inverse_branch(p + row * 3, branch[row], q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t ambler_rpp_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = ambler_rpp_leg_inverse_near(p + row * 3, q_seed + row * 3, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t ambler_rpp_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = ambler_rpp_leg_inverse_admissible(p + row * 3, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void ambler_rpp_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_inverse_distance(p + row * 3, distance + row * 2);
+    }
+}
+
+size_t ambler_rpp_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    double *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = ambler_rpp_leg_inverse_velocity(q + row * 3, v + row * 3, qd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t ambler_rpp_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = ambler_rpp_leg_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void ambler_rpp_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 90);
+    }
+}
+
+void ambler_rpp_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_platform_poses(q + row * 3, T + row * 16);
+    }
+}
+
+void ambler_rpp_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_foot_positions(q + row * 3, p + row * 3);
+    }
+}
+
+void ambler_rpp_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_foot_jacobians(q + row * 3, J + row * 9);
+    }
+}
+
+void ambler_rpp_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT c) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_com(base_pose + row * 16, q + row * 3, c + row * 3);
+    }
+}
+
+void ambler_rpp_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_com_jacobian(base_pose + row * 16, q + row * 3, J + row * 27);
+    }
+}
+
+void ambler_rpp_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT A) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, A + row * 54);
+    }
+}
+
+void ambler_rpp_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT I) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_centroidal_inertia(base_pose + row * 16, q + row * 3, I + row * 9);
+    }
+}
+
+void ambler_rpp_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT h) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_momentum(base_pose + row * 16, q + row * 3, v + row * 9, h + row * 6);
+    }
+}
+
+void ambler_rpp_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, hd + row * 6);
+    }
+}
+
+void ambler_rpp_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, w + row * 6);
+    }
+}
+
+void ambler_rpp_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+    for (size_t row = 0; row < rows; ++row) {
+        ambler_rpp_floating_mass_matrix(base_pose + row * 16, q + row * 3, M + row * 81);
+    }
+}
+
 void ambler_rpp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, double *WG_RESTRICT tau) {
@@ -2365,6 +2367,9 @@ void ambler_rpp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
     }
 }
 
+#endif
+
+#if !defined(WALKGEN_NO_BATCHES)
 #if defined(WALKGEN_BLOCKS)
 #define WALKGEN_ROWS 2
 #include "walkgen_lanes.h"
@@ -2632,4 +2637,5 @@ void ambler_rpp_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT
 #endif
 }
 
+#endif
 #endif

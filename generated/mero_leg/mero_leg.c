@@ -1419,12 +1419,6 @@ void mero_leg_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT 
     T[54] = t1;
 }
 
-void mero_leg_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_joint_frames(q + row * 3, T + row * 64);
-    }
-}
-
 int32_t mero_leg_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     double target[3];
     double geometry[10] = {0};
@@ -1456,16 +1450,6 @@ int32_t mero_leg_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch,
     return status;
 }
 
-size_t mero_leg_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
-    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_leg_inverse_branch(p + row * 3, branch[row], q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 int32_t mero_leg_leg_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
     double *WG_RESTRICT q) {
     double rows[12];
@@ -1482,16 +1466,6 @@ int32_t mero_leg_leg_inverse_near(const double *WG_RESTRICT p, const double *WG_
     }
     wg_nearest_row(rows, states, q_seed, 8, 4, q, &status);
     return status;
-}
-
-size_t mero_leg_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
-    double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_leg_inverse_near(p + row * 3, q_seed + row * 3, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t mero_leg_leg_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q) {
@@ -1520,16 +1494,6 @@ int32_t mero_leg_leg_inverse_admissible(const double *WG_RESTRICT p, double *WG_
     return status;
 }
 
-size_t mero_leg_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_leg_inverse_admissible(p + row * 3, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 void mero_leg_leg_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
     double rows[12];
     int32_t states[4];
@@ -1545,12 +1509,6 @@ void mero_leg_leg_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTR
     mero_leg_leg_row_distances_kernel(rows, p, distance);
 }
 
-void mero_leg_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_inverse_distance(p + row * 3, distance + row * 4);
-    }
-}
-
 int32_t mero_leg_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     double *WG_RESTRICT qd) {
     double J[9];
@@ -1558,16 +1516,6 @@ int32_t mero_leg_leg_inverse_velocity(const double *WG_RESTRICT q, const double 
     mero_leg_leg_foot_jacobian(q, J);
     wg_damped_inverse_3(J, v, 0.02, 0.05, qd, &status);
     return status;
-}
-
-size_t mero_leg_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    double *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_leg_inverse_velocity(q + row * 3, v + row * 3, qd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t mero_leg_leg_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1578,16 +1526,6 @@ int32_t mero_leg_leg_inverse_acceleration(const double *WG_RESTRICT q, const dou
     mero_leg_leg_acceleration_jacobian_kernel(q, qd, a, J, rest);
     wg_damped_inverse_3(J, rest, 0.02, 0.05, qdd, &status);
     return status;
-}
-
-size_t mero_leg_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_leg_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, qdd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 void mero_leg_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1716,15 +1654,6 @@ void mero_leg_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, cons
     tau_d_qd[1] = thigh_inertial_moment_z_d_qd_yaw - t31;
     const double t32 = -shank_lever_x;
     tau_d_qd[2] = WG_FMA(t32, shank_inertial_force_z_d_qd_shank, -shank_inertial_moment_y_d_qd_shank);
-}
-
-void mero_leg_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
-    double *WG_RESTRICT tau_d_qd) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
-            tau_d_qd + row * 9);
-    }
 }
 
 void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1949,13 +1878,6 @@ void mero_leg_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRI
     Y[84] = t22;
 }
 
-void mero_leg_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 90);
-    }
-}
-
 void mero_leg_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
     Y[0] = qdd[0];
@@ -2098,13 +2020,6 @@ void mero_leg_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_
     Y[14] = shank_yz_moment_y;
 }
 
-void mero_leg_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 45, p + row * 15);
-    }
-}
-
 void mero_leg_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
     (void)q;
     T[0] = 1.0;
@@ -2125,12 +2040,6 @@ void mero_leg_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRICT T)
     T[15] = 1.0;
 }
 
-void mero_leg_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_platform_poses(q + row * 3, T + row * 16);
-    }
-}
-
 void mero_leg_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
@@ -2146,12 +2055,6 @@ void mero_leg_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p)
     p[0] = yaw_to_tip_x;
     const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
     p[1] = yaw_to_tip_y;
-}
-
-void mero_leg_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_foot_positions(q + row * 3, p + row * 3);
-    }
 }
 
 void mero_leg_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
@@ -2180,12 +2083,6 @@ void mero_leg_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J)
     J[5] = -J_shank_y;
 }
 
-void mero_leg_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_foot_jacobians(q + row * 3, J + row * 9);
-    }
-}
-
 void mero_leg_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c) {
     const double angle_leg_thigh_shank = q[1] + q[2];
     double sin_leg_thigh_shank, cos_leg_thigh_shank, sin_leg_thigh, cos_leg_thigh, sin_leg_yaw, cos_leg_yaw;
@@ -2212,13 +2109,6 @@ void mero_leg_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT
     const double t3 = WG_FMA(base_pose[9], centre_y, base_pose[8]*centre_x);
     const double centre_world_z = WG_FMA(base_pose[10], centre_z, t3);
     c[2] = base_pose[11] + centre_world_z;
-}
-
-void mero_leg_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    double *WG_RESTRICT c) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_com(base_pose + row * 16, q + row * 3, c + row * 3);
-    }
 }
 
 void mero_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
@@ -2284,13 +2174,6 @@ void mero_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG
     const double t3 = WG_FMA(-base_pose[8], centre_y, base_pose[9]*centre_x);
     J[23] = t3;
     J[24] = t3;
-}
-
-void mero_leg_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_com_jacobian(base_pose + row * 16, q + row * 3, J + row * 27);
-    }
 }
 
 void mero_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -2501,13 +2384,6 @@ void mero_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, co
     A[51] = WG_FMA(leg_yaw_force_y, centre_world_x, -t61);
 }
 
-void mero_leg_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT A) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, A + row * 54);
-    }
-}
-
 void mero_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     double *WG_RESTRICT I) {
     const double angle_leg_thigh_shank = q[1] + q[2];
@@ -2615,13 +2491,6 @@ void mero_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const doub
     I[8] = WG_FMA(-base_pose[10], spin_z_z, -t38);
 }
 
-void mero_leg_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT I) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_centroidal_inertia(base_pose + row * 16, q + row * 3, I + row * 9);
-    }
-}
-
 void mero_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, double *WG_RESTRICT h) {
     const double leg_yaw_spin_z = v[5] + v[6];
@@ -2725,13 +2594,6 @@ void mero_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG_RES
     h[1] = WG_FMA(base_pose[4], base_force_x, -t25);
     const double t26 = WG_FMA(base_pose[10], base_force_z, base_pose[9]*base_force_y);
     h[2] = WG_FMA(base_pose[8], base_force_x, -t26);
-}
-
-void mero_leg_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_momentum(base_pose + row * 16, q + row * 3, v + row * 9, h + row * 6);
-    }
 }
 
 void mero_leg_momentum_rate(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -2894,13 +2756,6 @@ void mero_leg_momentum_rate(const double *WG_RESTRICT base_pose, const double *W
     hd[5] = rate_moment_world_z;
 }
 
-void mero_leg_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, hd + row * 6);
-    }
-}
-
 void mero_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
     const double base_pole_x = WG_FMA(v[3], v[5], a[4]);
@@ -3048,13 +2903,6 @@ void mero_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const double 
     const double t39 = WG_FMA(base_pose[9], base_moment_y, base_pose[8]*base_moment_x);
     const double moment_world_z = WG_FMA(base_pose[10], base_moment_z, t39);
     w[5] = WG_FMA(-base_pose[3], force_world_y, base_pose[7]*force_world_x) - moment_world_z;
-}
-
-void mero_leg_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, w + row * 6);
-    }
 }
 
 void mero_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -3211,13 +3059,6 @@ void mero_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, const do
     const double t22 = -leg_yaw_moment_group_y_2;
     M[44] = t22;
     M[76] = t22;
-}
-
-void mero_leg_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_floating_mass_matrix(base_pose + row * 16, q + row * 3, M + row * 81);
-    }
 }
 
 void mero_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -3378,6 +3219,167 @@ void mero_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, con
     tau[5] = base_moment_z;
 }
 
+#if !defined(WALKGEN_NO_BATCHES)
+
+void mero_leg_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_joint_frames(q + row * 3, T + row * 64);
+    }
+}
+
+size_t mero_leg_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
+    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_leg_inverse_branch(p + row * 3, branch[row], q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t mero_leg_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
+    double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_leg_inverse_near(p + row * 3, q_seed + row * 3, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t mero_leg_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_leg_inverse_admissible(p + row * 3, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void mero_leg_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_inverse_distance(p + row * 3, distance + row * 4);
+    }
+}
+
+size_t mero_leg_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    double *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_leg_inverse_velocity(q + row * 3, v + row * 3, qd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t mero_leg_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_leg_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void mero_leg_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
+    }
+}
+
+void mero_leg_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 90);
+    }
+}
+
+void mero_leg_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 45, p + row * 15);
+    }
+}
+
+void mero_leg_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_platform_poses(q + row * 3, T + row * 16);
+    }
+}
+
+void mero_leg_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_foot_positions(q + row * 3, p + row * 3);
+    }
+}
+
+void mero_leg_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_foot_jacobians(q + row * 3, J + row * 9);
+    }
+}
+
+void mero_leg_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT c) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_com(base_pose + row * 16, q + row * 3, c + row * 3);
+    }
+}
+
+void mero_leg_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_com_jacobian(base_pose + row * 16, q + row * 3, J + row * 27);
+    }
+}
+
+void mero_leg_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT A) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, A + row * 54);
+    }
+}
+
+void mero_leg_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT I) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_centroidal_inertia(base_pose + row * 16, q + row * 3, I + row * 9);
+    }
+}
+
+void mero_leg_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT h) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_momentum(base_pose + row * 16, q + row * 3, v + row * 9, h + row * 6);
+    }
+}
+
+void mero_leg_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, hd + row * 6);
+    }
+}
+
+void mero_leg_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, w + row * 6);
+    }
+}
+
+void mero_leg_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_floating_mass_matrix(base_pose + row * 16, q + row * 3, M + row * 81);
+    }
+}
+
 void mero_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, double *WG_RESTRICT tau) {
@@ -3387,6 +3389,9 @@ void mero_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_REST
     }
 }
 
+#endif
+
+#if !defined(WALKGEN_NO_BATCHES)
 #if defined(WALKGEN_BLOCKS)
 #define WALKGEN_ROWS 2
 #include "walkgen_lanes.h"
@@ -3645,4 +3650,5 @@ void mero_leg_leg_potential_energy_batch(size_t rows, const double *WG_RESTRICT 
 #endif
 }
 
+#endif
 #endif

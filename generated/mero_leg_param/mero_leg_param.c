@@ -2286,13 +2286,6 @@ void mero_leg_param_leg_foot_spatial_jacobian_d_param(const double *WG_RESTRICT 
     J_d_param[10] = t5;
 }
 
-void mero_leg_param_leg_foot_spatial_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_spatial_jacobian_d_param(q + row * 3, param, J_d_param + row * 36);
-    }
-}
-
 void mero_leg_param_leg_foot_hessian_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT H_d_param) {
     (void)param;
@@ -2360,13 +2353,6 @@ void mero_leg_param_leg_foot_hessian_d_param(const double *WG_RESTRICT q, const 
     H_d_param[28] = t7;
     H_d_param[32] = t7;
     H_d_param[34] = t7;
-}
-
-void mero_leg_param_leg_foot_hessian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT H_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_foot_hessian_d_param(q + row * 3, param, H_d_param + row * 54);
-    }
 }
 
 void mero_leg_param_leg_joint_frames(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -2454,13 +2440,6 @@ void mero_leg_param_leg_joint_frames(const double *WG_RESTRICT q, const double *
     T[22] = t1;
     T[38] = t1;
     T[54] = t1;
-}
-
-void mero_leg_param_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_joint_frames(q + row * 3, param, T + row * 64);
-    }
 }
 
 void mero_leg_param_leg_joint_frames_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -2601,13 +2580,6 @@ void mero_leg_param_leg_joint_frames_d_param(const double *WG_RESTRICT q, const 
     T_d_param[110] = frame_thigh_shank_x_y;
 }
 
-void mero_leg_param_leg_joint_frames_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_joint_frames_d_param(q + row * 3, param, T_d_param + row * 128);
-    }
-}
-
 int32_t mero_leg_param_leg_inverse(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     double target[3];
@@ -2626,15 +2598,6 @@ int32_t mero_leg_param_leg_inverse(const double *WG_RESTRICT p, const double *WG
     return ok;
 }
 
-size_t mero_leg_param_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
-    double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        bad += mero_leg_param_leg_inverse(p + row * 3, param, q + row * 12, status + row * 4) == 0;
-    }
-    return bad;
-}
-
 int32_t mero_leg_param_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch,
     const double *WG_RESTRICT param, double *WG_RESTRICT q) {
     double target[3];
@@ -2648,17 +2611,6 @@ int32_t mero_leg_param_leg_inverse_branch(const double *WG_RESTRICT p, int32_t b
         wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
     }
     return status;
-}
-
-size_t mero_leg_param_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
-    const int32_t *WG_RESTRICT branch, const double *WG_RESTRICT param, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_branch(p + row * 3, branch[row], param, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t mero_leg_param_leg_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -2677,17 +2629,6 @@ int32_t mero_leg_param_leg_inverse_near(const double *WG_RESTRICT p, const doubl
     }
     wg_nearest_row(rows, states, q_seed, 8, 4, q, &status);
     return status;
-}
-
-size_t mero_leg_param_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
-    const double *WG_RESTRICT q_seed, const double *WG_RESTRICT param, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_near(p + row * 3, q_seed + row * 3, param, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t mero_leg_param_leg_inverse_admissible(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -2717,16 +2658,6 @@ int32_t mero_leg_param_leg_inverse_admissible(const double *WG_RESTRICT p, const
     return status;
 }
 
-size_t mero_leg_param_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p,
-    const double *WG_RESTRICT param, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_admissible(p + row * 3, param, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 void mero_leg_param_leg_inverse_distance(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT distance) {
     double rows[12];
@@ -2743,13 +2674,6 @@ void mero_leg_param_leg_inverse_distance(const double *WG_RESTRICT p, const doub
     mero_leg_param_leg_row_distances_kernel(rows, p, param, distance);
 }
 
-void mero_leg_param_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p,
-    const double *WG_RESTRICT param, double *WG_RESTRICT distance) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_distance(p + row * 3, param, distance + row * 4);
-    }
-}
-
 int32_t mero_leg_param_leg_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT param, double *WG_RESTRICT qd) {
     double J[9];
@@ -2757,17 +2681,6 @@ int32_t mero_leg_param_leg_inverse_velocity(const double *WG_RESTRICT q, const d
     mero_leg_param_leg_foot_jacobian(q, param, J);
     wg_damped_inverse_3(J, v, 0.02, 0.05, qd, &status);
     return status;
-}
-
-size_t mero_leg_param_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT param, double *WG_RESTRICT qd,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_velocity(q + row * 3, v + row * 3, param, qd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t mero_leg_param_leg_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -2778,17 +2691,6 @@ int32_t mero_leg_param_leg_inverse_acceleration(const double *WG_RESTRICT q, con
     mero_leg_param_leg_acceleration_jacobian_kernel(q, qd, a, param, J, rest);
     wg_damped_inverse_3(J, rest, 0.02, 0.05, qdd, &status);
     return status;
-}
-
-size_t mero_leg_param_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
-    double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, param, qdd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 void mero_leg_param_leg_forward_dynamics_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -2897,15 +2799,6 @@ void mero_leg_param_leg_forward_dynamics_d_param(const double *WG_RESTRICT q, co
     const double t33 = reciprocal_1*WG_FMA(-L_2_1, t32, t32);
     qdd_d_param[3] = -t33;
     qdd_d_param[5] = WG_FMA(L_2_1, t33, reciprocal_2*t32);
-}
-
-void mero_leg_param_leg_forward_dynamics_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
-    const double *WG_RESTRICT param, double *WG_RESTRICT qdd_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_forward_dynamics_d_param(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param,
-            qdd_d_param + row * 6);
-    }
 }
 
 void mero_leg_param_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -3044,15 +2937,6 @@ void mero_leg_param_leg_inverse_dynamics_derivatives(const double *WG_RESTRICT q
     tau_d_qd[2] = WG_FMA(t33, shank_inertial_force_z_d_qd_shank, -shank_inertial_moment_y_d_qd_shank);
 }
 
-void mero_leg_param_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
-    double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q + row * 9,
-            tau_d_qd + row * 9);
-    }
-}
-
 void mero_leg_param_leg_inverse_dynamics_derivatives_d_param(const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT tau_d_q_d_param, double *WG_RESTRICT tau_d_qd_d_param) {
@@ -3153,15 +3037,6 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_d_param(const double *WG_RE
     const double t33 = shank_lever_y*(t8*shank_field_y_z_d_qd_yaw);
     tau_d_qd_d_param[8] = t31 + t33 - t30;
     tau_d_qd_d_param[10] = t33 - t30;
-}
-
-void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
-    double *WG_RESTRICT tau_d_q_d_param, double *WG_RESTRICT tau_d_qd_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_dynamics_derivatives_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param,
-            tau_d_q_d_param + row * 18, tau_d_qd_d_param + row * 18);
-    }
 }
 
 void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -3384,13 +3259,6 @@ void mero_leg_param_leg_regressor(const double *WG_RESTRICT q, const double *WG_
     const double t23 = -shank_xx_inertial_moment_z;
     Y[54] = t23;
     Y[84] = t23;
-}
-
-void mero_leg_param_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
-    const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, param, Y + row * 90);
-    }
 }
 
 void mero_leg_param_leg_regressor_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -3622,14 +3490,6 @@ void mero_leg_param_leg_regressor_d_param(const double *WG_RESTRICT q, const dou
     Y_d_param[166] = t12;
 }
 
-void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
-    double *WG_RESTRICT Y_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_regressor_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 180);
-    }
-}
-
 void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
     Y[0] = qdd[0];
@@ -3779,14 +3639,6 @@ void mero_leg_param_leg_base_parameters(const double *WG_RESTRICT q, const doubl
     Y[14] = shank_yz_moment_y;
 }
 
-void mero_leg_param_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
-    double *WG_RESTRICT Y, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, param, Y + row * 45, p + row * 15);
-    }
-}
-
 void mero_leg_param_leg_base_parameters_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y_d_param,
     double *WG_RESTRICT p_d_param) {
@@ -3920,15 +3772,6 @@ void mero_leg_param_leg_base_parameters_d_param(const double *WG_RESTRICT q, con
     p_d_param[22] = t3;
 }
 
-void mero_leg_param_leg_base_parameters_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
-    double *WG_RESTRICT Y_d_param, double *WG_RESTRICT p_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_base_parameters_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 90,
-            p_d_param + row * 30);
-    }
-}
-
 void mero_leg_param_platform_poses(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT T) {
     (void)q;
@@ -3949,13 +3792,6 @@ void mero_leg_param_platform_poses(const double *WG_RESTRICT q, const double *WG
     T[13] = 0.0;
     T[14] = 0.0;
     T[15] = 1.0;
-}
-
-void mero_leg_param_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_platform_poses(q + row * 3, param, T + row * 16);
-    }
 }
 
 void mero_leg_param_platform_poses_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -3996,13 +3832,6 @@ void mero_leg_param_platform_poses_d_param(const double *WG_RESTRICT q, const do
     T_d_param[31] = 0.0;
 }
 
-void mero_leg_param_platform_poses_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_platform_poses_d_param(q + row * 3, param, T_d_param + row * 32);
-    }
-}
-
 void mero_leg_param_foot_positions(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
     const double angle_thigh_shank = q[1] + q[2];
@@ -4020,13 +3849,6 @@ void mero_leg_param_foot_positions(const double *WG_RESTRICT q, const double *WG
     p[1] = yaw_to_tip_y;
 }
 
-void mero_leg_param_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_foot_positions(q + row * 3, param, p + row * 3);
-    }
-}
-
 void mero_leg_param_foot_positions_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p_d_param) {
     (void)param;
@@ -4039,13 +3861,6 @@ void mero_leg_param_foot_positions_d_param(const double *WG_RESTRICT q, const do
     p_d_param[3] = sin_yaw*sin_thigh_shank;
     p_d_param[4] = sin_thigh_shank;
     p_d_param[5] = -cos_thigh_shank;
-}
-
-void mero_leg_param_foot_positions_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_foot_positions_d_param(q + row * 3, param, p_d_param + row * 6);
-    }
 }
 
 void mero_leg_param_foot_jacobians(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -4073,13 +3888,6 @@ void mero_leg_param_foot_jacobians(const double *WG_RESTRICT q, const double *WG
     J[2] = J_shank_x;
     const double J_shank_y = sin_yaw*shank_to_tip_y;
     J[5] = J_shank_y;
-}
-
-void mero_leg_param_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_foot_jacobians(q + row * 3, param, J + row * 9);
-    }
 }
 
 void mero_leg_param_foot_jacobians_d_param(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -4113,13 +3921,6 @@ void mero_leg_param_foot_jacobians_d_param(const double *WG_RESTRICT q, const do
     J_d_param[10] = t5;
 }
 
-void mero_leg_param_foot_jacobians_d_param_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_foot_jacobians_d_param(q + row * 3, param, J_d_param + row * 18);
-    }
-}
-
 void mero_leg_param_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT param, double *WG_RESTRICT c) {
     const double leg_shank_link_com_x = param[0]*0.5;
@@ -4150,13 +3951,6 @@ void mero_leg_param_com(const double *WG_RESTRICT base_pose, const double *WG_RE
     c[2] = base_pose[11] + centre_world_z;
 }
 
-void mero_leg_param_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT param, double *WG_RESTRICT c) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_com(base_pose + row * 16, q + row * 3, param, c + row * 3);
-    }
-}
-
 void mero_leg_param_com_d_param(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT param, double *WG_RESTRICT c_d_param) {
     (void)param;
@@ -4173,13 +3967,6 @@ void mero_leg_param_com_d_param(const double *WG_RESTRICT base_pose, const doubl
     c_d_param[0] = WG_FMA(-base_pose[2], t4, -WG_FMA(base_pose[1], t3, base_pose[0]*t2));
     c_d_param[2] = WG_FMA(-base_pose[6], t4, -WG_FMA(base_pose[5], t3, base_pose[4]*t2));
     c_d_param[4] = WG_FMA(-base_pose[10], t4, -WG_FMA(base_pose[9], t3, base_pose[8]*t2));
-}
-
-void mero_leg_param_com_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT c_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_com_d_param(base_pose + row * 16, q + row * 3, param, c_d_param + row * 6);
-    }
 }
 
 void mero_leg_param_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -4246,13 +4033,6 @@ void mero_leg_param_com_jacobian(const double *WG_RESTRICT base_pose, const doub
     const double t3 = WG_FMA(-base_pose[8], centre_y, base_pose[9]*centre_x);
     J[23] = t3;
     J[24] = t3;
-}
-
-void mero_leg_param_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_com_jacobian(base_pose + row * 16, q + row * 3, param, J + row * 27);
-    }
 }
 
 void mero_leg_param_com_jacobian_d_param(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -4329,13 +4109,6 @@ void mero_leg_param_com_jacobian_d_param(const double *WG_RESTRICT base_pose, co
     const double t11 = WG_FMA(-base_pose[9], t2, base_pose[8]*t3);
     J_d_param[46] = t11;
     J_d_param[48] = t11;
-}
-
-void mero_leg_param_com_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_com_jacobian_d_param(base_pose + row * 16, q + row * 3, param, J_d_param + row * 54);
-    }
 }
 
 void mero_leg_param_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -4569,13 +4342,6 @@ void mero_leg_param_centroidal_momentum_matrix(const double *WG_RESTRICT base_po
     const double t68 = WG_FMA(leg_shank_from_centre_y, leg_shank_force_x, t67);
     const double leg_shank_moment_z = WG_FMA(-leg_shank_from_centre_x, leg_shank_force_y, t68);
     A[53] = leg_shank_moment_z;
-}
-
-void mero_leg_param_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT A) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, param, A + row * 54);
-    }
 }
 
 void mero_leg_param_centroidal_momentum_matrix_d_param(const double *WG_RESTRICT base_pose,
@@ -4843,13 +4609,6 @@ void mero_leg_param_centroidal_momentum_matrix_d_param(const double *WG_RESTRICT
     A_d_param[106] = WG_FMA(t3, leg_yaw_frame_y_z, t100) - t101;
 }
 
-void mero_leg_param_centroidal_momentum_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT A_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_momentum_matrix_d_param(base_pose + row * 16, q + row * 3, param, A_d_param + row * 108);
-    }
-}
-
 void mero_leg_param_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT param, double *WG_RESTRICT I) {
     const double leg_shank_link_com_x = param[0]*0.5;
@@ -4965,13 +4724,6 @@ void mero_leg_param_centroidal_inertia(const double *WG_RESTRICT base_pose, cons
     I[8] = inertia_22;
 }
 
-void mero_leg_param_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT I) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_inertia(base_pose + row * 16, q + row * 3, param, I + row * 9);
-    }
-}
-
 void mero_leg_param_centroidal_inertia_d_param(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT param, double *WG_RESTRICT I_d_param) {
     I_d_param[1] = 0.0;
@@ -5069,13 +4821,6 @@ void mero_leg_param_centroidal_inertia_d_param(const double *WG_RESTRICT base_po
     const double t58 = WG_FMA(base_pose[6], t52, WG_FMA(base_pose[5], t50, base_pose[4]*t48));
     I_d_param[10] = t58;
     I_d_param[14] = t58;
-}
-
-void mero_leg_param_centroidal_inertia_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT I_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_inertia_d_param(base_pose + row * 16, q + row * 3, param, I_d_param + row * 18);
-    }
 }
 
 void mero_leg_param_momentum(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -5187,13 +4932,6 @@ void mero_leg_param_momentum(const double *WG_RESTRICT base_pose, const double *
     h[5] = WG_FMA(base_pose[8], momentum_about_centre_x, -t26);
 }
 
-void mero_leg_param_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT param, double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum(base_pose + row * 16, q + row * 3, v + row * 9, param, h + row * 6);
-    }
-}
-
 void mero_leg_param_momentum_d_param(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT param, double *WG_RESTRICT h_d_param) {
     h_d_param[1] = 0.0;
@@ -5286,14 +5024,6 @@ void mero_leg_param_momentum_d_param(const double *WG_RESTRICT base_pose, const 
     h_d_param[6] = WG_FMA(base_pose[0], t31, -WG_FMA(base_pose[2], t36, base_pose[1]*t33));
     h_d_param[8] = WG_FMA(base_pose[4], t31, -WG_FMA(base_pose[6], t36, base_pose[5]*t33));
     h_d_param[10] = WG_FMA(base_pose[8], t31, -WG_FMA(base_pose[10], t36, base_pose[9]*t33));
-}
-
-void mero_leg_param_momentum_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT param,
-    double *WG_RESTRICT h_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum_d_param(base_pose + row * 16, q + row * 3, v + row * 9, param, h_d_param + row * 12);
-    }
 }
 
 void mero_leg_param_momentum_rate(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -5467,14 +5197,6 @@ void mero_leg_param_momentum_rate(const double *WG_RESTRICT base_pose, const dou
     hd[5] = rate_moment_world_z;
 }
 
-void mero_leg_param_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
-    const double *WG_RESTRICT param, double *WG_RESTRICT hd) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, hd + row * 6);
-    }
-}
-
 void mero_leg_param_momentum_rate_d_param(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
     double *WG_RESTRICT hd_d_param) {
@@ -5608,15 +5330,6 @@ void mero_leg_param_momentum_rate_d_param(const double *WG_RESTRICT base_pose, c
     hd_d_param[6] = WG_FMA(base_pose[2], t48, WG_FMA(base_pose[1], t46, base_pose[0]*t44));
     hd_d_param[8] = WG_FMA(base_pose[6], t48, WG_FMA(base_pose[5], t46, base_pose[4]*t44));
     hd_d_param[10] = WG_FMA(base_pose[10], t48, WG_FMA(base_pose[9], t46, base_pose[8]*t44));
-}
-
-void mero_leg_param_momentum_rate_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
-    const double *WG_RESTRICT param, double *WG_RESTRICT hd_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum_rate_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
-            hd_d_param + row * 12);
-    }
 }
 
 void mero_leg_param_demanded_wrench(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -5779,14 +5492,6 @@ void mero_leg_param_demanded_wrench(const double *WG_RESTRICT base_pose, const d
     w[5] = WG_FMA(-base_pose[3], force_world_y, base_pose[7]*force_world_x) - moment_world_z;
 }
 
-void mero_leg_param_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
-    const double *WG_RESTRICT param, double *WG_RESTRICT w) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, w + row * 6);
-    }
-}
-
 void mero_leg_param_demanded_wrench_d_param(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
     double *WG_RESTRICT w_d_param) {
@@ -5894,15 +5599,6 @@ void mero_leg_param_demanded_wrench_d_param(const double *WG_RESTRICT base_pose,
     w_d_param[8] = WG_FMA(-base_pose[11], t39, base_pose[3]*t41) - t43;
     const double t44 = WG_FMA(base_pose[10], t30, WG_FMA(base_pose[9], t37, base_pose[8]*t36));
     w_d_param[10] = WG_FMA(-base_pose[3], t40, base_pose[7]*t39) - t44;
-}
-
-void mero_leg_param_demanded_wrench_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
-    const double *WG_RESTRICT param, double *WG_RESTRICT w_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_demanded_wrench_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
-            w_d_param + row * 12);
-    }
 }
 
 void mero_leg_param_floating_mass_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -6064,13 +5760,6 @@ void mero_leg_param_floating_mass_matrix(const double *WG_RESTRICT base_pose, co
     const double t22 = leg_shank_link_yy_2 - t13;
     M[71] = t22;
     M[79] = t22;
-}
-
-void mero_leg_param_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_mass_matrix(base_pose + row * 16, q + row * 3, param, M + row * 81);
-    }
 }
 
 void mero_leg_param_floating_mass_matrix_d_param(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -6288,13 +5977,6 @@ void mero_leg_param_floating_mass_matrix_d_param(const double *WG_RESTRICT base_
     M_d_param[158] = t40;
 }
 
-void mero_leg_param_floating_mass_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT M_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_mass_matrix_d_param(base_pose + row * 16, q + row * 3, param, M_d_param + row * 162);
-    }
-}
-
 void mero_leg_param_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT foot_forces,
     const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
@@ -6463,15 +6145,6 @@ void mero_leg_param_floating_inverse_dynamics(const double *WG_RESTRICT base_pos
     tau[5] = base_moment_z;
 }
 
-void mero_leg_param_floating_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
-    const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9,
-            foot_forces + row * 3, param, tau + row * 9);
-    }
-}
-
 void mero_leg_param_floating_inverse_dynamics_d_param(const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
@@ -6594,6 +6267,335 @@ void mero_leg_param_floating_inverse_dynamics_d_param(const double *WG_RESTRICT 
     tau_d_param[17] = t46;
 }
 
+#if !defined(WALKGEN_NO_BATCHES)
+
+void mero_leg_param_leg_foot_spatial_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_spatial_jacobian_d_param(q + row * 3, param, J_d_param + row * 36);
+    }
+}
+
+void mero_leg_param_leg_foot_hessian_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT H_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_foot_hessian_d_param(q + row * 3, param, H_d_param + row * 54);
+    }
+}
+
+void mero_leg_param_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_joint_frames(q + row * 3, param, T + row * 64);
+    }
+}
+
+void mero_leg_param_leg_joint_frames_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_joint_frames_d_param(q + row * 3, param, T_d_param + row * 128);
+    }
+}
+
+size_t mero_leg_param_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+    double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        bad += mero_leg_param_leg_inverse(p + row * 3, param, q + row * 12, status + row * 4) == 0;
+    }
+    return bad;
+}
+
+size_t mero_leg_param_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
+    const int32_t *WG_RESTRICT branch, const double *WG_RESTRICT param, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_param_leg_inverse_branch(p + row * 3, branch[row], param, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t mero_leg_param_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, const double *WG_RESTRICT param, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_param_leg_inverse_near(p + row * 3, q_seed + row * 3, param, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t mero_leg_param_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT param, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_param_leg_inverse_admissible(p + row * 3, param, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void mero_leg_param_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT param, double *WG_RESTRICT distance) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_inverse_distance(p + row * 3, param, distance + row * 4);
+    }
+}
+
+size_t mero_leg_param_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT param, double *WG_RESTRICT qd,
+    int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_param_leg_inverse_velocity(q + row * 3, v + row * 3, param, qd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t mero_leg_param_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
+    double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_param_leg_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, param, qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void mero_leg_param_leg_forward_dynamics_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
+    const double *WG_RESTRICT param, double *WG_RESTRICT qdd_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_forward_dynamics_d_param(q + row * 3, qd + row * 3, tau + row * 3, f + row * 3, param,
+            qdd_d_param + row * 6);
+    }
+}
+
+void mero_leg_param_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
+    double *WG_RESTRICT tau_d_q, double *WG_RESTRICT tau_d_qd) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, param, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
+    }
+}
+
+void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
+    double *WG_RESTRICT tau_d_q_d_param, double *WG_RESTRICT tau_d_qd_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_inverse_dynamics_derivatives_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param,
+            tau_d_q_d_param + row * 18, tau_d_qd_d_param + row * 18);
+    }
+}
+
+void mero_leg_param_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
+    const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, param, Y + row * 90);
+    }
+}
+
+void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
+    double *WG_RESTRICT Y_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_regressor_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 180);
+    }
+}
+
+void mero_leg_param_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
+    double *WG_RESTRICT Y, double *WG_RESTRICT p) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, param, Y + row * 45, p + row * 15);
+    }
+}
+
+void mero_leg_param_leg_base_parameters_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
+    double *WG_RESTRICT Y_d_param, double *WG_RESTRICT p_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_leg_base_parameters_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 90,
+            p_d_param + row * 30);
+    }
+}
+
+void mero_leg_param_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_platform_poses(q + row * 3, param, T + row * 16);
+    }
+}
+
+void mero_leg_param_platform_poses_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT T_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_platform_poses_d_param(q + row * 3, param, T_d_param + row * 32);
+    }
+}
+
+void mero_leg_param_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT p) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_foot_positions(q + row * 3, param, p + row * 3);
+    }
+}
+
+void mero_leg_param_foot_positions_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT p_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_foot_positions_d_param(q + row * 3, param, p_d_param + row * 6);
+    }
+}
+
+void mero_leg_param_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_foot_jacobians(q + row * 3, param, J + row * 9);
+    }
+}
+
+void mero_leg_param_foot_jacobians_d_param_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_foot_jacobians_d_param(q + row * 3, param, J_d_param + row * 18);
+    }
+}
+
+void mero_leg_param_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT param, double *WG_RESTRICT c) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_com(base_pose + row * 16, q + row * 3, param, c + row * 3);
+    }
+}
+
+void mero_leg_param_com_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT c_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_com_d_param(base_pose + row * 16, q + row * 3, param, c_d_param + row * 6);
+    }
+}
+
+void mero_leg_param_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_com_jacobian(base_pose + row * 16, q + row * 3, param, J + row * 27);
+    }
+}
+
+void mero_leg_param_com_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT J_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_com_jacobian_d_param(base_pose + row * 16, q + row * 3, param, J_d_param + row * 54);
+    }
+}
+
+void mero_leg_param_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT A) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, param, A + row * 54);
+    }
+}
+
+void mero_leg_param_centroidal_momentum_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT A_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_centroidal_momentum_matrix_d_param(base_pose + row * 16, q + row * 3, param, A_d_param + row * 108);
+    }
+}
+
+void mero_leg_param_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT I) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_centroidal_inertia(base_pose + row * 16, q + row * 3, param, I + row * 9);
+    }
+}
+
+void mero_leg_param_centroidal_inertia_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT I_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_centroidal_inertia_d_param(base_pose + row * 16, q + row * 3, param, I_d_param + row * 18);
+    }
+}
+
+void mero_leg_param_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT param, double *WG_RESTRICT h) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_momentum(base_pose + row * 16, q + row * 3, v + row * 9, param, h + row * 6);
+    }
+}
+
+void mero_leg_param_momentum_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT param,
+    double *WG_RESTRICT h_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_momentum_d_param(base_pose + row * 16, q + row * 3, v + row * 9, param, h_d_param + row * 12);
+    }
+}
+
+void mero_leg_param_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
+    const double *WG_RESTRICT param, double *WG_RESTRICT hd) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, hd + row * 6);
+    }
+}
+
+void mero_leg_param_momentum_rate_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
+    const double *WG_RESTRICT param, double *WG_RESTRICT hd_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_momentum_rate_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
+            hd_d_param + row * 12);
+    }
+}
+
+void mero_leg_param_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
+    const double *WG_RESTRICT param, double *WG_RESTRICT w) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param, w + row * 6);
+    }
+}
+
+void mero_leg_param_demanded_wrench_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
+    const double *WG_RESTRICT param, double *WG_RESTRICT w_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_demanded_wrench_d_param(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, param,
+            w_d_param + row * 12);
+    }
+}
+
+void mero_leg_param_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT M) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_floating_mass_matrix(base_pose + row * 16, q + row * 3, param, M + row * 81);
+    }
+}
+
+void mero_leg_param_floating_mass_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT M_d_param) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_floating_mass_matrix_d_param(base_pose + row * 16, q + row * 3, param, M_d_param + row * 162);
+    }
+}
+
+void mero_leg_param_floating_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
+    const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau) {
+    for (size_t row = 0; row < rows; ++row) {
+        mero_leg_param_floating_inverse_dynamics(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9,
+            foot_forces + row * 3, param, tau + row * 9);
+    }
+}
+
 void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, const double *WG_RESTRICT param, double *WG_RESTRICT tau_d_param) {
@@ -6603,6 +6605,9 @@ void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const d
     }
 }
 
+#endif
+
+#if !defined(WALKGEN_NO_BATCHES)
 #if defined(WALKGEN_BLOCKS)
 #define WALKGEN_ROWS 2
 #include "walkgen_lanes.h"
@@ -7069,4 +7074,5 @@ void mero_leg_param_leg_potential_energy_d_param_batch(size_t rows, const double
 #endif
 }
 
+#endif
 #endif

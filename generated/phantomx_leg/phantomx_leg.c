@@ -1518,12 +1518,6 @@ void phantomx_leg_right_front_joint_frames(const double *WG_RESTRICT q, double *
     T[48] = t2;
 }
 
-void phantomx_leg_right_front_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_joint_frames(q + row * 3, T + row * 64);
-    }
-}
-
 int32_t phantomx_leg_right_front_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q,
     int32_t *WG_RESTRICT status) {
     double target[3];
@@ -1542,15 +1536,6 @@ int32_t phantomx_leg_right_front_inverse(const double *WG_RESTRICT p, double *WG
     return ok;
 }
 
-size_t phantomx_leg_right_front_inverse_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        bad += phantomx_leg_right_front_inverse(p + row * 3, q + row * 12, status + row * 4) == 0;
-    }
-    return bad;
-}
-
 int32_t phantomx_leg_right_front_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q) {
     double target[3];
     double geometry[10] = {0};
@@ -1563,16 +1548,6 @@ int32_t phantomx_leg_right_front_inverse_branch(const double *WG_RESTRICT p, int
         wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
     }
     return status;
-}
-
-size_t phantomx_leg_right_front_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
-    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = phantomx_leg_right_front_inverse_branch(p + row * 3, branch[row], q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t phantomx_leg_right_front_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -1591,16 +1566,6 @@ int32_t phantomx_leg_right_front_inverse_near(const double *WG_RESTRICT p, const
     }
     wg_nearest_row(rows, states, q_seed, 8, 4, q, &status);
     return status;
-}
-
-size_t phantomx_leg_right_front_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
-    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = phantomx_leg_right_front_inverse_near(p + row * 3, q_seed + row * 3, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t phantomx_leg_right_front_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q) {
@@ -1629,16 +1594,6 @@ int32_t phantomx_leg_right_front_inverse_admissible(const double *WG_RESTRICT p,
     return status;
 }
 
-size_t phantomx_leg_right_front_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p,
-    double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = phantomx_leg_right_front_inverse_admissible(p + row * 3, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 void phantomx_leg_right_front_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
     double rows[12];
     int32_t states[4];
@@ -1654,13 +1609,6 @@ void phantomx_leg_right_front_inverse_distance(const double *WG_RESTRICT p, doub
     phantomx_leg_right_front_row_distances_kernel(rows, p, distance);
 }
 
-void phantomx_leg_right_front_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p,
-    double *WG_RESTRICT distance) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_inverse_distance(p + row * 3, distance + row * 4);
-    }
-}
-
 int32_t phantomx_leg_right_front_inverse_velocity(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     double *WG_RESTRICT qd) {
     double J[9];
@@ -1668,16 +1616,6 @@ int32_t phantomx_leg_right_front_inverse_velocity(const double *WG_RESTRICT q, c
     phantomx_leg_right_front_foot_jacobian(q, J);
     wg_damped_inverse_3(J, v, 0.0026, 0.0026, qd, &status);
     return status;
-}
-
-size_t phantomx_leg_right_front_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, double *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = phantomx_leg_right_front_inverse_velocity(q + row * 3, v + row * 3, qd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 int32_t phantomx_leg_right_front_inverse_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1688,16 +1626,6 @@ int32_t phantomx_leg_right_front_inverse_acceleration(const double *WG_RESTRICT 
     phantomx_leg_right_front_acceleration_jacobian_kernel(q, qd, a, J, rest);
     wg_damped_inverse_3(J, rest, 0.0026, 0.0026, qdd, &status);
     return status;
-}
-
-size_t phantomx_leg_right_front_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = phantomx_leg_right_front_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, qdd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
 }
 
 void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_RESTRICT q,
@@ -1816,15 +1744,6 @@ void phantomx_leg_right_front_inverse_dynamics_derivatives(const double *WG_REST
     tau_d_qd[4] = thigh_moment_z_d_qd_thigh;
     const double t27 = WG_FMA(-tibia_lever_y, tibia_inertial_force_y, t22);
     tau_d_q[4] = WG_FMA(tibia_lever_y, tibia_inertial_force_x_d_q_thigh, -t27);
-}
-
-void phantomx_leg_right_front_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
-    double *WG_RESTRICT tau_d_qd) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
-            tau_d_qd + row * 9);
-    }
 }
 
 void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -2028,13 +1947,6 @@ void phantomx_leg_right_front_regressor(const double *WG_RESTRICT q, const doubl
     Y[85] = t15;
 }
 
-void phantomx_leg_right_front_regressor_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_regressor(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 90);
-    }
-}
-
 void phantomx_leg_right_front_base_parameters(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
     Y[0] = qdd[0];
@@ -2181,13 +2093,6 @@ void phantomx_leg_right_front_base_parameters(const double *WG_RESTRICT q, const
     Y[24] = WG_FMA(tibia_lever_x, tibia_my_force_y, -t15);
 }
 
-void phantomx_leg_right_front_base_parameters_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_right_front_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 45, p + row * 15);
-    }
-}
-
 void phantomx_leg_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRICT T) {
     (void)q;
     T[0] = 1.0;
@@ -2208,12 +2113,6 @@ void phantomx_leg_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRIC
     T[15] = 1.0;
 }
 
-void phantomx_leg_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_platform_poses(q + row * 3, T + row * 16);
-    }
-}
-
 void phantomx_leg_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double turned_coxa = q[0] + 0.7853981633974483;
     const double angle_thigh_tibia = q[1] - q[2];
@@ -2229,12 +2128,6 @@ void phantomx_leg_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRIC
     p[1] = WG_FMA(-cos_turned_coxa, coxa_to_tip_inner_y, -0.06164);
     const double position_x = WG_FMA(sin_turned_coxa, coxa_to_tip_inner_y, 0.1248);
     p[0] = position_x;
-}
-
-void phantomx_leg_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_foot_positions(q + row * 3, p + row * 3);
-    }
 }
 
 void phantomx_leg_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
@@ -2267,12 +2160,6 @@ void phantomx_leg_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRIC
     J[5] = J_tibia_y;
 }
 
-void phantomx_leg_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_foot_jacobians(q + row * 3, J + row * 9);
-    }
-}
-
 void phantomx_leg_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c) {
     const double turned_right_front_coxa = q[0] + 0.7853981633974483;
     double sin_right_front_thigh, cos_right_front_thigh, sin_turned_right_front_coxa, cos_turned_right_front_coxa;
@@ -2296,13 +2183,6 @@ void phantomx_leg_com(const double *WG_RESTRICT base_pose, const double *WG_REST
     const double t3 = WG_FMA(base_pose[10], centre_z, base_pose[9]*centre_y);
     const double centre_world_z = WG_FMA(-base_pose[8], centre_x, t3);
     c[2] = base_pose[11] - centre_world_z;
-}
-
-void phantomx_leg_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    double *WG_RESTRICT c) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_com(base_pose + row * 16, q + row * 3, c + row * 3);
-    }
 }
 
 void phantomx_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -2372,13 +2252,6 @@ void phantomx_leg_com_jacobian(const double *WG_RESTRICT base_pose, const double
     J[16] = WG_FMA(-right_front_coxa_frame_y_y, right_front_thigh_unit_x, -t5);
     const double t6 = base_pose[10]*right_front_thigh_unit_y;
     J[25] = WG_FMA(-right_front_coxa_frame_y_z, right_front_thigh_unit_x, -t6);
-}
-
-void phantomx_leg_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_com_jacobian(base_pose + row * 16, q + row * 3, J + row * 27);
-    }
 }
 
 void phantomx_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -2642,13 +2515,6 @@ void phantomx_leg_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose
     A[53] = WG_FMA(base_pose[10], right_front_tibia_inertia_yz, -t90);
 }
 
-void phantomx_leg_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT A) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, A + row * 54);
-    }
-}
-
 void phantomx_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     double *WG_RESTRICT I) {
     const double angle_right_front_thigh_tibia = q[1] - q[2];
@@ -2792,13 +2658,6 @@ void phantomx_leg_centroidal_inertia(const double *WG_RESTRICT base_pose, const 
     const double t51 = WG_FMA(base_pose[10], spin_z_z, base_pose[9]*spin_y_z);
     const double inertia_22 = WG_FMA(-base_pose[8], spin_x_z, t51);
     I[8] = inertia_22;
-}
-
-void phantomx_leg_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT I) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_centroidal_inertia(base_pose + row * 16, q + row * 3, I + row * 9);
-    }
 }
 
 void phantomx_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -2950,13 +2809,6 @@ void phantomx_leg_momentum(const double *WG_RESTRICT base_pose, const double *WG
     h[4] = WG_FMA(base_pose[5], momentum_about_centre_y, -t58);
     const double t59 = WG_FMA(base_pose[10], momentum_about_centre_z, base_pose[8]*momentum_about_centre_x);
     h[5] = WG_FMA(base_pose[9], momentum_about_centre_y, -t59);
-}
-
-void phantomx_leg_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_momentum(base_pose + row * 16, q + row * 3, v + row * 9, h + row * 6);
-    }
 }
 
 void phantomx_leg_momentum_rate(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -3198,13 +3050,6 @@ void phantomx_leg_momentum_rate(const double *WG_RESTRICT base_pose, const doubl
     hd[5] = WG_FMA(base_pose[9], rate_about_centre_y, -t102);
 }
 
-void phantomx_leg_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, hd + row * 6);
-    }
-}
-
 void phantomx_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
     const double base_pole_x = WG_FMA(v[3], v[5], a[4]);
@@ -3440,13 +3285,6 @@ void phantomx_leg_demanded_wrench(const double *WG_RESTRICT base_pose, const dou
     w[5] = WG_FMA(-base_pose[3], force_world_y, base_pose[7]*force_world_x) - moment_world_z;
 }
 
-void phantomx_leg_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, w + row * 6);
-    }
-}
-
 void phantomx_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     double *WG_RESTRICT M) {
     (void)base_pose;
@@ -3642,13 +3480,6 @@ void phantomx_leg_floating_mass_matrix(const double *WG_RESTRICT base_pose, cons
     const double t44 = -right_front_thigh_composite_yz;
     M[61] = t44;
     M[69] = t44;
-}
-
-void phantomx_leg_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
-    const double *WG_RESTRICT q, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        phantomx_leg_floating_mass_matrix(base_pose + row * 16, q + row * 3, M + row * 81);
-    }
 }
 
 void phantomx_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
@@ -3891,6 +3722,177 @@ void phantomx_leg_floating_inverse_dynamics(const double *WG_RESTRICT base_pose,
     tau[5] = base_moment_z;
 }
 
+#if !defined(WALKGEN_NO_BATCHES)
+
+void phantomx_leg_right_front_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_joint_frames(q + row * 3, T + row * 64);
+    }
+}
+
+size_t phantomx_leg_right_front_inverse_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        bad += phantomx_leg_right_front_inverse(p + row * 3, q + row * 12, status + row * 4) == 0;
+    }
+    return bad;
+}
+
+size_t phantomx_leg_right_front_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
+    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = phantomx_leg_right_front_inverse_branch(p + row * 3, branch[row], q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t phantomx_leg_right_front_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = phantomx_leg_right_front_inverse_near(p + row * 3, q_seed + row * 3, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t phantomx_leg_right_front_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p,
+    double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = phantomx_leg_right_front_inverse_admissible(p + row * 3, q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void phantomx_leg_right_front_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p,
+    double *WG_RESTRICT distance) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_inverse_distance(p + row * 3, distance + row * 4);
+    }
+}
+
+size_t phantomx_leg_right_front_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = phantomx_leg_right_front_inverse_velocity(q + row * 3, v + row * 3, qd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+size_t phantomx_leg_right_front_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = phantomx_leg_right_front_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+}
+
+void phantomx_leg_right_front_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT tau_d_q,
+    double *WG_RESTRICT tau_d_qd) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_inverse_dynamics_derivatives(q + row * 3, qd + row * 3, qdd + row * 3, tau_d_q + row * 9,
+            tau_d_qd + row * 9);
+    }
+}
+
+void phantomx_leg_right_front_regressor_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_regressor(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 90);
+    }
+}
+
+void phantomx_leg_right_front_base_parameters_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, double *WG_RESTRICT Y, double *WG_RESTRICT p) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_right_front_base_parameters(q + row * 3, qd + row * 3, qdd + row * 3, Y + row * 45, p + row * 15);
+    }
+}
+
+void phantomx_leg_platform_poses_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT T) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_platform_poses(q + row * 3, T + row * 16);
+    }
+}
+
+void phantomx_leg_foot_positions_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_foot_positions(q + row * 3, p + row * 3);
+    }
+}
+
+void phantomx_leg_foot_jacobians_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_foot_jacobians(q + row * 3, J + row * 9);
+    }
+}
+
+void phantomx_leg_com_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT c) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_com(base_pose + row * 16, q + row * 3, c + row * 3);
+    }
+}
+
+void phantomx_leg_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    double *WG_RESTRICT J) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_com_jacobian(base_pose + row * 16, q + row * 3, J + row * 27);
+    }
+}
+
+void phantomx_leg_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT A) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, A + row * 54);
+    }
+}
+
+void phantomx_leg_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT I) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_centroidal_inertia(base_pose + row * 16, q + row * 3, I + row * 9);
+    }
+}
+
+void phantomx_leg_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, double *WG_RESTRICT h) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_momentum(base_pose + row * 16, q + row * 3, v + row * 9, h + row * 6);
+    }
+}
+
+void phantomx_leg_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, hd + row * 6);
+    }
+}
+
+void phantomx_leg_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, w + row * 6);
+    }
+}
+
+void phantomx_leg_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
+    const double *WG_RESTRICT q, double *WG_RESTRICT M) {
+    for (size_t row = 0; row < rows; ++row) {
+        phantomx_leg_floating_mass_matrix(base_pose + row * 16, q + row * 3, M + row * 81);
+    }
+}
+
 void phantomx_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a,
     const double *WG_RESTRICT foot_forces, double *WG_RESTRICT tau) {
@@ -3900,6 +3902,9 @@ void phantomx_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_
     }
 }
 
+#endif
+
+#if !defined(WALKGEN_NO_BATCHES)
 #if defined(WALKGEN_BLOCKS)
 #define WALKGEN_ROWS 2
 #include "walkgen_lanes.h"
@@ -4144,4 +4149,5 @@ void phantomx_leg_right_front_potential_energy_batch(size_t rows, const double *
 #endif
 }
 
+#endif
 #endif

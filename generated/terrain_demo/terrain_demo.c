@@ -537,13 +537,6 @@ void terrain_demo_terrain_height(const double *WG_RESTRICT p, const double *WG_R
     terrain_demo_terrain_height_at_kernel(p, at_ball, param, z);
 }
 
-void terrain_demo_terrain_height_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
-    double *WG_RESTRICT z) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_height(p + row * 3, param, z + row);
-    }
-}
-
 void terrain_demo_terrain_normal(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT n) {
     double at_ball[1];
@@ -556,13 +549,6 @@ void terrain_demo_terrain_normal(const double *WG_RESTRICT p, const double *WG_R
         terrain_demo_terrain_ball_step_kernel(p, before_at_ball, param, at_ball);
     }
     terrain_demo_terrain_normal_at_kernel(p, at_ball, param, n);
-}
-
-void terrain_demo_terrain_normal_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
-    double *WG_RESTRICT n) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_normal(p + row * 3, param, n + row * 3);
-    }
 }
 
 void terrain_demo_terrain_tangents(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -579,13 +565,6 @@ void terrain_demo_terrain_tangents(const double *WG_RESTRICT p, const double *WG
     terrain_demo_terrain_tangents_at_kernel(p, at_ball, param, t);
 }
 
-void terrain_demo_terrain_tangents_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
-    double *WG_RESTRICT t) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_tangents(p + row * 3, param, t + row * 6);
-    }
-}
-
 void terrain_demo_terrain_curvature(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT curvature) {
     double at_ball[1];
@@ -598,13 +577,6 @@ void terrain_demo_terrain_curvature(const double *WG_RESTRICT p, const double *W
         terrain_demo_terrain_ball_step_kernel(p, before_at_ball, param, at_ball);
     }
     terrain_demo_terrain_curvature_at_kernel(p, at_ball, param, curvature);
-}
-
-void terrain_demo_terrain_curvature_batch(size_t rows, const double *WG_RESTRICT p,
-    const double *WG_RESTRICT param, double *WG_RESTRICT curvature) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_curvature(p + row * 3, param, curvature + row * 4);
-    }
 }
 
 void terrain_demo_terrain_ground(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -621,13 +593,6 @@ void terrain_demo_terrain_ground(const double *WG_RESTRICT p, const double *WG_R
     terrain_demo_terrain_ground_at_kernel(p, at_ball, param, mu, kn, kt);
 }
 
-void terrain_demo_terrain_ground_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
-    double *WG_RESTRICT mu, double *WG_RESTRICT kn, double *WG_RESTRICT kt) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_ground(p + row * 3, param, mu + row, kn + row, kt + row);
-    }
-}
-
 void terrain_demo_terrain_compliance(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT C) {
     double at_ball[1];
@@ -642,13 +607,6 @@ void terrain_demo_terrain_compliance(const double *WG_RESTRICT p, const double *
     terrain_demo_terrain_compliance_at_kernel(p, at_ball, param, C);
 }
 
-void terrain_demo_terrain_compliance_batch(size_t rows, const double *WG_RESTRICT p,
-    const double *WG_RESTRICT param, double *WG_RESTRICT C) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_compliance(p + row * 3, param, C + row * 9);
-    }
-}
-
 void terrain_demo_terrain_patch(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     int32_t *WG_RESTRICT index) {
     double at_ball[1];
@@ -661,13 +619,6 @@ void terrain_demo_terrain_patch(const double *WG_RESTRICT p, const double *WG_RE
         terrain_demo_terrain_ball_step_kernel(p, before_at_ball, param, at_ball);
     }
     terrain_demo_terrain_patch_at_kernel(p, at_ball, param, index);
-}
-
-void terrain_demo_terrain_patch_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
-    int32_t *WG_RESTRICT index) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_patch(p + row * 3, param, index + row);
-    }
 }
 
 int32_t terrain_demo_terrain_project(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -704,6 +655,57 @@ int32_t terrain_demo_terrain_project(const double *WG_RESTRICT p, const double *
     return status;
 }
 
+#if !defined(WALKGEN_NO_BATCHES)
+
+void terrain_demo_terrain_height_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+    double *WG_RESTRICT z) {
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_terrain_height(p + row * 3, param, z + row);
+    }
+}
+
+void terrain_demo_terrain_normal_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+    double *WG_RESTRICT n) {
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_terrain_normal(p + row * 3, param, n + row * 3);
+    }
+}
+
+void terrain_demo_terrain_tangents_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+    double *WG_RESTRICT t) {
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_terrain_tangents(p + row * 3, param, t + row * 6);
+    }
+}
+
+void terrain_demo_terrain_curvature_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT param, double *WG_RESTRICT curvature) {
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_terrain_curvature(p + row * 3, param, curvature + row * 4);
+    }
+}
+
+void terrain_demo_terrain_ground_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+    double *WG_RESTRICT mu, double *WG_RESTRICT kn, double *WG_RESTRICT kt) {
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_terrain_ground(p + row * 3, param, mu + row, kn + row, kt + row);
+    }
+}
+
+void terrain_demo_terrain_compliance_batch(size_t rows, const double *WG_RESTRICT p,
+    const double *WG_RESTRICT param, double *WG_RESTRICT C) {
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_terrain_compliance(p + row * 3, param, C + row * 9);
+    }
+}
+
+void terrain_demo_terrain_patch_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+    int32_t *WG_RESTRICT index) {
+    for (size_t row = 0; row < rows; ++row) {
+        terrain_demo_terrain_patch(p + row * 3, param, index + row);
+    }
+}
+
 size_t terrain_demo_terrain_project_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT foot, int32_t *WG_RESTRICT status) {
     size_t bad = 0;
@@ -714,6 +716,9 @@ size_t terrain_demo_terrain_project_batch(size_t rows, const double *WG_RESTRICT
     return bad;
 }
 
+#endif
+
+#if !defined(WALKGEN_NO_BATCHES)
 #if defined(WALKGEN_BLOCKS)
 #define WALKGEN_ROWS 2
 #include "walkgen_lanes.h"
@@ -733,4 +738,5 @@ void terrain_demo_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT
 #endif
 }
 
+#endif
 #endif

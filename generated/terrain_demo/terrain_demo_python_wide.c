@@ -13,7 +13,6 @@
 #define WALKGEN_WIDE(name) name##_avx512
 #endif
 #undef WALKGEN_PART
-#undef WALKGEN_NO_BLOCKS
 #define WG_ROW(head) static __attribute__((unused)) head
 #define WG_STATIC_ROW(head) static __attribute__((unused)) head
 #define WALKGEN_ROWS 1

@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 from walkgen import __version__
 from walkgen.arguments import TO_FILE, Body, Format, Output, SoleName, Specs, Stage, Verify, targets_of
 from walkgen.errors import Problem, WalkgenError
+from walkgen.processes import uncollected
 from walkgen.terminal import as_json, count, deliver, print_build, print_walk, progress_of, report, write_new
 
 if TYPE_CHECKING:
@@ -57,6 +58,7 @@ def _walkgen(
 
 
 @app.command()
+@uncollected()
 def build(
     specs: Specs,
     output: Output = Path("generated"),

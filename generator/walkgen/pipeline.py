@@ -21,7 +21,7 @@ from walkgen.graph.program import Composite, Program
 from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Mechanism
-from walkgen.processes import both
+from walkgen.processes import both, uncollected
 from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
 from walkgen.symbolic.derive import derive, derive_limbs, derive_robot
@@ -59,6 +59,7 @@ def _silent(step: str | Problem) -> None:
     del step
 
 
+@uncollected()
 def build(path: Path, out: Path, options: BuildOptions = BuildOptions(), progress: Progress = _silent) -> BuildReport:
     """Generate and compile the robot of a spec into `out/<robot>/`; the old output stays whole until the new one is.
 
@@ -78,6 +79,7 @@ def build(path: Path, out: Path, options: BuildOptions = BuildOptions(), progres
     return BuildReport(folder, files, len(code.functions), total, time.perf_counter() - start, library, tuple(notices))
 
 
+@uncollected()
 def generate(
     path: Path, options: BuildOptions = BuildOptions(), progress: Progress = _silent, notice: Callable[[Problem], None] = _silent
 ) -> RobotCode:

@@ -24,8 +24,8 @@ _VECTORS = ("-ftree-loop-vectorize", "-fvect-cost-model=very-cheap", "-fno-tree-
 FLAGS = ("-std=c99", *_EFFORT, *_VECTORS, "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 """The values of IEEE 754: only errno and exception flags are given up, so that sqrt is one instruction and choices need no jumps;
 gcc's SLP vectoriser slows straight-line kernels."""
-SHARED = ("-fPIC", "-DWALKGEN_NO_BLOCKS")
-"""Of a library: its batches take row after row, since NumPy's loops have wider vectors of their own."""
+SHARED = ("-fPIC", "-DWALKGEN_NO_BATCHES")
+"""Of a library, whose loops are NumPy's."""
 _RECORD = "build.json"
 _PROCESSES = 2
 

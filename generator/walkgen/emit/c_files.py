@@ -14,10 +14,13 @@ from walkgen.emit.c_declaration import CFunction, function_name
 from walkgen.emit.c_function import batch_function, callback_function, composite_function, kernel, program_function, table_lines
 from walkgen.emit.c_lanes import laned
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
-from walkgen.emit.c_rows import Part, Rows, first_parts, guard, last_parts, read_rows, row_headers
+from walkgen.emit.c_rows import NO_BATCHES, Part, Rows, first_parts, guard, last_parts, read_rows, row_headers
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
+
+Functions = Sequence[tuple[CFunction, CFunction]]
+"""Each with its batch."""
 
 _SUPPORT = Path(__file__).parent / "csupport"
 _INCLUDE = re.compile(r'^#include "(walkgen_\w+\.h)"', re.MULTILINE)
@@ -88,7 +91,7 @@ def _stem(code: RobotCode, precision: Precision) -> str:
     return "_".join(part for part in (code.mechanism.name, precision.tag) if part)
 
 
-def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFunction, CFunction]]) -> Artifact:
+def _header(code: RobotCode, precision: Precision, functions: Functions) -> Artifact:
     stem = _stem(code, precision)
     return lay_out(
         "robot.h.jinja",
@@ -101,14 +104,11 @@ def _header(code: RobotCode, precision: Precision, functions: list[tuple[CFuncti
     )
 
 
-def _source(
-    code: RobotCode, precision: Precision, kernels: list[CFunction], functions: list[tuple[CFunction, CFunction]], rows: Rows
-) -> Artifact:
+def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], functions: Functions, rows: Rows) -> Artifact:
     stem = _stem(code, precision)
     tables = (line for table in code.tables for line in ("", *table_lines(table, CPrinter(precision, code.fma))))
-    remaining = [tuple(function for function in pair if function.name not in rows.names) for pair in functions]
-    parts = _parts(code, remaining)
-    split = len(parts) > 1
+    halves = _halves(code, functions, rows)
+    split = len(halves) > 1
     return lay_out(
         "robot.c.jinja",
         f"{stem}.c",
@@ -119,32 +119,37 @@ def _source(
         parts=(
             *first_parts(rows, split=split),
             Part(tuple(tables), tuple(function for function in kernels if function.name not in rows.names), ()),
-            *parts,
+            *(part for number, half in enumerate(halves, 1) for part in _parts(half, rows, guard(number) if split else "")),
             *last_parts(rows, f"{stem}.c", split=split),
         ),
     )
 
 
-def _parts(code: RobotCode, functions: Sequence[tuple[CFunction, ...]]) -> tuple[Part, ...]:
-    """All in one, or in two parts of like weight that two compilers can share where it is worth it."""
-    ends = list(accumulate(_weights(code, functions)))
+def _halves(code: RobotCode, functions: Functions, rows: Rows) -> tuple[Functions, ...]:
+    """All in one, or in two of like weight that two compilers can share where it is worth it."""
+    ends = list(accumulate(_weights(code, functions, rows)))
     if not ends or ends[-1] < _LARGE:
-        return (Part((), _flat(functions), ()),)
+        return (functions,)
     middle = bisect(ends, ends[-1] // 2)
-    halves = (functions[:middle], functions[middle:])
-    return tuple(Part(("", guard(part)), _flat(half), ("", "#endif")) for part, half in enumerate(halves, 1))
+    return functions[:middle], functions[middle:]
 
 
-def _flat(functions: Sequence[tuple[CFunction, ...]]) -> tuple[CFunction, ...]:
-    return tuple(function for pair in functions for function in pair)
+def _parts(functions: Functions, rows: Rows, opening: str) -> tuple[Part, Part]:
+    """Functions, then their batches, but for those that are read twice."""
+    single = tuple(function for function, _ in functions if function.name not in rows.names)
+    batches = tuple(batch for _, batch in functions if batch.name not in rows.names)
+    closing = ("", "#endif") if opening else ()
+    whole = ("", NO_BATCHES), batches, ("", "#endif", *closing)
+    return Part(("", opening) if opening else (), single, ()), Part(*whole) if batches else Part((), (), closing)
 
 
-def _weights(code: RobotCode, functions: Sequence[tuple[CFunction, ...]]) -> Iterator[int]:
+def _weights(code: RobotCode, functions: Functions, rows: Rows) -> Iterator[int]:
     """Lines of each function, those of the support routines that it is the first to call among them."""
     met: set[str] = set()
-    for body, pair in zip(code.functions, functions, strict=True):
+    for body, (function, _) in zip(code.functions, functions, strict=True):
         needed = set(_with_included(body.headers)) if isinstance(body, Composite) else set()
-        yield sum(len(function.lines) for function in pair) + sum(_support(name).text.count("\n") for name in needed - met)
+        own = 0 if function.name in rows.names else len(function.lines)
+        yield own + sum(_support(name).text.count("\n") for name in needed - met)
         met |= needed
 
 

@@ -9,6 +9,8 @@ from walkgen.emit.c_lanes import Laned, closest_lines, lane_lines, laned, read_t
 from walkgen.emit.c_printer import Precision
 from walkgen.graph.program import Program
 
+NO_BATCHES = "#if !defined(WALKGEN_NO_BATCHES)"
+"""What keeps batches out of the Python library, whose loops are NumPy's."""
 _BATCH, _LANES = "walkgen_batch.h", "walkgen_lanes.h"
 
 
@@ -84,6 +86,13 @@ def last_parts(rows: Rows, file: str, *, split: bool) -> tuple[Part, ...]:
     """The second reading, and the batches that stand on it."""
     if not rows.names:
         return ()
-    opening = ("", *([guard(1)] if split else []), "#if defined(WALKGEN_BLOCKS)", "#define WALKGEN_ROWS 2", f'#include "{_LANES}"')
+    opening = (
+        "",
+        *([guard(1)] if split else []),
+        NO_BATCHES,
+        "#if defined(WALKGEN_BLOCKS)",
+        "#define WALKGEN_ROWS 2",
+        f'#include "{_LANES}"',
+    )
     lanes = (*opening, f'#include "{file}"', "#undef WALKGEN_ROWS", *rows.closest, "#endif")
-    return (Part(lanes, rows.batches, ("", *(["#endif"] if split else []), "#endif")),)
+    return (Part(lanes, rows.batches, ("", "#endif", *(["#endif"] if split else []), "#endif")),)

@@ -34,7 +34,8 @@
  * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, slower. It is implied
  * where sums are not rounded as written: by -ffast-math and where the compiler keeps intermediate results wider than their type.
  *
- * WALKGEN_NO_BLOCKS lets `_batch` take row after row, WALKGEN_PLAIN selects C99 alone, without vector types: the same bits.
+ * WALKGEN_NO_BATCHES leaves `_batch` functions out, WALKGEN_NO_BLOCKS lets them take row after row; WALKGEN_PLAIN selects C99 alone,
+ * without vector types: the same bits.
  *
  * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
  *
