@@ -76,7 +76,7 @@ class _Lowering:
         self._numbering = numbering
         self._numbers: dict[sympy.Basic, int] = {symbol: index for index, symbol in enumerate(function.inputs)}
         for symbol, definition in _needed(function):
-            self._numbers[symbol] = numbering.named(self.number(definition), str(symbol))
+            self._numbers[symbol] = numbering.named(self.number(definition), symbol.name)
 
     def number(self, expression: sympy.Basic) -> int:
         """The op that computes the expression."""
@@ -101,9 +101,9 @@ class _Lowering:
         return self._numbering.op(code, *(self.number(argument) for argument in expression.args))
 
     def _sum(self, terms: Sequence[sympy.Expr]) -> int:
-        ordered = sorted(terms, key=self._rank)
-        positive = [term for term in ordered if not _is_negated(term)]
-        negative = [-term for term in ordered if _is_negated(term)]
+        ordered = [(term, _is_negated(term)) for term in sorted(terms, key=self._rank)]
+        positive = [term for term, negated in ordered if not negated]
+        negative = [-term for term, negated in ordered if negated]
         return self._combined(positive, negative, Code.ADD, Code.SUB)
 
     def _combined(self, first: Sequence[sympy.Expr], second: Sequence[sympy.Expr], join: Code, part: Code) -> int:
@@ -147,6 +147,8 @@ class _Lowering:
 
     def _rank(self, term: sympy.Expr) -> tuple[tuple[int, ...], Shape]:
         """Order of operands: by the numbers of the values they use, never by names or the algebra system's sort."""
+        if term.is_Symbol:
+            return (self.number(term),), ("", self.number(term))
         return tuple(sorted(self.number(symbol) for symbol in term.free_symbols)), self._shape(term)
 
     def _shape(self, expression: sympy.Basic) -> Shape:
@@ -154,7 +156,7 @@ class _Lowering:
         if expression.is_Symbol:
             return ("", self.number(expression))
         if not expression.args:
-            return (str(expression),)
+            return (_digits(expression),)
         arguments = [self._shape(argument) for argument in expression.args]
         commutes = expression.is_Add or expression.is_Mul
         return (expression.func.__name__, *(sorted(arguments) if commutes else arguments))
@@ -171,8 +173,13 @@ def _needed(function: Function) -> list[tuple[sympy.Symbol, sympy.Expr]]:
     return kept[::-1]
 
 
+def _digits(number: sympy.Basic) -> str:
+    """What has no arguments and is no symbol."""
+    return str(int(number)) if number.is_Integer else str(number)
+
+
 def _is_negated(term: sympy.Expr) -> bool:
-    return bool(term.as_coeff_Mul()[0].is_negative)
+    return not term.is_Symbol and bool(term.as_coeff_Mul()[0].is_negative)
 
 
 def _is_reciprocal(factor: sympy.Expr) -> bool:

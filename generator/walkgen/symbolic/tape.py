@@ -38,7 +38,7 @@ class Tape:
         """The expression under a name; numbers and (negated) symbols stay as they are."""
         if expression.is_number:
             return constant(expression)
-        if expression.is_Symbol or (-expression).is_Symbol:
+        if expression.is_Symbol or (expression.is_Mul and (-expression).is_Symbol):
             return expression
         if (known := self._known.get(expression)) is not None:
             return known
