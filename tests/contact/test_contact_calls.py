@@ -93,11 +93,32 @@ def test_mistakes_are_named(robot):
         robot.contact_forces(SQUARE, [0, 0, 1], 0.5, DOWN, speed=1)
 
 
+BAD = {
+    "mu of foot 1 is nan; give finite": {"mu": [0.5, np.nan, 0.5, 0.5]},
+    "mu of foot 1 is -1; coefficients of friction are 0 or more": {"mu": [0.5, -1.0, 0.5, 0.5]},
+    "mu of foot 1 is inf; coefficients of friction are": {"mu": [0.5, np.inf, 0.5, 0.5]},
+    "mu is -0.1; coefficients": {"mu": -0.1},
+    "normals of foot 2 is .0.* 2.*unit vector": {"normals": [[0, 0, 1], [0, 0, 1], [0, 0, 2], [0, 0, 1]]},
+    "normals is .*unit vector": {"normals": [0, 0, 0]},
+    "points of foot 3 is .*nan.*finite": {"points": SQUARE * [[1], [1], [1], [np.nan]]},
+    "wrench is .*nan": {"wrench": [0.0, 0.0, np.nan, 0.0, 0.0, 0.0]},
+    "weight of foot 0 is 0; weights are above 0": {"weight": [0.0, 1.0, 1.0, 1.0]},
+    "n_max of foot 0 is -5; the largest": {"n_max": [-5.0, 9.0, 9.0, 9.0]},
+}
+
+
+@pytest.mark.parametrize("words", BAD)
+def test_bad_numbers_are_named(robot, words):
+    stance = {"points": SQUARE, "normals": [0, 0, 1], "mu": 0.5, "wrench": DOWN}
+    with pytest.raises(ValueError, match=f"contact_forces: {words}"):
+        robot.contact_forces(**(stance | BAD[words]))
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0])
-def test_bad_numbers_have_a_status(robot, bad):
-    f, status, *_ = robot.contact_forces(SQUARE, [0, 0, 1], [0.5, bad, 0.5, 0.5], DOWN)
-    assert status == 2
-    assert np.all(np.isnan(f))
+def test_bad_rows_have_a_status(robot, bad):
+    f, status, *_ = robot.contact_forces(SQUARE, [0, 0, 1], [[0.5, bad, 0.5, 0.5], [0.5] * 4], DOWN)
+    assert status.tolist() == [2, 0]
+    assert np.all(np.isnan(f[0]))
 
 
 def test_a_robot_of_one_leg_shares_nothing(built):

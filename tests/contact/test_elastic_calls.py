@@ -7,9 +7,18 @@ import pytest
 from mechanisms.elastic_robots import stand
 from oracles.stands import O13_DELTA, O13_F, O13_Q, O13_WRENCH, O14_F, O14_Q, O14_WRENCH
 
-FUNCTIONS = ("foot_positions", "stance_compliance", "contact_forces", "contact_forces_stiffness", "contact_forces_coupled")
+FUNCTIONS = (
+    "foot_positions",
+    "stance_compliance",
+    "contact_forces",
+    "contact_forces_stiffness",
+    "contact_forces_coupled",
+    "contact_forces_vertical",
+)
 TEXT = stand().replace("[sections]", f"[generate]\nfunctions = {list(FUNCTIONS)}\n[sections]".replace("'", '"'))
 UP = [0.0, 0.0, 1.0]
+DOWN = [0.0, 0.0, -100.0, 0.0, 0.0, 0.0]
+SQUARE = np.array([[0.3, 0.2, 0.0], [0.3, -0.2, 0.0], [-0.3, 0.2, 0.0], [-0.3, -0.2, 0.0]])
 OK, NO_CONVERGENCE, INFEASIBLE = 0, 4, 5
 
 
@@ -83,3 +92,23 @@ def test_casadi_has_feet_that_stick(built):
     assert (verdict, left <= 1e-9) == (OK, True)
     np.testing.assert_allclose(slopes @ O13_WRENCH, found.ravel(), atol=1e-9)  # without misfit the forces are linear in the load
     assert function(points, np.tile(UP, (4, 1)), np.full(4, 0.1), O13_WRENCH, C, np.zeros((4, 3)))[1] == NO_CONVERGENCE
+
+
+@pytest.mark.parametrize(("method", "options"), [("stiffness", {"compliance": np.tile(np.eye(3), (3, 1, 1))}), ("vertical", {})])
+def test_lost_loads_are_named(robot, method, options):
+    """Feet on a line carry no moment about it; statuses tell of single rows."""
+    line, triangle = SQUARE[:1] * [[1], [0], [-2]], SQUARE[:3]
+    with pytest.raises(ValueError, match=r"3 feet on a line carry no moment about it, along \[0\.83205 +0\.5547 +0\. +\] through"):
+        robot.contact_forces(line, UP, 0.5, DOWN, method=method, **options)
+    with pytest.raises(ValueError, match="feet at one place"):
+        robot.contact_forces(np.zeros((3, 3)), UP, 0.5, DOWN, method=method, **options)
+    status = robot.contact_forces(np.stack([line, triangle]), UP, 0.5, DOWN, method=method, **options)[1]
+    assert status[0] == 3
+    assert status[1] != 3
+
+
+def test_a_singular_compliance_is_named(robot):
+    compliance = np.tile(np.eye(3), (4, 1, 1))
+    compliance[2, 1, 1] = 0.0
+    with pytest.raises(ValueError, match=r"compliance of foot 2 is .*positive definite"):
+        robot.contact_forces(SQUARE, UP, 0.5, DOWN, method="stiffness", compliance=compliance)

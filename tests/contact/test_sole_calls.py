@@ -103,7 +103,10 @@ def test_rigid_soles_on_rigid_ground_are_refused(robot):
     pad = np.outer(n, n) / KN + (np.eye(3) - np.outer(n, n)) / KT
     bare = robot.stance_compliance(STRIDE) - np.kron(np.eye(8), pad)
     assert np.linalg.matrix_rank(bare, tol=1e-12 * np.max(bare)) == 12
-    f, status, *_ = robot.contact_forces(robot.contact_points(STRIDE), n, 0.6, weight_at(0, 0), method="stiffness", compliance=bare)
+    stance = robot.contact_points(STRIDE), n, 0.6
+    with pytest.raises(ValueError, match=r"compliance is .*positive definite: add the ground's"):
+        robot.contact_forces(*stance, weight_at(0, 0), method="stiffness", compliance=bare)
+    f, status, *_ = robot.contact_forces_coupled(*stance, weight_at(0, 0), bare.reshape(8, 3, 8, 3))
     assert status == BAD_INPUT
     assert np.all(np.isnan(f))
 

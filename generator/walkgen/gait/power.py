@@ -71,10 +71,13 @@ def _carried(robot: Robot, state: tuple[np.ndarray, ...], contact: Contact) -> t
     """The ground's forces on all feet [t,k,3] (N), 0 on lifted ones, and where there are none."""
     forces, overcome = np.zeros_like(contact.points), np.zeros(len(contact.points), bool)
     wrench = robot.demanded_wrench(*state)
-    for rows, legs in standing(contact.support):
-        if not legs.size:
-            forces[rows] = np.nan
+    known = np.isfinite(wrench).all(axis=-1)
+    for every, legs in standing(contact.support):
+        forces[every] = np.nan
+        rows = every[known[every] & np.isfinite(contact.points[np.ix_(every, legs)]).all(axis=(1, 2))]
+        if not legs.size or not rows.size:
             continue
+        forces[rows] = 0.0
         place = np.ix_(rows, legs)
         found, status, *_ = robot.contact_forces(contact.points[place], contact.normals[place], contact.mu[place], wrench[rows])
         overcome[rows] = status == _INFEASIBLE

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from walkgen.runtime.calls import Function
+from walkgen.runtime.contact_mistakes import bad_input, lost_loads
 from walkgen.signature import STATUSES
 
 Method = Literal["least_squares", "stiffness", "vertical"]
@@ -52,9 +53,19 @@ class ContactForces:
 
         Raises:
             TypeError: an option that the method does not have, or one that it misses.
-            ValueError: shapes that do not fit, an unknown method or cone.
+            ValueError: shapes that do not fit, an unknown method or cone; where every row is BAD_INPUT, what is wrong, and where every
+                row is SINGULAR, which loads its feet cannot carry. Other batches tell by their statuses.
         """
         given = {"points": points, "normals": normals, "mu": mu, "wrench": wrench, **options}
+        found = self._by_method(method, dict(given), cone, torque_rows)
+        status = np.asarray(found[1])
+        if status.size and np.all(status == STATUSES.index("BAD_INPUT")):
+            raise ValueError(f"{NAME}: {bad_input(given | {'torque_rows': torque_rows})}")
+        if status.size and np.all(status == STATUSES.index("SINGULAR")):
+            raise ValueError(f"{NAME}: {lost_loads(points)}")
+        return found
+
+    def _by_method(self, method: Method, given: dict[str, Any], cone: Literal["quadratic"] | int, torque_rows: Any) -> Any:
         if method == "least_squares":
             return self._least_squares(given | {"facets": _facets(cone)}, torque_rows)
         if method not in {"stiffness", "vertical"}:
