@@ -78,7 +78,7 @@ def assert_programs(text: str, seed: int) -> None:
         assert difference(interpreted(found[owner, name], *inputs), value) <= ACCURACY, (owner, name)
 
 
-@settings(UNSHRUNK, max_examples=4)
+@settings(UNSHRUNK, max_examples=3)
 @given(specs(), st.integers(0, 2**32 - 1))
 def test_programs(text, seed):
     assert_programs(text, seed)

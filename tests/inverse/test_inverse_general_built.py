@@ -195,6 +195,7 @@ def test_unreachable_rows_hold_the_closest_pose(robot, name):
         assert abs(np.min(np.linalg.norm(path.foot(found) - target, axis=1)) - closest(name, *target)) <= 1e-9
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", ["rrr_xx", "rrr_zx", "two_digits", "csiro", "rrp_xp", "rr_x"])
 def test_the_boundary_is_reached_and_a_hair_beyond_is_not(robot, name):
     path, generated = PATHS[name], robot.legs[name]

@@ -266,6 +266,11 @@ def test_a_massless_tip_leaves_no_accelerations(tmp_path):
 # ---- few operations --------------------------------------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def plain():
+    return leg_programs(SPECS / "mero_leg.toml")
+
+
 @pytest.mark.parametrize(
     ("name", "most"),
     [
@@ -280,6 +285,6 @@ def test_a_massless_tip_leaves_no_accelerations(tmp_path):
         ("inverse_dynamics_derivatives", 173),
     ],
 )
-def test_plain_leg_costs_little(name, most):
+def test_plain_leg_costs_little(plain, name, most):
     """Sines and cosines count one each; the foot force's share of the inverse dynamics is 19."""
-    assert leg_programs(SPECS / "mero_leg.toml")[name].operation_count <= most
+    assert plain[name].operation_count <= most
