@@ -1,16 +1,20 @@
 """Fixtures that build robots from spec text, each text once a session."""
 
 import hashlib
+import json
 import os
+import pickle
+import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
     from oracles.backends import Built
+    from walkgen.emit.artifact import RobotCode
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices here are small, and the tests' own processes fill the cores
 
@@ -35,7 +39,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _compiled_quickly() -> Iterator[None]:
-    """Libraries that tests build in their own process are compiled at -O0: a fraction of the usual time, and the same arithmetic.
+    """Libraries that tests build in their own process are compiled at -O0, without wide vectors: a fraction of the usual time.
+
+    Rows have the same arithmetic; wide vectors have tests of their own.
 
     What `walkgen build` itself compiles is tested by the command; `WALKGEN_AS_SHIPPED=1` (`make nightly`) keeps its flags everywhere.
     """
@@ -43,7 +49,8 @@ def _compiled_quickly() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         if not os.environ.get("WALKGEN_AS_SHIPPED"):
-            patch.setattr(toolchain, "FLAGS", tuple("-O0" if flag == "-O1" else flag for flag in toolchain.FLAGS))
+            quick = ("-O0" if flag == "-O1" else flag for flag in toolchain.FLAGS)
+            patch.setattr(toolchain, "FLAGS", (*quick, "-DWALKGEN_PLAIN"))
         yield
 
 
@@ -53,7 +60,6 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], "Built"]:
     from filelock import FileLock
 
     from oracles.backends import Built  # what needs sympy waits for the first robot, so that other tests start at once
-    from walkgen import pipeline
 
     own = tmp_path_factory.getbasetemp()
     shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
@@ -67,14 +73,44 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], "Built"]:
             with FileLock(folder / "lock"):
                 if not finished.exists():
                     spec.write_text(text, encoding="utf-8")
-                    finished.write_text(str(pipeline.build(spec, folder / "generated").folder))
+                    finished.write_text(str(_build(spec, folder)))
             done[text] = Built(spec, Path(finished.read_text()))
         return done[text]
 
     return build
 
 
+def _build(spec: Path, folder: Path) -> Path:
+    """The robot's folder; its programs are kept beside the spec, so that no test derives them once more."""
+    from oracles.backends import KEPT
+    from walkgen import pipeline
+
+    kept: list[RobotCode] = []
+    generate = pipeline.generate
+
+    def keeping(*arguments: Any) -> "RobotCode":
+        kept.append(generate(*arguments))
+        return kept[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pipeline, "generate", keeping)
+        found = pipeline.build(spec, folder / "generated").folder
+    spec.with_name(KEPT).write_bytes(pickle.dumps(kept[0].functions))
+    return found
+
+
 @pytest.fixture(scope="session")
-def shipped(built: Callable[[str], "Built"]) -> Callable[[str], "Built"]:
-    """Build a robot of specs/ by its name."""
-    return lambda name: built((SPECS / f"{name}.toml").read_text(encoding="utf-8"))
+def shipped(built: Callable[[str], "Built"]) -> Callable[..., "Built"]:
+    """Build a robot of specs/ by its name; where only some of its functions are tested, these alone are worth their time."""
+
+    def build(name: str, functions: Sequence[str] = ()) -> "Built":
+        text = (SPECS / f"{name}.toml").read_text(encoding="utf-8")
+        return built(asking_for(functions, text) if functions else text)
+
+    return build
+
+
+def asking_for(functions: Sequence[str], text: str) -> str:
+    """A spec with these functions in C and NumPy instead of what its `[generate]` table says."""
+    without = re.sub(r"^\[generate\].*?(?=^\[|\Z)", "", text, flags=re.MULTILINE | re.DOTALL)
+    return f'{without}\n[generate]\nfunctions = {json.dumps(list(functions))}\ntargets = ["c", "numpy"]\n'

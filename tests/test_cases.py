@@ -31,9 +31,16 @@ def route(request):
     return request.param
 
 
-@pytest.mark.sampled(24)
+LEGS = [
+    pytest.param(name, way, id=f"{name}-{way}", marks=pytest.mark.nightly if (index + turn) % 2 else ())
+    for index, name in enumerate(LEG_CASES)
+    for turn, way in enumerate(("tree", "dh"))
+]
+"""The ordinary run takes every leg by one of the two."""
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("name", LEG_CASES)
+@pytest.mark.parametrize(("name", "route"), LEGS)
 def test_leg_samples(built, name, route, backend):
     data = case(name)
     conversion = conversions(data)[route]
@@ -53,7 +60,7 @@ def test_leg_samples(built, name, route, backend):
     assert difference(robot.call(backend, foot, "foot_velocity", q, qd), velocity) <= ACCURACY
 
 
-@pytest.mark.parametrize("name", LEG_CASES)
+@pytest.mark.parametrize(("name", "route"), LEGS)
 def test_leg_ways_agree(built, name, route):
     data = case(name)
     conversion = conversions(data)[route]

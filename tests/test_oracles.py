@@ -51,6 +51,7 @@ def leg_b(built):
 def test_o1_one_pair(built):
     """A_1 of the theory is joint_frames[1] of a leg whose first row it is."""
     text = LEG_B.replace("a = 0.08, alpha_deg = 90, d = 0.12", "a = 0.05, alpha = 0.7, d = 0.12").replace("leg_b", "one_pair")
+    text = text.replace("[robot]", 'generate = { functions = ["joint_frames"] }\n[robot]')
     robot = built(text)
     for backend in BACKENDS:
         frames = robot.call(backend, "leg", "joint_frames", [[theory.O1_ROW[0], 0.4, -0.2]])[0]

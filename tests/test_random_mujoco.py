@@ -50,13 +50,13 @@ def assert_robot(text: str, seed: int) -> None:
         assert difference(interpreted(found[name], *inputs), value) <= ACCURACY, name
 
 
-@settings(UNSHRUNK, max_examples=3)
+@settings(UNSHRUNK, max_examples=2)
 @given(specs_with_bodies(), st.integers(0, 2**32 - 1))
 def test_legs(text, seed):
     assert_legs(text, seed)
 
 
-@settings(UNSHRUNK, max_examples=3)
+@settings(UNSHRUNK, max_examples=2)
 @given(specs_with_bodies(most_joints=3), st.integers(0, 2**32 - 1))
 def test_robots(text, seed):
     assert_robot(text, seed)

@@ -1,18 +1,25 @@
 """Many rows from Python: the same numbers row by row, in lanes, at any stride, on any number of threads; without lanes but for rounding."""
 
 import ctypes
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from walkgen import pipeline, toolchain
 from walkgen.runtime import load
 
+SPEC = Path(__file__).parents[1] / "specs" / "mero_leg.toml"
+FUNCTIONS = ("foot_position", "foot_jacobian", "foot_velocity", "inverse", "within_limits")
 ROWS = 5000
 
 
 @pytest.fixture(scope="module")
-def folder(shipped):
-    return shipped("mero_leg").folder
+def folder(tmp_path_factory):
+    """With wide vectors, which other tests' libraries are without."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(toolchain, "FLAGS", tuple(flag for flag in toolchain.FLAGS if flag != "-DWALKGEN_PLAIN"))
+        yield pipeline.build(SPEC, tmp_path_factory.mktemp("rows"), pipeline.BuildOptions(functions=FUNCTIONS)).folder
 
 
 @pytest.fixture(scope="module")

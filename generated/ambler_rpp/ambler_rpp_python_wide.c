@@ -4,7 +4,7 @@
  * Spec digest 41e41e38ee1eecefdfaf6db8a628fc111db93d07e1c67408a434b74adbbbe792; 43 functions, 1432 operations. This
  *   code is yours to use under any terms.
  */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(WALKGEN_PLAIN)
 #if WALKGEN_PART == 1
 #pragma GCC target("avx2,fma")
 #define WALKGEN_WIDE(name) name##_avx2

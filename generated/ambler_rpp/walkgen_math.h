@@ -35,7 +35,8 @@
  * where sums are not rounded as written: by -ffast-math and where the compiler keeps intermediate results wider than their type.
  *
  * WALKGEN_NO_BATCHES leaves `_batch` functions out, WALKGEN_NO_BLOCKS lets them take row after row; WALKGEN_PLAIN selects C99 alone,
- * without vector types: the same bits.
+ * without vector types: the same bits. NumPy's loops are then without vectors wider than
+ * every processor has, whose products and sums are rounded once.
  *
  * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
  *

@@ -4,7 +4,7 @@
  * Spec digest 3e184edfaf64b988a1ad3658301a6a014fefa0fdd00a4f001e5324393e3d3c15; 43 functions, 2087 operations. This
  *   code is yours to use under any terms.
  */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(WALKGEN_PLAIN)
 #if WALKGEN_PART == 1
 #pragma GCC target("avx2,fma")
 #define WALKGEN_WIDE(name) name##_avx2

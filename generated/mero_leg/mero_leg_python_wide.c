@@ -4,7 +4,7 @@
  * Spec digest 57f94a9409e27a85bd0ea9fa93ac1f74693d945bca72b2ae3bf3b8b9f2e4880e; 43 functions, 3073 operations. This
  *   code is yours to use under any terms.
  */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(WALKGEN_PLAIN)
 #if WALKGEN_PART == 1
 #pragma GCC target("avx2,fma")
 #define WALKGEN_WIDE(name) name##_avx2

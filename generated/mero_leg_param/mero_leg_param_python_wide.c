@@ -4,7 +4,7 @@
  * Spec digest a93f6226aa1718a2cc45e0c5c26d80898f89cd7546153a0531341a4b22a60b4d; 79 functions, 5707 operations. This
  *   code is yours to use under any terms.
  */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(WALKGEN_PLAIN)
 #if WALKGEN_PART == 1
 #pragma GCC target("avx2,fma")
 #define WALKGEN_WIDE(name) name##_avx2

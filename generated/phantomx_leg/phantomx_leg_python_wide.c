@@ -4,7 +4,7 @@
  * Spec digest ba3b983ca25561b547d6669438d1eb630d96feedd1ce4ad93f97c1627e06e251; 43 functions, 4010 operations. This
  *   code is yours to use under any terms.
  */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(WALKGEN_PLAIN)
 #if WALKGEN_PART == 1
 #pragma GCC target("avx2,fma")
 #define WALKGEN_WIDE(name) name##_avx2

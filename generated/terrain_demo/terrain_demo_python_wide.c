@@ -4,7 +4,7 @@
  * Spec digest 6eff9b301e0f5289109684180a7bb601a72f40f414c7508261f0c844be2a6177; 9 functions, 960 operations. This code
  *   is yours to use under any terms.
  */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(WALKGEN_PLAIN)
 #if WALKGEN_PART == 1
 #pragma GCC target("avx2,fma")
 #define WALKGEN_WIDE(name) name##_avx2

@@ -200,11 +200,12 @@ SHOWN = {
         ["general RRP: the joints are RRP, not three revolute ones", PIEPER, "root_1, root_2, root_3, root_4"],
     ),
     "ambler_rpp": (SPECS / "ambler_rpp.toml", ["general RPP", "the roots of a quadratic", "branches: root_1, root_2"]),
+    "mero_leg": (LEG, [f"yaw-pitch-pitch: {PERPENDICULAR}"]),
     "solo12": (SPECS / "solo12.toml", [f"yaw-pitch-pitch: {PERPENDICULAR}"]),
 }
 
 
-@pytest.mark.parametrize("name", SHOWN)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.nightly) if name == "solo12" else name for name in SHOWN])
 def test_show_says_the_class_of_the_inverse_and_why(name):
     path, words = SHOWN[name]
     result = run("show", path, "--function", "inverse")

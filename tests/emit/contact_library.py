@@ -1,6 +1,5 @@
 """The contact forces in C, compiled in double and float, called on NumPy arrays of stances."""
 
-import ctypes
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,13 +54,10 @@ class Stances:
 
 
 class Forces:
-    """The routine in C; test modules that run in one process share the library in `base`."""
+    """The routine in C."""
 
-    def __init__(self, base) -> None:
-        folder = base / "contact_forces"
-        folder.mkdir(exist_ok=True)
-        built = folder / "general.so"
-        self._library = ctypes.CDLL(str(built)) if built.exists() else build(folder, SOURCE)
+    def __init__(self, folder) -> None:
+        self._library = build(folder, SOURCE)
 
     def __call__(self, stances: Stances, facets=0, dtype=np.float64, warm=False) -> Contact:
         rows, k = stances.mu.shape

@@ -1,7 +1,5 @@
 """The routines of static stability, compiled in double and float, with the arguments of their NumPy references, one stance a call."""
 
-import ctypes
-
 import numpy as np
 from general_library import build, call, source
 from stance_library import integers, own, reals
@@ -51,13 +49,10 @@ def stability_source() -> str:
 
 
 class Stability:
-    """The routines; outputs begin as 7 and -1; test modules that run in one process share the library in `base`."""
+    """The routines; outputs begin as 7 and -1."""
 
-    def __init__(self, base) -> None:
-        folder = base / "stability"
-        folder.mkdir(exist_ok=True)
-        built = folder / "general.so"
-        self._library = ctypes.CDLL(str(built)) if built.exists() else build(folder, stability_source(), "-O1")
+    def __init__(self, folder) -> None:
+        self._library = build(folder, stability_source(), "-O1")
 
     def margins(self, points, com, direction, mu=np.inf, normals=0.0, gravity=(0.0, 0.0, -9.81), mass=60.0, dtype=np.float64):
         k = len(points)

@@ -67,11 +67,12 @@ def test_out_of_reach_as_in_numpy(routines):
     np.testing.assert_allclose(ours[2], reference[2], rtol=1e-5)
 
 
+@pytest.mark.parametrize("count", [9, pytest.param(24, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("one_sided", [False, True])
-def test_random_robots_stand_where_no_neighbour_is_better(routines, one_sided):
+def test_random_robots_stand_where_no_neighbour_is_better(routines, one_sided, count):
     """On targets, within limits (chains that start at one often end there), Phi stationary by its gradient from complex steps."""
     bound = 0
-    for seed in range(24):
+    for seed in range(count):
         ground, start = random_ground(seed, bool(seed % 2), modules=2 + seed % 3)
         chains, half = ground.robot.chains, ground.robot.half[ground.robot.chains]
         if one_sided:
@@ -89,7 +90,7 @@ def test_random_robots_stand_where_no_neighbour_is_better(routines, one_sided):
             assert lowest_beside(ground, q, 0.02 * half) >= cost - 1e-12 * max(1.0, cost)
         else:  # it was led into a leg's singular pose
             assert robot.least_singular_value(q) <= 0.01
-    assert (bound > 15) == one_sided
+    assert (bound > 5 / 8 * count) == one_sided
 
 
 def lowest_beside(ground: Ground, q, radius) -> float:
@@ -100,10 +101,11 @@ def lowest_beside(ground: Ground, q, radius) -> float:
     return min((float(ground.phi(stand)) for stand in stands if stand is not None), default=np.inf)
 
 
-def test_nearly_all_random_robots_converge(routines):
-    grounds = [random_ground(seed, bool(seed % 2), modules=2 + seed % 3) for seed in range(100, 130)]
+@pytest.mark.parametrize("count", [10, pytest.param(30, marks=pytest.mark.nightly)])
+def test_nearly_all_random_robots_converge(routines, count):
+    grounds = [random_ground(seed, bool(seed % 2), modules=2 + seed % 3) for seed in range(100, 100 + count)]
     states = [int(routines.adapt(*on(ground, start))[1]) for ground, start in grounds]
-    assert states.count(OK) >= 27
+    assert states.count(OK) >= 9 / 10 * count
     assert set(states) <= {OK, NO_CONVERGENCE}
 
 

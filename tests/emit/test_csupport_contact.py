@@ -20,7 +20,7 @@ CASES = json.loads((Path(__file__).parents[1] / "cases" / "forces_solo12.json").
 
 @pytest.fixture(scope="module")
 def forces(tmp_path_factory):
-    return Forces(tmp_path_factory.getbasetemp())
+    return Forces(tmp_path_factory.mktemp("forces"))
 
 
 def of_case(case):

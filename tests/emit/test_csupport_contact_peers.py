@@ -19,7 +19,7 @@ ROUNDING = 1e-14
 
 @pytest.fixture(scope="module")
 def forces(tmp_path_factory):
-    return Forces(tmp_path_factory.getbasetemp())
+    return Forces(tmp_path_factory.mktemp("forces"))
 
 
 def least_friction(forces, stances, facets=0):

@@ -16,7 +16,7 @@ OK, BAD_INPUT, INFEASIBLE = 0, 2, 5
 
 @pytest.fixture(scope="module")
 def forces(tmp_path_factory):
-    return Forces(tmp_path_factory.getbasetemp())
+    return Forces(tmp_path_factory.mktemp("forces"))
 
 
 def raw(*arguments):

@@ -19,7 +19,7 @@ CENTRE = np.array([0.0, 0.0, 0.4])
 
 @pytest.fixture(scope="module")
 def stability(tmp_path_factory):
-    return Stability(tmp_path_factory.getbasetemp())
+    return Stability(tmp_path_factory.mktemp("stability"))
 
 
 def rough_stand(rng, k, slope):

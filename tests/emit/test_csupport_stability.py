@@ -28,7 +28,7 @@ EXACT = ("static_margin", "longitudinal", "energy", "height", "friction", "heigh
 
 @pytest.fixture(scope="module")
 def stability(tmp_path_factory):
-    return Stability(tmp_path_factory.getbasetemp())
+    return Stability(tmp_path_factory.mktemp("stability"))
 
 
 def reference(points, com, direction, mu=np.inf, normals=0.0, gravity=GRAVITY, mass=60.0):

@@ -190,7 +190,7 @@ def test_the_page_needs_nothing_from_elsewhere(page):
 def test_the_page_moves_without_an_error(page):
     command = [CHROMIUM, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", *_SLOW_PICTURES, "--enable-logging=stderr"]
     shown = subprocess.run(
-        [*command, "--virtual-time-budget=4000", "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=500, check=True
+        [*command, "--virtual-time-budget=1000", "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=500, check=True
     )
     spoken = [line for line in shown.stderr.splitlines() if "CONSOLE" in line and "willReadFrequently" not in line]
     assert not spoken

@@ -76,6 +76,15 @@ ROUTED = {
     "middle_three": arm("middle_three", "rrr", (90, 0, 0), 7, limited=True, platform="middle"),
     "rear_three": arm("rear_three", "rrp", (90, 40, 0), 8, limited=True, platform="rear"),
 }
-SPEC = head("arms", FUNCTIONS) + MODULES + "\n".join([*ARMS.values(), *ROUTED.values()])
-WALKER = read(SPEC)
+FEW = ("four", "four_mixed", "six_limited", "wrist", "seven", *(f"root_to_{name}" for name in ROUTED))
+"""Owners that the ordinary run builds: four to seven joints, turning and sliding, with limits and without, routes."""
+
+
+def spec(path):
+    """With the few, or with all where this path is another."""
+    arms = [text for name, text in ARMS.items() if name in FEW or path not in FEW]
+    return head("arms", FUNCTIONS) + MODULES + "\n".join([*arms, *ROUTED.values()])
+
+
+WALKER = read(spec("all"))
 PATHS = {limb.name: screws(limb) for limb in WALKER.legs if limb.name in ARMS} | {f"root_to_{name}": route(WALKER, name) for name in ROUTED}

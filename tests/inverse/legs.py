@@ -120,5 +120,5 @@ def random_legs(count: int, seed: int) -> dict[str, str]:
     return {name: _random_dh(name, generator, ("classic", "craig")[index % 2]) for index, name in enumerate(names)}
 
 
-LEGS = {**HAND_MADE, **random_legs(6, 11)}
+LEGS = {**HAND_MADE, **random_legs(3, 11)}
 TEXT = spec("zoo", LEGS)

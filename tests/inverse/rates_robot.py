@@ -84,9 +84,11 @@ def _design(name: str, kinds: str, epsilon: float | None) -> list[str]:
     return lines
 
 
-def _text(epsilons: dict[str, float]) -> str:
+def _text(epsilons: dict[str, float], names: tuple[str, ...] = (*KINDS, *ROUTED)) -> str:
     lines = []
     for name, (platform, kinds) in ({name: ("front", kinds) for name, kinds in KINDS.items()} | ROUTED).items():
+        if name not in names:
+            continue
         lines += _design(name, kinds, epsilons.get(name))
         lines += ["[[legs]]", f'name = "{name}"', f'design = "{name}"', f'platform = "{platform}"']
         lines += ["mount = { xyz = [0.1, 0.2, -0.1], rpy_deg = [10, 20, 30] }"]
@@ -119,8 +121,9 @@ def _epsilons() -> dict[str, float]:
 
 
 @cache
-def text() -> str:
-    return _text(_epsilons())
+def text(robot: str = "all") -> str:
+    """The robot with all legs, or the `few`."""
+    return _text(_epsilons()) if robot == "all" else _text(_epsilons(), FEW)
 
 
 @cache
@@ -132,4 +135,7 @@ def paths() -> dict[str, Path]:
     return {path.owner: path for path in legs + routes}
 
 
+FEW = ("r", "p", "rr", "pr", "pp", "rrr", "rpp", "ppp", "rprr", "prrpr", "seven", "middlethree", "reartwo")
+FEW += ("root_to_middlethree", "root_to_reartwo")
+"""What the ordinary run builds: every number of joints, both kinds, equal singular values, routes through one chain and two."""
 OWNERS = (*KINDS, *ROUTED, *(f"root_to_{name}" for name in ROUTED))

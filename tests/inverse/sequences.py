@@ -62,12 +62,17 @@ def leg(name: str, kinds: str, twists: str, generator: np.random.Generator, limi
 NAMES = tuple(f"{kinds}_{''.join(twists)}" for kinds in SEQUENCES for twists in product(TWISTS, repeat=len(kinds) - 1))
 """146 legs: the kinds of the joints, and how each axis lies to the one before."""
 SAMPLE = tuple(name for name in NAMES if len(name) < 6 or name[4:] in ("zz", "zm", "pz", "mp", "xx"))
+FEW = (
+    *("r_", "p_", "rr_z", "rr_x", "rp_p", "pr_m", "pp_z", "rrr_zz", "rrr_pz"),
+    *("rrp_zm", "rpr_mp", "rpp_zz", "prr_mp", "prp_pz", "ppr_xx", "ppp_zz"),
+)
+"""Of these, what the ordinary run builds: every sequence of joints, every twist."""
 
 
 @cache
 def text(robot: str) -> str:
-    """The robot `sample`, or of all legs whose first joint is an `r` or a `p`; a leg is the same in both."""
-    names = SAMPLE if robot == "sample" else [name for name in NAMES if name[0] == robot]
+    """The robot `few`, or of all legs whose first joint is an `r` or a `p`; a leg is the same in both."""
+    names = FEW if robot == "few" else [name for name in NAMES if name[0] == robot]
     legs = [leg(name, *name.split("_"), np.random.default_rng(list(name.encode()))) for name in names]
     return head(f"robot_{robot}") + "\n".join(legs)
 

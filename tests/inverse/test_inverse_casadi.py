@@ -34,18 +34,31 @@ ARMS = {
     "arm": design("arm", ARM, "0.05, 0, 0.1"),
     "six": design("six", [*ARM, row("r", 0.05, "alpha_deg = 90", 0.05, 10)], "0.05, 0, 0.1"),
 }
-SPEC = head("smooth", FUNCTIONS, ("c", "casadi")) + "\n".join([*BRANCHED.values(), *ARMS.values()])
-PATHS = {limb.name: screws(limb) for limb in read(SPEC).legs}
+DESIGNS = BRANCHED | ARMS
+FEW = ("pitching", "rrr_xx", "rrp_pz", "rpp_xx", "rr_x", "six")
+"""What the ordinary run builds: every kind of closed form, and an arm whose poses are iterated."""
 
 
-@pytest.fixture(scope="session")
-def robot(built):
-    return built(SPEC).c
+def spec(names=FEW):
+    return head("smooth", FUNCTIONS, ("c", "casadi")) + "\n".join(text for name, text in DESIGNS.items() if name in names)
 
 
-@pytest.fixture(params=BRANCHED)
+PATHS = {limb.name: screws(limb) for limb in read(spec(DESIGNS)).legs}
+
+
+def some(names):
+    return [name if name in FEW else pytest.param(name, marks=pytest.mark.nightly) for name in names]
+
+
+@pytest.fixture(params=some(BRANCHED))
 def name(request):
     return request.param
+
+
+@pytest.fixture
+def robot(built, name):
+    """With the few legs, or with all where another is tested."""
+    return built(spec() if name in FEW else spec(DESIGNS)).c
 
 
 def targets(name, count, seed=1):
@@ -134,7 +147,7 @@ def inverse_of(path, q):
     return np.linalg.pinv(path.jacobian(q))
 
 
-@pytest.mark.parametrize("name", [name for name in BRANCHED if name != "rr_x"])
+@pytest.mark.parametrize("name", some(name for name in BRANCHED if name != "rr_x"), indirect=True)
 def test_derivatives_are_the_inverse_of_the_jacobian(robot, name):
     path, generated, function = PATHS[name], robot.legs[name], robot.casadi(f"{name}_inverse_branch")
     for p in targets(name, 3, 4)[1]:
@@ -146,30 +159,30 @@ def test_derivatives_are_the_inverse_of_the_jacobian(robot, name):
             assert weakest < 1e-3 or np.max(np.abs(found @ J - np.eye(3))) <= 1e-9 / weakest**2
 
 
-def test_near_has_the_same_derivatives(robot):
-    for name in ("pitching", "rrr_xx", "rrp_pz"):
-        truth, p = targets(name, 3, 5)
-        function = robot.casadi(f"{name}_inverse_near")
-        for q, target in zip(truth, p, strict=True):
-            assert np.max(np.abs(jacobian(function, target, q) @ PATHS[name].jacobian(q) - np.eye(3))) <= 1e-7
+@pytest.mark.parametrize("name", ["pitching", "rrr_xx", "rrp_pz"], indirect=True)
+def test_near_has_the_same_derivatives(robot, name):
+    truth, p = targets(name, 3, 5)
+    function = robot.casadi(f"{name}_inverse_near")
+    for q, target in zip(truth, p, strict=True):
+        assert np.max(np.abs(jacobian(function, target, q) @ PATHS[name].jacobian(q) - np.eye(3))) <= 1e-7
 
 
-def test_all_rows_have_derivatives(robot):
+@pytest.mark.parametrize("name", some(["pitching", "rrr_xx", "rounded", "rpr_xp"]), indirect=True)
+def test_all_rows_have_derivatives(robot, name):
     """[b, n] by p, each row its own."""
-    for name in ("pitching", "rounded", "rpr_xp"):
-        path, generated, function = PATHS[name], robot.legs[name], robot.casadi(f"{name}_inverse")
-        p = targets(name, 1, 6)[1][0]
-        rows, states = generated.inverse(p)
-        found = jacobian(function, p).reshape(3, len(rows), 3)  # CasADi stacks columns: joints, then rows
-        for branch in np.flatnonzero(states == OK):
-            weakest = np.linalg.svd(path.jacobian(rows[branch]), compute_uv=False)[-1]
-            assert weakest < 1e-2 or np.max(np.abs(found[:, branch] - inverse_of(path, rows[branch]))) <= 1e-8 / weakest**2
+    path, generated, function = PATHS[name], robot.legs[name], robot.casadi(f"{name}_inverse")
+    p = targets(name, 1, 6)[1][0]
+    rows, states = generated.inverse(p)
+    found = jacobian(function, p).reshape(3, len(rows), 3)  # CasADi stacks columns: joints, then rows
+    for branch in np.flatnonzero(states == OK):
+        weakest = np.linalg.svd(path.jacobian(rows[branch]), compute_uv=False)[-1]
+        assert weakest < 1e-2 or np.max(np.abs(found[:, branch] - inverse_of(path, rows[branch]))) <= 1e-8 / weakest**2
 
 
 # ---- iterated --------------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", some(ARMS), indirect=True)
 def test_iterated_positions_and_poses(robot, name):
     """From seeds nearby: the target is met; the derivative is that of the implicit function."""
     path = PATHS[name]
@@ -190,22 +203,22 @@ def test_iterated_positions_and_poses(robot, name):
             assert np.max(np.abs(path.pose(found) - T)) <= 1e-9
 
 
-def test_velocities_are_those_of_c(robot):
+@pytest.mark.parametrize("name", some(DESIGNS), indirect=True)
+def test_velocities_are_those_of_c(robot, name):
     rng = np.random.default_rng(9)
-    for name in (*BRANCHED, *ARMS):
-        q = PATHS[name].random(rng, 5)
-        v = rng.normal(size=(5, 3))
-        qd, status = robot.legs[name].inverse_velocity(q, v)
-        for pose, speed, expected, state in zip(q, v, qd, status, strict=True):
-            found, code = call(robot.casadi(f"{name}_inverse_velocity"), pose, speed)
-            assert code == state
-            assert np.max(np.abs(np.atleast_1d(found) - expected)) <= 1e-9 * (1 + np.max(np.abs(expected)))
+    q = PATHS[name].random(rng, 5)
+    v = rng.normal(size=(5, 3))
+    qd, status = robot.legs[name].inverse_velocity(q, v)
+    for pose, speed, expected, state in zip(q, v, qd, status, strict=True):
+        found, code = call(robot.casadi(f"{name}_inverse_velocity"), pose, speed)
+        assert code == state
+        assert np.max(np.abs(np.atleast_1d(found) - expected)) <= 1e-9 * (1 + np.max(np.abs(expected)))
 
 
 # ---- in an optimisation ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["pitching", "rrr_xx"])
+@pytest.mark.parametrize("name", ["pitching", "rrr_xx"], indirect=True)
 def test_a_foot_is_placed_by_an_optimiser(robot, name):
     """The foot within 0.02 m of a point whose joint values are least bent from those wanted: ipopt's answer against a dense search."""
     path, function = PATHS[name], robot.casadi(f"{name}_inverse_branch")

@@ -4,20 +4,24 @@ import itertools
 
 import numpy as np
 import pytest
-from arms import ARMS, PATHS, SPEC, WALKER
+from arms import ARMS, FEW, PATHS, WALKER, spec
 from scipy.optimize import least_squares
 
 OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE = range(5)
 
 
-@pytest.fixture(scope="session", params=["c", "numpy"])
-def robot(request, built):
-    return getattr(built(SPEC), request.param)
+def some(names):
+    return [name if name in FEW else pytest.param(name, marks=pytest.mark.nightly) for name in names]
 
 
-@pytest.fixture(params=PATHS)
+@pytest.fixture(params=some(PATHS))
 def path(request):
     return request.param
+
+
+@pytest.fixture(params=["c", "numpy"])
+def robot(request, built, path):
+    return getattr(built(spec(path)), request.param)
 
 
 def call(robot, path, name, *inputs):
@@ -130,7 +134,7 @@ def descended(screw, target, start):
 
 @pytest.mark.sampled(5)
 def test_c_and_numpy_agree(built, path):
-    robots = built(SPEC).c, built(SPEC).numpy
+    robots = built(spec(path)).c, built(spec(path)).numpy
     rng = np.random.default_rng(18)
     p = np.concatenate([PATHS[path].foot(within(robots[0], path, 4, 19)), rng.normal(size=(2, 3)) * 3])
     seed = within(robots[0], path, len(p), 20)
@@ -236,13 +240,13 @@ def test_every_target_has_an_answer(robot, path):
 # ---- closest within the limits -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["four_limited", "four_mixed", "seven"])
-def test_admissible(robot, name):
-    p = PATHS[name].foot(within(robot, name, many(robot, 40), 17))
-    q, status = robot.legs[name].inverse_admissible(p)
+@pytest.mark.parametrize("path", some(["four_limited", "four_mixed", "seven"]), indirect=True)
+def test_admissible(robot, path):
+    p = PATHS[path].foot(within(robot, path, many(robot, 40), 17))
+    q, status = robot.legs[path].inverse_admissible(p)
     assert np.all(np.isin(status, (OK, SINGULAR)))
-    assert np.all(robot.legs[name].within_limits(q))
-    assert np.all(np.linalg.norm(PATHS[name].foot(q) - p, axis=1) <= 1e-12 * PATHS[name].reach)
-    q, status = robot.legs[name].inverse_admissible(p * 20)
+    assert np.all(robot.legs[path].within_limits(q))
+    assert np.all(np.linalg.norm(PATHS[path].foot(q) - p, axis=1) <= 1e-12 * PATHS[path].reach)
+    q, status = robot.legs[path].inverse_admissible(p * 20)
     assert np.all(np.isin(status, (UNREACHABLE, NO_CONVERGENCE)))
-    assert np.all(robot.legs[name].within_limits(q))
+    assert np.all(robot.legs[path].within_limits(q))

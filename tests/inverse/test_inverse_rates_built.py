@@ -1,9 +1,11 @@
 """Rates of legs and routes of 1 to 9 joints, turning and sliding, in C, float, NumPy and CasADi, against NumPy's singular values."""
 
+from functools import cache
+
 import casadi
 import numpy as np
 import pytest
-from rates_robot import LAMBDA, OWNERS, ROUTED, SQUARE, paths, text
+from rates_robot import FEW, LAMBDA, OWNERS, ROUTED, SQUARE, paths, text
 
 from oracles.backends import Built
 from walkgen import pipeline
@@ -11,19 +13,29 @@ from walkgen import pipeline
 OK, UNREACHABLE, BAD_INPUT, SINGULAR = range(4)
 
 
-@pytest.fixture(scope="module")
-def robots(tmp_path_factory):
-    """The robot by backend; C with float."""
-    folder = tmp_path_factory.mktemp("rates")
-    spec = folder / "spec.toml"
-    spec.write_text(text(), encoding="utf-8")
-    built = Built(spec, pipeline.build(spec, folder / "generated", pipeline.BuildOptions(float32=True)).folder)
-    return {"c": built.c, "numpy": built.numpy}
-
-
-@pytest.fixture(params=OWNERS)
+@pytest.fixture(params=[owner if owner in FEW else pytest.param(owner, marks=pytest.mark.nightly) for owner in OWNERS])
 def path(request):
     return paths()[request.param]
+
+
+@pytest.fixture(scope="module")
+def robot_of(tmp_path_factory):
+    """`few` or `all`, by backend; C with float."""
+
+    @cache
+    def build(name):
+        folder = tmp_path_factory.mktemp("rates")
+        spec = folder / "spec.toml"
+        spec.write_text(text(name), encoding="utf-8")
+        built = Built(spec, pipeline.build(spec, folder / "generated", pipeline.BuildOptions(float32=True)).folder)
+        return {"c": built.c, "numpy": built.numpy}
+
+    return build
+
+
+@pytest.fixture
+def robots(robot_of, path):
+    return robot_of("few" if path.owner in FEW else "all")
 
 
 def call(robot, path, name, *inputs):

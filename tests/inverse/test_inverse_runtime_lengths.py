@@ -52,6 +52,7 @@ def tunable(request, built):
     return (robot.c if request.param == "c" else robot.numpy).legs
 
 
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("values", VALUES)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_poses_are_found_again(tunable, anatomy, name, values):

@@ -204,7 +204,7 @@ def least_within(path, p, low, high):
     return min(np.sqrt(2 * one.cost) for one in done)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 def test_admissible_comes_closest_where_nothing_fits(limb):
     path, generated = limb
     low, high = generated.limits.T

@@ -3,17 +3,19 @@
 import numpy as np
 import pytest
 from answers import OK, REGULAR, SINGULAR, UNREACHABLE, assert_ordered, assert_reached, least
-from sequences import NAMES, SAMPLE, anatomies, text
+from sequences import FEW, NAMES, SAMPLE, anatomies, text
 
 from oracles.multistart import multistart
+
+SAMPLED = [name if name in FEW else pytest.param(name, marks=pytest.mark.nightly) for name in SAMPLE]
 
 
 @pytest.fixture(scope="session")
 def leg_of(built):
-    """A generated leg by its name, and the backend or the name of a robot with all legs."""
+    """A generated leg by its name and the backend, of the robot with a few of them or of one with all."""
 
-    def find(name, backend="c", robot="sample"):
-        found = built(text(robot))
+    def find(name, backend="c", *, every=False):
+        found = built(text(name[0] if every or name not in FEW else "few"))
         return (found.c if backend == "c" else found.numpy).legs[name]
 
     return find
@@ -40,8 +42,7 @@ def redundant(name):
     return bool(np.all(least(path, q) < 1e-12))
 
 
-@pytest.mark.sampled(30)
-@pytest.mark.parametrize("name", SAMPLE)
+@pytest.mark.parametrize("name", SAMPLED)
 def test_every_pose_is_found(leg_of, name):
     check(name, leg_of(name), 200)
 
@@ -63,16 +64,14 @@ def test_redundant_legs_are_among_them():
     assert {"rrr_zz", "pp_z", "ppp_zz", "rpp_pz", "rpp_zz"} <= {name for name in SAMPLE if redundant(name)}
 
 
-@pytest.mark.sampled(30)
-@pytest.mark.parametrize("name", SAMPLE)
+@pytest.mark.parametrize("name", SAMPLED)
 def test_no_branch_is_missing(leg_of, name):
     missing, alone, common = compare(name, leg_of(name), 20, 1)
     assert missing == 0
     assert alone <= 0.1 * common  # Newton does not find all, but enough to be a judge
 
 
-@pytest.mark.sampled(30)
-@pytest.mark.parametrize("name", SAMPLE)
+@pytest.mark.parametrize("name", SAMPLED)
 def test_numpy_has_the_same_rows(leg_of, name):
     path, q, p = targets(name, 6, 2)
     p = np.concatenate([p, p * 1.5 + 0.1])
@@ -88,7 +87,7 @@ def test_numpy_has_the_same_rows(leg_of, name):
 @pytest.mark.parametrize("name", NAMES)
 def test_many_poses(leg_of, name):
     for seed in range(10, 14):
-        check(name, leg_of(name, robot=name[0]), 5000, seed)
+        check(name, leg_of(name, every=True), 5000, seed)
 
 
 @pytest.mark.nightly
@@ -97,6 +96,6 @@ def test_no_branch_of_many_is_missing(leg_of, name):
     """20 000 poses of every sequence of joints, shared by its legs."""
     legs = sum(name.split("_")[0] == other.split("_")[0] for other in NAMES)
     for seed in range(20, 20 + 20_000 // legs // 50):
-        missing, alone, common = compare(name, leg_of(name, robot=name[0]), 50, seed)
+        missing, alone, common = compare(name, leg_of(name, every=True), 50, seed)
         assert missing == 0
         assert alone <= 0.1 * common

@@ -52,6 +52,7 @@ def either(request, specimen):
     return lambda name: specimen(name, request.param)
 
 
+@pytest.mark.sampled(16)
 @pytest.mark.parametrize("name", LEGS)
 def test_rows_are_closest_on_their_sheets(either, searched, name):
     """Nothing on the sheet is closer, nor anywhere where the sheet is empty. Both rows of a sheet are equally close."""

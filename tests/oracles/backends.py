@@ -1,5 +1,6 @@
 """One robot computed in every way walkgen offers: the compiled library, NumPy, CasADi, and the interpreter on its Programs."""
 
+import pickle
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,11 +17,15 @@ from walkgen.signature import Signature
 
 Array = np.ndarray
 BACKENDS = ("c", "numpy", "casadi", "interpreter")
+KEPT = "programs.pickle"
+"""Beside a spec: the programs that its build derived."""
 
 
 def programs(spec: Path) -> dict[str, Program]:
     """Every straight-line function of a spec, by full name; what needs a support routine is left out."""
-    return {program.signature.full_name: program for program in programs_of(spec) if isinstance(program, Program)}
+    kept = spec.with_name(KEPT)
+    found = pickle.loads(kept.read_bytes()) if kept.exists() else programs_of(spec)  # noqa: S301 (written by this run)
+    return {program.signature.full_name: program for program in found if isinstance(program, Program)}
 
 
 def interpreted(program: Program, *inputs: Any) -> Array:

@@ -26,7 +26,10 @@ def build(folder, setting, robots):
     return committed(folder / "generated")
 
 
-@pytest.fixture(scope="module", params=[("mero_leg_param",), pytest.param(("mero_star", "hydraulic_leg"), marks=pytest.mark.nightly)])
+LARGE = ("mero_leg_param", "mero_star", "hydraulic_leg")
+
+
+@pytest.fixture(scope="module", params=[("ambler_rpp",), pytest.param(LARGE, marks=pytest.mark.nightly)])
 def outputs(request, tmp_path_factory):
     """One output for each setting, in folders of different names."""
     root = tmp_path_factory.mktemp("determinism")

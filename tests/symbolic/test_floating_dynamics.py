@@ -193,10 +193,15 @@ def test_a_load_on_board_moves_the_centre(tmp_path):
         assert difference(M, expected["floating_mass_matrix"]) <= 1e-13
 
 
+@pytest.fixture(scope="module")
+def mero():
+    return robot_programs(SPECS / "mero.toml")
+
+
 @pytest.mark.parametrize(
     ("name", "most"),
     [("floating_inverse_dynamics", 2011), ("floating_mass_matrix", 1995), ("centroidal_momentum_matrix", 1946), ("com", 195)],
 )
-def test_mero_costs_little(name, most):
+def test_mero_costs_little(mero, name, most):
     """24 joints, six feet with forces; CasADi's graph of the robot's dynamics has 5934 nodes."""
-    assert robot_programs(SPECS / "mero.toml")[name].operation_count <= most
+    assert mero[name].operation_count <= most

@@ -9,6 +9,11 @@ name = "tunable"
 gravity = [0, 0, -9.81]
 [generate]
 derivatives = true
+functions = [
+    "foot_position", "foot_pose", "foot_jacobian", "foot_spatial_jacobian", "foot_hessian", "foot_velocity", "foot_acceleration",
+    "foot_bias_acceleration", "joint_frames", "pose", "jacobian", "frames", "platform_poses", "foot_positions", "foot_jacobians",
+]
+targets = ["c"]
 [parameters]
 shank = { value = 0.40, unit = "m", runtime = true }
 tilt = { value = 0.7, unit = "rad", runtime = true }

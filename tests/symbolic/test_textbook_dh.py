@@ -116,6 +116,7 @@ def test_every_function(functions, design):
         assert max(abs(a - b) for a, b in zip(found, values, strict=True)) <= TOLERANCE, name
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("design", DESIGNS, ids=str)
 def test_operations_stay_few(functions, design):
     """No function of a serial leg grows faster than its outputs and joints ask for."""
