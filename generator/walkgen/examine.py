@@ -74,9 +74,10 @@ def _refused(design: str, place: Place, found: Coverage, linkage: Linkage) -> It
     if found.startless:
         message = f"the triad {', '.join(found.startless)} has no assembly at the start, nor where it was looked for around"
         yield Problem("WG189", f"{design}: {message}", "mend the lengths that it joins, or give start other drives", place)
-    elif found.assembled == 0 and found.limited:
+    elif found.assembled == 0 and found.bounded:
         worst = found.failing[0]
-        points = f"0 % of its drives' limits, at none of {found.points} points"
+        where = "its drives' limits" if found.limited else "what its drives can do"
+        points = f"0 % of {where}, at none of {found.points} points"
         message = f"the linkage assembles in {points}; at {worst.count} of them the {titled(linkage, worst.group)} cannot close"
         yield Problem("WG189", f"{design}: {message}", "mend the lengths that it joins, or the limits", place)
     if found.mobility is not None and found.mobility.freedoms != count:

@@ -5,13 +5,21 @@ from pathlib import Path
 import pytest
 
 from walkgen.errors import SpecError, UnsupportedMechanism
-from walkgen.pipeline import build
+from walkgen.pipeline import BuildOptions, build, generate
 from walkgen.spec.read import read
 
 TEXT = (Path(__file__).parents[2] / "specs" / "hydraulic_leg.toml").read_text(encoding="utf-8")
 SPARE = """
 [leg_designs.hydraulic.links.spare]
 points = { A = [0.0, 0.0] }
+[[leg_designs.hydraulic.pins]]"""
+PAIR = """
+[leg_designs.hydraulic.links.spare]
+points = { A = [0.0, 0.0] }
+[leg_designs.hydraulic.links.other]
+points = { A = [0.0, 0.0] }
+[[leg_designs.hydraulic.pins]]
+joins = ["spare.A", "other.A"]
 [[leg_designs.hydraulic.pins]]"""
 TRIAD = """
 walkgen = 1
@@ -43,8 +51,12 @@ BAD = {
     "one link": ("WG181", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H"]', "two links"),
     "itself": ("WG181", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "thigh.J"]', "thigh"),
     "disconnected": ("WG182", "\n[[leg_designs.hydraulic.pins]]", SPARE, "spare"),
+    "two that hang on each other": ("WG182", "\n[[leg_designs.hydraulic.pins]]", PAIR, "spare, other"),
     "too many drives": ("WG183", 'joins = ["frame.I", "thigh.I"]', 'joins = ["frame.I", "thigh.I"]\ndriven = true', "2 degrees"),
-    "one cylinder on one link": ("WG185", '["frame.E", "thigh.G"]', '["frame.E", "frame.I"]', "one link"),
+    "too few drives": ("WG183", '"thigh.G"]\ndriven = true', '"thigh.G"]', "drive 1 more, for instance i or lift"),
+    "one cylinder on one link": ("WG185", '["frame.E", "thigh.G"]', '["frame.E", "frame.I"]', 'the link "frame"'),
+    "a cylinder in a pin": ("WG179", '["frame.E", "thigh.G"]', '["frame.E", "thigh.I"]', "the dyad lift"),
+    "limits of a passive pin": ("WG186", PIN, PIN + "\nlimits_deg = [0, 90]", "limits_deg"),
     "no length": ("WG185", "limits = [0.25, 0.45]", "limits = [0.0, 0.45]", "no direction"),
     "passive rotor": ("WG186", PIN, PIN + "\nrotor = { inertia = 1 }", "driven"),
     "negative friction": ("WG161", PIN, PIN + "\nfriction = { viscous = -1 }", "viscous"),
@@ -74,13 +86,85 @@ def test_a_problem_has_its_place_and_cure(tmp_path, name):
     assert said in str(found[0])
 
 
+def problems_of(tmp_path, text):
+    """Codes, and the lines that they are told at."""
+    path = tmp_path / "robot.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(SpecError) as error:
+        read(path)
+    lines = text.splitlines()
+    return [(each.code, lines[each.place.line - 1].partition(" #")[0].strip(), str(each)) for each in error.value.problems]
+
+
+@pytest.mark.parametrize("driven", [True, False])
+@pytest.mark.parametrize(("ends", "link"), [('["frame.E", "frame.I"]', "frame"), ('["thigh.G", "thigh.J"]', "thigh")])
+def test_a_cylinder_on_one_link_is_all_that_is_wrong(tmp_path, ends, link, driven):
+    """Not what follows from it: that its drive moves nothing, or that there is a drive too few."""
+    text = TEXT.replace('["frame.E", "thigh.G"]\ndriven = true', f"{ends}\n{'driven = true' if driven else ''}", 1)
+    text = text if driven else text.replace("limits = [0.25, 0.45]\nmax_effort = 4000.0", "", 1)
+    ((code, line, said),) = problems_of(tmp_path, text)
+    assert (code, line) == ("WG185", f"between = {ends}")
+    assert f'the cylinder "lift" are on the link "{link}"' in said
+
+
 def test_a_drive_that_moves_a_part_twice(tmp_path):
+    """Told at that drive, with what holds the part and with what is left free."""
     text = TEXT.replace('joins = ["frame.I", "thigh.I"]', 'joins = ["frame.I", "thigh.I"]\ndriven = true', 1)
     head, _, tail = text.partition('name = "knee"')
+    tail = tail.replace("driven = true\nlimits = [0.25, 0.45]\nmax_effort = 4000.0\n", "", 1)
+    ((code, line, said),) = problems_of(tmp_path, f'{head}name = "knee"{tail}')
+    assert (code, line) == ("WG184", "[[leg_designs.hydraulic.cylinders]]")
+    assert '"lift" moves nothing of its own: other drives hold frame/thigh, while nothing drives shank' in said
+    assert "instead, for instance h or knee" in said
+
+
+FOUR_BAR = """
+walkgen = 1
+robot = { name = "bars", gravity = [0, 0, -9.81] }
+platforms = [{ name = "body" }]
+legs = [{ name = "one", design = "leg", platform = "body" }]
+[leg_designs.leg]
+foot = "hand.T"
+[leg_designs.leg.links]
+frame = { points = { A = [0, 0], D = [0.3, 0] } }
+crank = { points = { A = [0, 0], B = [0.1, 0] } }
+coupler = { points = { B = [0, 0], C = [0.3, 0] } }
+rocker = { points = { D = [0, 0], C = [0.3, 0], H = [0.4, 0] } }
+hand = { points = { H = [0, 0], T = [0.3, 0] } }
+[[leg_designs.leg.pins]]
+joins = ["frame.A", "crank.A"]
+driven = true
+[[leg_designs.leg.pins]]
+joins = ["frame.D", "rocker.D"]
+driven = true
+[[leg_designs.leg.pins]]
+joins = ["crank.B", "coupler.B"]
+[[leg_designs.leg.pins]]
+joins = ["coupler.C", "rocker.C"]
+[[leg_designs.leg.pins]]
+joins = ["rocker.H", "hand.H"]
+"""
+
+
+def test_two_cranks_of_one_loop_and_a_hand_without_drive(tmp_path):
+    ((code, _, said),) = problems_of(tmp_path, FOUR_BAR)
+    assert code == "WG184"
+    assert (
+        'pins[1]: the drive "d" moves nothing of its own: other drives hold frame/crank/coupler/rocker, while nothing drives hand' in said
+    )
+
+
+def test_a_turning_drive_without_limits_that_assembles_nowhere(tmp_path):
+    """A whole turn is looked at."""
+    first, second = "driven = true\n", 'joins = ["rocker.H", "hand.H"]\n'
+    text = FOUR_BAR.replace(first, "", 1).replace(second, second + first)
     path = tmp_path / "robot.toml"
-    path.write_text(head + 'name = "knee"' + tail.replace("driven = true", "driven = false", 1), encoding="utf-8")
-    with pytest.raises(SpecError, match="WG184"):
-        read(path)
+    path.write_text(text, encoding="utf-8")
+    generate(path, BuildOptions(targets=("c",)))
+    path.write_text(text.replace("C = [0.3, 0]", "C = [0.05, 0]"), encoding="utf-8")
+    with pytest.raises(SpecError, match="WG189") as error:
+        generate(path, BuildOptions(targets=("c",)))
+    assert "the dyad b cannot close" in str(error.value)
 
 
 PLATES = """

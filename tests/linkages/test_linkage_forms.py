@@ -234,7 +234,7 @@ BAD = {
     "a folding parallelogram": (PAIRS["parallelogram"][0].replace("[20,", "[-20,"), "WG190", "folds"),
     "a crossed parallelogram": (MIRRORED.replace('"right"', '"left"'), "WG190", 'c = "right"'),
     "points of another six-bar": (six_form("watt", "I", "coupler", "frame"), "WG190", "stephenson with inversion III"),
-    "a second drive": (f"{CLOSED}\npins = [{{ joins = ['frame.D', 'rocker.C'], driven = true }}]", "WG183", "four_bar"),
+    "a second drive": (f"{CLOSED}\npins = [{{ joins = ['frame.D', 'rocker.C'], driven = true }}]", "WG183", "pins[0]"),
     "no name": (CLOSED.replace("foot", "drive = { name = 'a b' }, foot"), "WG130", "drive.name"),
     "no name of a pin": (f"{CLOSED}\npins = [{{ name = 'while', joins = ['frame.D', 'rocker.C'] }}]", "WG131", "pins[0].name"),
     "points of no stephenson II": (six_form("stephenson", "II", "crank", "rocker"), "WG190", "stephenson with inversion I"),

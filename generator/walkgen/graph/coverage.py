@@ -41,6 +41,7 @@ class Coverage:
         assembled: at how many the linkage assembles.
         failing: what fails at the others, the most first.
         limited: whether the grid is over the drives' limits; else those without any were taken all around, or as far as the links are long.
+        bounded: whether the drives can go nowhere else: those without limits turn.
         best: the drives where it is furthest from all dead points; None where it assembles nowhere.
         mobility: there, by rank; None where it has no pose.
         startless: the triads, where they have no assembly to start from; then there is no grid.
@@ -50,6 +51,7 @@ class Coverage:
     assembled: int
     failing: tuple[Failure, ...]
     limited: bool
+    bounded: bool
     best: Drives | None
     mobility: Mobility | None
     startless: tuple[str, ...] = ()
@@ -65,9 +67,10 @@ def coverage(mechanism: Mechanism, leg: Limb, linkage: Linkage, close_triads: Cl
         close_triads: the solve of triads, `walkgen.runtime.solves.triads.close_triads`.
     """
     drives, triads = leg.joints[len(leg.serial) :], tuple(triad.name for triad in linkage.forward.triads)
-    limited, start = all(drive.limits for drive in drives), start_of(mechanism, leg) if triads else None
+    limited, bounded = all(drive.limits for drive in drives), all(drive.limits or drive.kind == "revolute" for drive in drives)
+    start = start_of(mechanism, leg) if triads else None
     if triads and start is None:
-        return Coverage(0, 0, (), limited, None, None, triads)
+        return Coverage(0, 0, (), limited, bounded, None, None, triads)
     values = defaults(mechanism)
     loops = free_linkage(linkage.structure, linkage.points, linkage.angles, lambda scalar: float(evaluate(scalar, CONTEXT, values)))
     assert loops is not None
@@ -79,7 +82,7 @@ def coverage(mechanism: Mechanism, leg: Limb, linkage: Linkage, close_triads: Cl
     best = max(closed, key=lambda place: min(margins[place], default=0.0), default=None)
     mobility = None if best is None else _mobility(poses[best], grid[best], loops)
     failures = _failures(dict(zip(grid, failing, strict=True)))
-    return Coverage(len(grid), len(closed), failures, limited, None if best is None else grid[best], mobility)
+    return Coverage(len(grid), len(closed), failures, limited, bounded, None if best is None else grid[best], mobility)
 
 
 def titled(linkage: Linkage, name: str) -> str:

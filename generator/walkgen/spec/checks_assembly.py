@@ -1,23 +1,58 @@
 """Rules of how a linkage is assembled: sides of dyads, the start of triads."""
 
 from collections.abc import Iterator
+from itertools import combinations
 
-from walkgen.spec.assur import SIDES, Structure, order
+from walkgen.spec.assur import SIDES, Group, Structure, Triad, order
+from walkgen.spec.evaluate import Numbers
+from walkgen.spec.planar import Coordinates, End, joined_pairs, table_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
+from walkgen.spec.scalar import names
 from walkgen.spec.schema import LegDesign
 from walkgen.spec.table import Path
 
 _MOST_TRIADS = 4
 
 
-def check_assembly(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
+def check_assembly(path: Path, design: LegDesign, structure: Structure, numbers: Numbers) -> Iterator[Finding]:
     """Of a linkage whose references hold and whose groups are placed."""
+    yield from _folded(path, design, structure, numbers)
     if len(order(structure).triads) > _MOST_TRIADS:
         message = f"the linkage holds more than {_MOST_TRIADS} triads, which is not supported"
         yield Finding("WG150", path, message, "drive other pairs, so that dyads follow")
     yield from _sides((*path, "assembly"), design, structure)
     if design.start is not None:
         yield from _start((*path, "start"), design, structure)
+
+
+def _folded(path: Path, design: LegDesign, structure: Structure, numbers: Numbers) -> Iterator[Finding]:
+    """Two pins of a group that lie at one point of a link, whatever the runtime parameters are: a triangle without one of its sides."""
+    joined = joined_pairs(design)
+    for group in order(structure).groups:
+        for one, other in _sides_of(structure, group):
+            for body in set(structure.pairs[one].bodies) & set(structure.pairs[other].bodies):
+                points = (joined[pair].points[structure.pairs[pair].bodies.index(body)] for pair in (one, other))
+                if _one_point(next(points), next(points), numbers):
+                    pins = " and ".join(f'"{shown(structure.pairs[pair].name)}"' for pair in (one, other))
+                    link, title = shown(structure.names[body]), "triad" if isinstance(group, Triad) else "dyad"
+                    message = f"{pins} end at one point of {link}: the {title} {shown(group.name)} cannot close, or never moves"
+                    yield Finding("WG179", (*path, *table_of(design, max(one, other))), message, f"move one of them on {link}")
+
+
+def _sides_of(structure: Structure, group: Group | Triad) -> Iterator[tuple[int, int]]:
+    """Pins of a dyad, or of a triad's strut, two by two."""
+    for pairs in [strut.pairs for strut in group.struts] if isinstance(group, Triad) else [group.pairs]:
+        yield from combinations([pair for pair in pairs if structure.pairs[pair].kind == "R"], 2)
+
+
+def _one_point(one: End, other: End, numbers: Numbers) -> bool:
+    return one is not None and other is not None and (one == other or _values(one, numbers) == _values(other, numbers) is not None)
+
+
+def _values(point: Coordinates, numbers: Numbers) -> tuple[object, ...] | None:
+    """Of a point that no runtime parameter moves."""
+    fixed = all(names(entry) <= numbers.constants.keys() for entry in point)
+    return tuple(numbers.number(entry) for entry in point) if fixed else None
 
 
 def _sides(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:

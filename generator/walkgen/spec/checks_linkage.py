@@ -2,19 +2,17 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import combinations
 from math import prod
 
-from walkgen.spec.assur import Structure, order
+from walkgen.spec.assur import Structure
 from walkgen.spec.branches import CURVE_BRANCHES, follows_curve, linkage_branches, linkage_choices, linkage_hindrance
 from walkgen.spec.checks_assembly import check_assembly
 from walkgen.spec.checks_joints import named_branches
+from walkgen.spec.checks_mobility import check_mobility
 from walkgen.spec.evaluate import Numbers
 from walkgen.spec.linkage import FRAME, CylinderSpec, PinFriction
-from walkgen.spec.mobility import free_linkage
-from walkgen.spec.planar import joined_pairs, located, structure_of
+from walkgen.spec.planar import located, structure_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
-from walkgen.spec.scalar import ZERO
 from walkgen.spec.schema import LegDesign, RobotSpec
 from walkgen.spec.table import Path, entries
 
@@ -34,7 +32,7 @@ def check_linkages(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         yield from _passive(path, design)
         yield from _sections(path, design)
         yield from _bolts(path, design)
-        yield from _cylinders(path, design, numbers)
+        yield from _lengths(path, design, numbers)
         if not broken:
             yield from _structure(path, design, numbers)
 
@@ -75,8 +73,10 @@ def _references(path: Path, design: LegDesign) -> Iterator[Finding]:
         elif slider.link.partition(".")[0] == slider.guide.link:
             yield Finding("WG181", (*here, "guide", "link"), "the slider joins a link to itself", "name the guide of another link")
     for index, cylinder in enumerate(design.cylinders):
+        here = (*path, "cylinders", index, "between")
         for place, text in enumerate(cylinder.between):
-            yield from point_findings((*path, "cylinders", index, "between", place), text, design)
+            yield from point_findings((*here, place), text, design)
+        yield from _ends(here, cylinder)
     yield from _start((*path, "start"), design)
 
 
@@ -120,9 +120,9 @@ def _passive(path: Path, design: LegDesign) -> Iterator[Finding]:
     """What only a pair with a motor can have."""
     for key in ("pins", "sliders", "cylinders"):
         for index, pair in enumerate(getattr(design, key)):
-            for name in ("rotor", "max_effort", "max_speed"):
-                if not pair.driven and getattr(pair, name) is not None:
-                    message = f"{name}: the pair is not driven, and only a motor has that"
+            for name in ("rotor", "max_effort", "max_speed", "limits", "limits_deg", "limits_mm"):
+                if not pair.driven and getattr(pair, name, None) is not None:
+                    message = f"the pair is not driven, and only a drive has {name}"
                     yield Finding("WG186", (*path, key, index, name), message, f"remove {name}, or write driven = true")
 
 
@@ -146,52 +146,34 @@ def _bolts(path: Path, design: LegDesign) -> Iterator[Finding]:
             yield Finding("WG111", (*here, key), message, f"write {example}, or leave both out")
 
 
-def _cylinders(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
+def _ends(path: Path, cylinder: CylinderSpec) -> Iterator[Finding]:
+    """On two links."""
+    first, second = (text.partition(".")[0] for text in cylinder.between)
+    if first == second:
+        message = f'both ends of the cylinder "{shown(cylinder.name)}" are on the link "{shown(first)}", so it moves nothing'
+        yield Finding("WG185", path, message, "name points of two links")
+
+
+def _lengths(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
+    """Of cylinders, above 0."""
     for index, cylinder in enumerate(design.cylinders):
-        here = (*path, "cylinders", index)
-        if cylinder.between[0].partition(".")[0] == cylinder.between[1].partition(".")[0]:
-            yield Finding(
-                "WG185", (*here, "between"), "both ends of the cylinder are on one link, so it moves nothing", "name points of two links"
-            )
-        yield from _length(here, cylinder, numbers)
-
-
-def _length(path: Path, cylinder: CylinderSpec, numbers: Numbers) -> Iterator[Finding]:
-    limits = cylinder.si("limits")
-    least = numbers.number(limits[0]) if limits else None
-    if least is not None and least <= 0:
-        key = "limits" if cylinder.limits is not None else "limits_mm"
-        yield Finding(
-            "WG185",
-            (*path, key),
-            f"the cylinder's least length is {float(least):g}: it would have no direction",
-            "give two lengths above 0",
-        )
+        limits = cylinder.si("limits")
+        least = numbers.number(limits[0]) if limits else None
+        if least is not None and least <= 0:
+            key = "limits" if cylinder.limits is not None else "limits_mm"
+            message = f'the least length of the cylinder "{shown(cylinder.name)}" is {float(least):g} m: it would have no direction'
+            yield Finding("WG185", (*path, "cylinders", index, key), message, "give two lengths above 0")
 
 
 def _structure(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Finding]:
     """What counting and ordering tell."""
     structure = structure_of(design)
-    astray = _disconnected(structure)
-    if astray:
-        names = ", ".join(shown(structure.names[body]) for body in astray)
-        yield Finding("WG182", (*path, "links"), f"nothing joins {names} to the frame", "join every link by pins, sliders or cylinders")
-        return
-    if structure.mobility != structure.drive_count:
-        yield _miscounted(path, design, structure, numbers)
-        return
-    found = order(structure)
-    if len(found.clusters) > 1:
-        stuck = " + ".join(_cluster(structure, cluster) for cluster in found.clusters)
-        if _tied_twice(structure, found.clusters):
-            yield Finding("WG184", path, f"the drives move one part twice and leave another free: {stuck}", "drive other pairs")
-        else:
-            cure = "solve it by groups of two or four links: add or move pins and sliders, or drive other pairs"
-            yield Finding("WG150", path, f"the group {stuck} has more than four links, which is not supported", cure)
-        return
-    yield from check_assembly(path, design, structure)
-    if design.branches is not None:
-        yield from _branches((*path, "branches"), design, structure)
+    unmoved = list(check_mobility(path, design, structure, numbers))
+    yield from unmoved
+    if not unmoved:
+        yield from check_assembly(path, design, structure, numbers)
+        if design.branches is not None:
+            yield from _branches((*path, "branches"), design, structure)
 
 
 def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
@@ -205,46 +187,3 @@ def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[F
     for finding in named_branches(path, design, 0 if hindrance else prod(map(len, choices))):
         spelt = f"{finding.cure}: {', '.join(linkage_branches(choices))}" if len(choices) <= _MOST_CHOICES else finding.cure
         yield replace(finding, cure=f"leave branches out: {hindrance}" if hindrance else spelt)
-
-
-def _tied_twice(structure: Structure, clusters: tuple[frozenset[int], ...]) -> bool:
-    """Whether two bodies that are each rigid have two pairs between them: more than they can satisfy while moving."""
-    return any(
-        sum(bool(one & set(pair.bodies)) and bool(other & set(pair.bodies)) for pair in structure.pairs) > 1
-        for one, other in combinations(clusters, 2)
-    )
-
-
-def _disconnected(structure: Structure) -> list[int]:
-    reached, grown = set[int](), {0}
-    while grown != reached:
-        reached = grown
-        grown = reached.union(*(pair.bodies for pair in structure.pairs if reached & set(pair.bodies)))
-    return [body for body in range(len(structure.names)) if body not in reached]
-
-
-def _miscounted(path: Path, design: LegDesign, structure: Structure, numbers: Numbers) -> Finding:
-    """Not as many drives as freedoms; where its dimensions are special, it has others than the count says."""
-    guides = [slider.guide.si("angle") or ZERO for slider in design.sliders]
-    joined = joined_pairs(design)
-    angles = (*(ZERO,) * (len(joined) - len(guides)), *guides)
-    loops = free_linkage(structure, [each.points for each in joined], angles, numbers.number)
-    found = min((loops.mobility(x) for x in loops.poses()), key=lambda each: each.freedoms, default=None) if loops else None
-    if found is None or found.freedoms == structure.mobility:
-        return Finding("WG183", path, _count(structure), "drive as many pairs as there are freedoms, or mend the pairs")
-    pairs = ", ".join(shown(name) for name in found.pairs)
-    message = f"{_count(structure)}; the rank of its pairs' equations where it closes leaves {found.freedoms}: {pairs} say one thing twice"
-    return Finding("WG191", path, message, "leave out a link between these pairs whose motion the others make already")
-
-
-def _count(structure: Structure) -> str:
-    links = len(structure.names) - len(structure.bars)
-    joints = sum(len(pair.bodies) - 1 for pair in structure.pairs if not structure.bars & set(pair.bodies))
-    return (
-        f"the linkage has 3 ({links} - 1) - 2 * {joints} = {structure.mobility} degrees of freedom in its plane, "
-        f"and {structure.drive_count} driven pairs (cylinders left out of the count of links and pairs)"
-    )
-
-
-def _cluster(structure: Structure, cluster: frozenset[int]) -> str:
-    return "/".join(shown(structure.names[body]) for body in sorted(cluster))

@@ -10,6 +10,7 @@ from walkgen.spec.pantograph import Complex, pantograph
 from walkgen.spec.scalar import ZERO, Exact
 from walkgen.spec.schema import LegDesign
 from walkgen.spec.table import Pair as Coordinates
+from walkgen.spec.table import Path
 
 End = Coordinates | None
 """A point of a body; None is the far end of a bar, at (q, 0)."""
@@ -68,6 +69,15 @@ def located(design: LegDesign, text: str) -> tuple[int, Coordinates]:
     """A link by its number, and the point that the text names."""
     link, _, point = text.partition(".")
     return link_names(design).index(link), design.links[link].points[point]
+
+
+def table_of(design: LegDesign, pair: int) -> Path:
+    """Where a pair of `joined_pairs` stands in the design: a cylinder has two."""
+    driven = [index for index, cylinder in enumerate(design.cylinders) if cylinder.driven]
+    tables: list[Path] = [("pins", index) for index in range(len(design.pins))]
+    tables += [("cylinders", index) for index in driven for _ in range(2)]
+    tables += [("sliders", index) for index in range(len(design.sliders))]
+    return tables[pair]
 
 
 def _pins(design: LegDesign) -> Iterator[Joined]:
