@@ -1,6 +1,8 @@
 """Loop closure by numbers: every pair of a spec's tables as equations in the poses of all links, solved by Newton from many starts."""
 
 import tomllib
+from copy import copy
+from functools import cache
 
 import numpy as np
 
@@ -15,12 +17,18 @@ class Closure:
     """
 
     def __init__(self, text, parameters, drives):
-        self._tables = tomllib.loads(text)
+        self._tables = _tables(text)
         self.design = next(iter(self._tables["leg_designs"].values()))
         self.links = ["frame", *(name for name in self.design["links"] if name != "frame")]
         self.drives, self.count, self.size = np.asarray(drives), len(drives), 3 * (len(self.links) - 1)
         self._values = dict(zip(self._tables.get("parameters", ()), np.asarray(parameters).T, strict=True))
-        self._chosen = self._drive_numbers()
+        self._chosen, self._known = self._drive_numbers(), {}
+
+    def at(self, drives):
+        """The same dimensions with other drives."""
+        other = copy(self)
+        other.drives = np.asarray(drives)
+        return other
 
     def _drive_numbers(self):
         pairs = [(kind, index) for kind in ("pins", "sliders", "cylinders") for index, _ in enumerate(self.design.get(kind, ()))]
@@ -33,8 +41,10 @@ class Closure:
 
     def coordinates(self, text):
         """The link's index and the point [n, 2] of `link.point`."""
-        link, _, name = text.partition(".")
-        return self.links.index(link), self.pair(self.design["links"][link]["points"][name])
+        if text not in self._known:
+            link, _, name = text.partition(".")
+            self._known[text] = self.links.index(link), self.pair(self.design["links"][link]["points"][name])
+        return self._known[text]
 
     def pair(self, entries):
         return np.stack([self.number(entry) for entry in entries], -1)
@@ -123,6 +133,11 @@ class Closure:
         """Whether every dyad is on the side that the spec says."""
         signs = [self.side(x, side) * (1 if side[0] in ("left", "ahead") else -1) for side in sides.values()]
         return np.all([sign > 0 for sign in signs], axis=0) if signs else np.ones(self.count, bool)
+
+
+@cache
+def _tables(text):
+    return tomllib.loads(text)
 
 
 def _turned(angle, point):

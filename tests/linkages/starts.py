@@ -81,9 +81,10 @@ def moved(text, dimensions, x, start, end, parts):
     infinity: all links' equations at once, the guess from the last two poses.
     """
     alive, slow = np.ones(len(x), bool), np.zeros_like(x)
-    sense = np.sign(np.linalg.det(Closure(text, dimensions, start).equations(x)[1]))
+    begin = Closure(text, dimensions, start)
+    sense = np.sign(np.linalg.det(begin.equations(x)[1]))
     for part in np.arange(1, parts + 1) / parts:
-        closure, before = Closure(text, dimensions, start + part * (end - start)), x
+        closure, before = begin.at(start + part * (end - start)), x
         x = x + slow
         for _ in range(3 if part < 1 else 6):
             value, slope = closure.equations(x)

@@ -77,11 +77,13 @@ def assert_scipy_stays(sets, rows, drives, poses):
     rows, drives, poses = rows[close_by], drives[close_by], poses[close_by]
     size, near = sets.accuracy(rows, drives, poses)
     assert np.all(np.abs(sets.closure(rows, drives).equations(poses)[0]).max(-1) <= RESIDUAL * size**2)
+    strays = []
     for row, q, pose, own, close in zip(rows, drives, poses, size, near, strict=True):
         start = pose + min(1e-4, 1e5 * close) * own * sets.random.normal(size=len(pose)) / 3
         found = sets.by_scipy(row, q, start)
-        assert found is not None, row
-        assert apart(found, pose) <= close, (row, apart(found, pose))
+        away = np.inf if found is None else apart(found, pose)
+        strays += [(row, away, close)] if away > close else []
+    assert not strays
 
 
 def assembled(sets):
@@ -91,11 +93,14 @@ def assembled(sets):
     assert set(status) <= {OK}
     assert_scipy_stays(sets, sets.rows, drawn.drives[sets.rows], poses)
     near = sets.accuracy(sets.rows, drawn.drives[sets.rows], poses)[1]
+    others = []
     for row, drives in enumerate(drawn.drives):
         own = np.flatnonzero(sets.rows == row)
         for _ in range(STARTS if len(own) else 6 * STARTS):
             found = sets.by_scipy(row, drives, sets.random_start(poses.shape[1]))
-            assert found is None or (len(own) and np.any(apart(poses[own], found) <= 10 * near[own])), (row, found)
+            if found is not None and not np.any(apart(poses[own], found) <= 10 * near[own]):
+                others.append((row, len(own), found))
+    assert not others
     return drawn.closes
 
 

@@ -2,9 +2,10 @@
  *
  * The unknowns u are roots of a closure r(z, u) = 0, where z are drives and parameters. From the start (z0, u0) the drives go straight to
  * their values, z0 + s (z - z0) with s from 0 to 1, and u with them: the first try is the whole way in one step. A step is taken where
- * Newton's method converges at once (its first correction is short, each is at most half of the one before) and where the determinant of
- * dr/du, which changes its sign at a dead point, stays near what it was; else it is cut to a quarter. The guess after the first step is
- * the secant's. So the result is the assembly that the linkage moves to from the start without passing a dead point, or none.
+ * Newton's method converges at once (its first correction is short, each is at most half of the one before), where the determinant of
+ * dr/du, which changes its sign at a dead point, stays near what it was, and where the way back leads to where it came from, as it does not
+ * from another assembly beyond a dead point; else it is cut to a quarter. The guess after the first step is the secant's. So the result is
+ * the assembly that the linkage moves to from the start without passing a dead point, or none.
  */
 #include "walkgen_math.h"
 #include "walkgen_status.h"
@@ -81,25 +82,37 @@ static inline WG_REAL WG_NAME(wg_triads_eliminate)(int n, WG_REAL *M, WG_REAL *b
     return determinant;
 }
 
-/* Newton's method from u at a part of the way; 1 where it converges at once, with the determinant met last. */
-static inline int WG_NAME(wg_triads_newton)(const struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, WG_REAL close, WG_REAL *u,
-                                              WG_REAL *determinant) {
-    WG_REAL point[WG_MOST_OF_POINT], closure[WG_MOST_UNKNOWNS * (WG_MOST_UNKNOWNS + 1)], last = WG_C(0.5);
+/* One of Newton's corrections [n] at a part of the way, to be taken off u, and the determinant, 0 where there is none. */
+static inline WG_REAL WG_NAME(wg_triads_correction)(const struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, const WG_REAL *u,
+                                                    WG_REAL *correction) {
+    WG_REAL point[WG_MOST_OF_POINT], closure[WG_MOST_UNKNOWNS * (WG_MOST_UNKNOWNS + 1)], determinant;
     const int n = linkage->unknowns;
-    int turn, i;
+    int i;
     for (i = 0; i < linkage->given; ++i) {
         point[i] = part < WG_C(1.0) ? linkage->from[i] + part * (linkage->to[i] - linkage->from[i]) : linkage->to[i];
     }
+    for (i = 0; i < n; ++i) {
+        point[linkage->given + i] = u[i];
+    }
+    linkage->closure(point, closure, linkage->data);
+    determinant = WG_NAME(wg_triads_eliminate)(n, closure + n, closure);
+    for (i = 0; i < n; ++i) {
+        correction[i] = closure[i];
+    }
+    return determinant;
+}
+
+/* Newton's method from u at a part of the way; 1 where it converges at once, with the determinant met last. */
+static inline int WG_NAME(wg_triads_newton)(const struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, WG_REAL close, WG_REAL *u,
+                                              WG_REAL *determinant) {
+    WG_REAL correction[WG_MOST_UNKNOWNS], last = WG_C(0.5);
+    int turn, i;
     for (turn = 0; turn < 16; ++turn) {
         WG_REAL step = WG_C(0.0);
-        for (i = 0; i < n; ++i) {
-            point[linkage->given + i] = u[i];
-        }
-        linkage->closure(point, closure, linkage->data);
-        *determinant = WG_NAME(wg_triads_eliminate)(n, closure + n, closure);
-        for (i = 0; i < n; ++i) {
-            step = WG_ABS(closure[i]) <= step ? step : WG_ABS(closure[i]);
-            u[i] -= closure[i];
+        *determinant = WG_NAME(wg_triads_correction)(linkage, part, u, correction);
+        for (i = 0; i < linkage->unknowns; ++i) {
+            step = WG_ABS(correction[i]) <= step ? step : WG_ABS(correction[i]);
+            u[i] -= correction[i];
         }
         if (!(WG_ABS(*determinant) > WG_C(0.0)) || !(step <= WG_C(0.5) * last || step <= close)) {
             return 0;
@@ -110,6 +123,16 @@ static inline int WG_NAME(wg_triads_newton)(const struct WG_NAME(wg_triads_way) 
         last = step;
     }
     return 0;
+}
+
+/* Whether the way back from u, found further on, leads to where the linkage is: one correction there leaves at most half of the change. */
+static inline int WG_NAME(wg_triads_returns)(const struct WG_NAME(wg_triads_way) * linkage, const WG_REAL *u, WG_REAL change) {
+    WG_REAL correction[WG_MOST_UNKNOWNS];
+    int i, returns = WG_ABS(WG_NAME(wg_triads_correction)(linkage, linkage->part, u, correction)) > WG_C(0.0);
+    for (i = 0; i < linkage->unknowns; ++i) {
+        returns = returns && WG_ABS(u[i] - correction[i] - linkage->u[i]) <= WG_C(0.5) * change + WG_ROUGH;
+    }
+    return returns;
 }
 
 /* One step from part to part, whose guess changes u by `slope` per part; 1 where it is taken. */
@@ -126,7 +149,7 @@ static inline int WG_NAME(wg_triads_step)(struct WG_NAME(wg_triads_way) * linkag
         change = WG_MAX(WG_ABS(u[i] - linkage->u[i]), change);
     }
     determinant /= linkage->determinant;
-    if (!(change <= WG_C(0.5) && determinant >= WG_C(0.4) && determinant <= WG_C(2.5))) {
+    if (!(change <= WG_C(0.5) && determinant >= WG_C(0.4) && determinant <= WG_C(2.5)) || !WG_NAME(wg_triads_returns)(linkage, u, change)) {
         return 0;
     }
     for (i = 0; i < linkage->unknowns; ++i) {

@@ -114,11 +114,20 @@ class _Move:
         tried = self._newton(rows, further, np.where(further < 1.0, _ROUGH, _FINE), guess)
         ratio = tried.determinant / self._determinant[rows]
         change = tried.u - self.u[rows]
-        taken: Truths = tried.taken & (np.abs(change).max(-1) <= 0.5) & (ratio >= 0.4) & (ratio <= 2.5)
+        most = np.abs(change).max(-1)
+        taken: Truths = tried.taken & (most <= 0.5) & (ratio >= 0.4) & (ratio <= 2.5)
+        taken &= self._returns(rows, part, tried.u, most)
         moved = rows[taken]
         self._slope[moved] = (change / (further - part)[:, None])[taken]
         self.u[moved], self._determinant[moved] = tried.u[taken], tried.determinant[taken]
         return taken
+
+    def _returns(self, rows: NDArray[np.intp], part: Reals, u: Reals, change: Reals) -> Truths:
+        """Whether the way back from u, found further on, leads to where a row is: one correction leaves at most half of the change."""
+        correction, determinant = self._correction(np.concatenate([self.way(part, rows), u], -1))
+        left = np.abs(u - correction - self.u[rows]).max(-1)
+        returns: Truths = (np.abs(determinant) > 0.0) & (left <= 0.5 * change + _ROUGH)
+        return returns
 
     def _newton(self, rows: NDArray[np.intp], part: Reals, close: Reals, guess: Reals) -> _Tried:
         """Newton's method at a part of the way: each correction at most half of the one before, the first at most a quarter."""
