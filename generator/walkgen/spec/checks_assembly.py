@@ -5,11 +5,11 @@ from itertools import combinations
 
 from walkgen.spec.assur import SIDES, Group, Structure, Triad, order
 from walkgen.spec.evaluate import Numbers
-from walkgen.spec.planar import Coordinates, End, joined_pairs, table_of
+from walkgen.spec.planar import End, joined_pairs, table_of
 from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.scalar import names
 from walkgen.spec.schema import LegDesign
-from walkgen.spec.table import Path
+from walkgen.spec.table import Pair, Path
 
 _MOST_TRIADS = 4
 
@@ -49,7 +49,7 @@ def _one_point(one: End, other: End, numbers: Numbers) -> bool:
     return one is not None and other is not None and (one == other or _values(one, numbers) == _values(other, numbers) is not None)
 
 
-def _values(point: Coordinates, numbers: Numbers) -> tuple[object, ...] | None:
+def _values(point: Pair, numbers: Numbers) -> tuple[object, ...] | None:
     """Of a point that no runtime parameter moves."""
     fixed = all(names(entry) <= numbers.constants.keys() for entry in point)
     return tuple(numbers.number(entry) for entry in point) if fixed else None
