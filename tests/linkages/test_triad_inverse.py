@@ -69,13 +69,17 @@ def test_one_drive(built, backend, count):
     assert leg.inverse_distance(target)[good].max() < 1e-11
 
 
+@pytest.fixture(scope="module")
+def knee(built):
+    """In C, NumPy and CasADi."""
+    wanted = '"foot_jacobian", "inverse_near", "inverse_distance"]'
+    return built(HEAD.replace('"inverse_near"]', wanted).replace('"numpy"]', '"numpy", "casadi"]') + KNEE)
+
+
 @pytest.mark.nightly
-def test_casadi_comes_from_a_seed(built):
+def test_casadi_comes_from_a_seed(knee):
     """To the row near it, with the slopes of the inverse: those of the foot, inverted."""
-    wanted = '["foot_position", "foot_jacobian", "inverse_near"]'
-    head = HEAD.replace('["foot_position", "assembly_status", "inverse", "inverse_branch", "inverse_near"]', wanted)
-    robot = built(head.replace('"numpy"]', '"casadi"]') + KNEE).c
-    leg, near = robot.legs["leg"], robot.casadi("leg_inverse_near")
+    leg, near = knee.c.legs["leg"], knee.c.casadi("leg_inverse_near")
     slopes = near.jacobian()
     for q in np.random.default_rng(5).uniform([-0.5, -1.8, -0.6], [0.5, -1.1, 0.3], (6, 3)):
         p = leg.foot_position(q)
@@ -86,9 +90,40 @@ def test_casadi_comes_from_a_seed(built):
         assert np.abs(by_p @ leg.foot_jacobian(q) - np.eye(3)).max() < 1e-6
 
 
-@pytest.fixture(scope="module")
-def knee(built):
-    return built(HEAD + KNEE)
+def test_casadi_has_the_rows_of_c(knee):
+    """Status for status, in reach and out of it; where a way ends at a dead point, about there."""
+    leg, random = knee.c.legs["leg"], np.random.default_rng(4)
+    inverse, distance = knee.c.casadi("leg_inverse"), knee.c.casadi("leg_inverse_distance")
+    p = leg.foot_position(random.uniform(np.radians([-90, -110, -40]), np.radians([90, -60, 20]), (12, 3)))
+    p[6:] += 0.15 * random.normal(size=(6, 3))
+    ends = []
+    for target in p:
+        rows, status = leg.inverse(target)
+        own, state = (np.array(each) for each in inverse(target))
+        assert np.array_equal(state.ravel(), status)
+        away = np.abs(angle(own - rows)).max(-1)
+        assert away[np.isin(status, (OK, INFEASIBLE))].max(initial=0) < 1e-9
+        ends += [*away[status == UNREACHABLE]]
+        missed = np.array(distance(target)).ravel()
+        assert missed[status == OK] == pytest.approx(0, abs=1e-9)
+    assert np.mean(np.array(ends) < 1e-2) > 0.9
+    assert (np.array(inverse([np.nan, 0, 0])[1]) == BAD_INPUT).all()
+
+
+def test_slopes_of_casadi_rows(knee):
+    """Those of the foot, inverted, and differences of the rows of C; sensitivities to the branch are none."""
+    leg, branch = knee.c.legs["leg"], knee.c.casadi("leg_inverse_branch")
+    slopes, step = branch.jacobian(), 1e-5
+    for q in np.random.default_rng(6).uniform(np.radians([-90, -100, -30]), np.radians([90, -70, 10]), (3, 3)):
+        p = leg.foot_position(q)
+        for number in np.flatnonzero(leg.inverse(p)[1] == OK):
+            found = branch(p, number)
+            row = np.array(found[0]).ravel()
+            by_p = np.array(slopes(p, number, *found)[0])[:, :3]
+            assert np.abs(by_p @ leg.foot_jacobian(row) - np.eye(3)).max() < 1e-9
+            ahead, behind = (leg.inverse_branch(p + side * step * np.eye(3), number)[0] for side in (1, -1))
+            differences = (ahead - behind) / (2 * step)
+            assert by_p.T.ravel() == pytest.approx(differences.ravel(), rel=1e-4, abs=1e-4)
 
 
 @pytest.mark.parametrize(("backend", "count"), [("c", 1000), ("numpy", 4)])

@@ -57,14 +57,18 @@ def held_port(mechanism: Mechanism, leg: Limb) -> Port:
 
 
 def held_closing(mechanism: Mechanism, leg: Limb) -> Closing:
-    """On a tape of its own."""
-    linkage, port = leg.linkage, held_port(mechanism, leg)
+    """Of a point, on a tape of its own."""
+    symbols = symbols_of(Port("point", (held_port(mechanism, leg).size + UNKNOWNS.size,)))
+    return held_closing_at(mechanism, leg, symbols[: -UNKNOWNS.size], symbols[-UNKNOWNS.size :], Tape())
+
+
+def held_closing_at(mechanism: Mechanism, leg: Limb, given: Sequence[sympy.Expr], unknowns: Sequence[sympy.Symbol], tape: Tape) -> Closing:
+    """For the foot's place, parameters and signs, in the order of a point, and unknowns."""
+    linkage, names = leg.linkage, point_parameters(mechanism, leg)
     assert linkage is not None
-    symbols, names = symbols_of(Port("point", (port.size + UNKNOWNS.size,))), point_parameters(mechanism, leg)
-    given, unknowns = symbols[: port.size], symbols[port.size :]
     parameters = dict(zip(names, given[2 : 2 + len(names)], strict=True))
     signs = dict(zip(sided(linkage), given[2 + len(names) :], strict=True))
-    placing = Placing(linkage, linkage.inverse, Tape(), {}, {}, signs, parameters, (given[0], given[1]), unknowns=unknowns)
+    placing = Placing(linkage, linkage.inverse, tape, {}, {}, signs, parameters, (given[0], given[1]), unknowns=unknowns)
     return closing_of(placing, given, unknowns)
 
 

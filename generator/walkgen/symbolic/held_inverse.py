@@ -17,6 +17,7 @@ from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Signature, Table
 from walkgen.spec.branches import MODES
+from walkgen.symbolic import held_steps
 from walkgen.symbolic.branches import BAD_INPUT, INFEASIBLE, NO_CONVERGENCE, UNREACHABLE
 from walkgen.symbolic.closing import called_back
 from walkgen.symbolic.closure import point_parameters
@@ -98,7 +99,7 @@ class HeldInverse:
             found,
             locals=(*found.locals, *searched.ports),
             steps=(*found.steps, searched.bounds, searched.nearer),
-            closed_form=None if triads else iterated(self._mechanism, route, TARGET, found.signature),
+            closed_form=found.closed_form if triads else iterated(self._mechanism, route, TARGET, found.signature),
             callbacks=(*found.callbacks, searched.motion),
         )
 
@@ -130,9 +131,9 @@ class HeldInverse:
         found = (*rows, *self._locals)
         if self._start is None:
             return Solve(words, found, steps, Solve(words, found, steps))
-        return Solve(
-            words, found, steps, tables=self._tables, callbacks=(called_back(held_closure(self._mechanism, self._leg), "held_closure"),)
-        )
+        form = Solve(words, (*found, *self._iterated_ports), tuple(part for step in steps for part in self._iterated(step)))
+        closure = called_back(held_closure(self._mechanism, self._leg), "held_closure")
+        return Solve(words, found, steps, form, self._tables, (closure,))
 
     # ---- rows
 
@@ -217,6 +218,22 @@ class HeldInverse:
             yield Step("wg_approach", (aim.size, UNKNOWNS.size, aim.name, self._table(row), closure, *arrival))
         arrivals = (port.name for row in self._followed for port in self._arrival_ports(row))
         yield Step(self._arrived(), ("p", *arrivals, *self._given, rows, states))
+
+    # ---- the same for targets without routines
+
+    @property
+    def _iterated_ports(self) -> tuple[Port, ...]:
+        return tuple(port for row in self._followed for port in held_steps.ports(self._mechanism, self._leg, row.number))
+
+    def _iterated(self, step: Step) -> tuple[Step, ...]:
+        """Instead of the routine so many steps of Newton's method."""
+        if step.callee != "wg_approach":
+            return (step,)
+        assert self._start is not None
+        arrival = step.arguments[5:]
+        row = next(row for row in self._followed if self._arrival_ports(row)[0].name == arrival[0])
+        point = self._start.point(row.signs, row.mode or 0)
+        return held_steps.followed(self._mechanism, self._leg, row.number, point, (self._aim_port(row).name, *map(str, arrival)))
 
     def _aims(self, ports: Sequence[Port]) -> Function:
         """What the held linkage is continued to: the target in each plane, the parameters, the sides."""
