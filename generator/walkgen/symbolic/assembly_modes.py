@@ -89,16 +89,15 @@ class AssemblyModes:
         modes = [mode for unknowns in found if (mode := self._mode(given, unknowns))]
         return sorted(modes, key=lambda one: (one.misfit, -one.sine, one.unknowns))
 
-    def exact(self, given: Sequence[Any], unknowns: Sequence[float]) -> tuple[list[Any], tuple[int, ...]]:
-        """A mode's unknowns to 50 digits, and the sign of every triad's determinant."""
+    def exact(self, given: Sequence[Any], unknowns: Sequence[float]) -> list[Any]:
+        """A mode's unknowns to 50 digits."""
         exact, names = [CONTEXT.mpf(number) for number in unknowns], (*self._closing.given, *self._closing.unknowns)
         for _ in range(4):
             known = tape_values(self._closing.tape, dict(zip(names, (*given, *exact), strict=True)))
             slopes = CONTEXT.matrix([[value(entry, known) for entry in row] for row in self._closing.slopes])
             step = CONTEXT.lu_solve(slopes, CONTEXT.matrix([value(residual, known) for residual in self._closing.residuals]))
             exact = [unknown - change for unknown, change in zip(exact, step, strict=True)]
-        pairs = range(0, self._count, 2)
-        return exact, tuple(int(CONTEXT.sign(slopes[i, i] * slopes[i + 1, i + 1] - slopes[i, i + 1] * slopes[i + 1, i])) for i in pairs)
+        return exact
 
     def _closed(self, given: Sequence[float], known: tuple[float, ...], number: int) -> list[tuple[float, ...]]:
         """Unknowns of one triad, those of the triads before it known."""

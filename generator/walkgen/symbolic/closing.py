@@ -9,7 +9,8 @@ import sympy
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Table
 from walkgen.symbolic.closure import assembled_port, drive_count, driven_closure, point_parameters, unknowns_port
-from walkgen.symbolic.closure_steps import advance, begin, finish, unknown_slopes
+from walkgen.symbolic.closure_steps import unknown_slopes
+from walkgen.symbolic.driven_steps import closed_by_steps, way_ports
 from walkgen.symbolic.first_root import FirstRoot, whole
 from walkgen.symbolic.function import Angle, Derivation, Function, LessEqual, Select, Solve, Step
 from walkgen.symbolic.path import touch_port
@@ -19,7 +20,6 @@ from walkgen.symbolic.starts import found_start
 from walkgen.symbolic.tape import Tape, symbols_of
 
 _SOURCE = "Newton's method on the closure of triads, continued from the start (walkgen_triads.h)"
-_REPEATS = 72
 
 
 def closed(mechanism: Mechanism, derivation: Derivation) -> Derivation:
@@ -166,14 +166,10 @@ class _Iterated(_Closing):
         return root.repeated()
 
     def _rest(self, leg: Limb) -> tuple[Port, ...]:
-        return (begin(self._mechanism, leg).signature.outputs[0], *super()._rest(leg))
+        return (*way_ports(self._mechanism, leg), *super()._rest(leg))
 
     def _found_by(self, leg: Limb, point: Port) -> Iterator[Step]:
-        first, step, last = (make(self._mechanism, leg) for make in (begin, advance, finish))
-        state = first.signature.outputs[0].name
-        yield Step(first, (point.name, state))
-        yield Step(step, (point.name, state, state), repeat=_REPEATS)
-        yield Step(last, (point.name, state, unknowns_port(leg).name, assembled_port(leg).name))
+        yield from closed_by_steps(self._mechanism, leg, point.name)
 
 
 def _with_inputs(function: Function, extras: Sequence[Port]) -> Function:

@@ -106,7 +106,7 @@ def _starts(mechanism: Mechanism, leg: Limb) -> Iterator[HeldStart]:
         for signs in choices:
             given = (*map(CONTEXT.mpf, map(str, foot)), *starts.parameters, *map(CONTEXT.mpf, signs))
             own = modes.at([float(number) for number in given])
-            found[signs] = tuple(rounded(modes.exact(given, mode.unknowns)[0]) for mode in own)
+            found[signs] = tuple(rounded(modes.exact(given, mode.unknowns)) for mode in own)
         if any(found.values()):
             yield HeldStart(foot, rounded(starts.parameters), found)
 

@@ -28,12 +28,11 @@ _MOST_CANDIDATES = 40
 
 @dataclass(frozen=True)
 class FoundStart:
-    """Drives, parameters that matter and unknowns, 20 digits; the sign of every triad's determinant; all modes, the chosen first."""
+    """Drives, parameters that matter and unknowns, 20 digits; all modes, the chosen first."""
 
     drives: tuple[Decimal, ...]
     parameters: tuple[Decimal, ...]
     unknowns: tuple[Decimal, ...]
-    senses: tuple[int, ...]
     modes: tuple[AssemblyMode, ...]
 
 
@@ -59,8 +58,8 @@ def start_of(mechanism: Mechanism, leg: Limb) -> FoundStart | None:
         given = (*drives, *starts.parameters)
         modes = starts.modes.at([float(number) for number in given])
         if modes:
-            unknowns, senses = starts.modes.exact(given, modes[0].unknowns)
-            return FoundStart(rounded(drives), rounded(starts.parameters), rounded(unknowns), senses, tuple(modes))
+            unknowns = starts.modes.exact(given, modes[0].unknowns)
+            return FoundStart(rounded(drives), rounded(starts.parameters), rounded(unknowns), tuple(modes))
     return None
 
 

@@ -1,0 +1,73 @@
+"""The closure of a linkage's triads for its drives without a routine, for targets that have none."""
+
+from functools import cache, partial
+
+import sympy
+
+from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.signature import Port
+from walkgen.symbolic.branches import BAD_INPUT, OK, UNREACHABLE
+from walkgen.symbolic.choices import both, less
+from walkgen.symbolic.closure import assembled_port, closing_at, point_port, unknowns_port
+from walkgen.symbolic.function import Finite, Function, LessEqual, Residue, Select, Step
+from walkgen.symbolic.starts import found_start
+from walkgen.symbolic.tape import Tape, symbols_of
+from walkgen.symbolic.way_steps import REPEATS, Way
+
+_CLOSED = sympy.Rational(1, 10**24)
+"""Of the residuals' squares."""
+
+
+def way_ports(mechanism: Mechanism, leg: Limb) -> tuple[Port, Port]:
+    """Where the leg starts from, and its state."""
+    way = _way(mechanism, leg)
+    return Port(f"{leg.name}_start", way.start.shape, way.start.unit), Port(f"{leg.name}_state", way.state.shape)
+
+
+def closed_by_steps(mechanism: Mechanism, leg: Limb, given: str) -> tuple[Step, ...]:
+    """From drives and parameters, a port of that name, to the unknowns, NaN unless they close the linkage in the start's assembly."""
+    begins, state = (port.name for port in way_ports(mechanism, leg))
+    return (
+        Step(_started(mechanism, leg), (begins,)),
+        Step(_begin(mechanism, leg), (begins, state)),
+        Step(_advance(mechanism, leg), (given, begins, state, state), repeat=REPEATS),
+        Step(_finish(mechanism, leg), (given, state, unknowns_port(leg).name, assembled_port(leg).name)),
+    )
+
+
+@cache
+def _way(mechanism: Mechanism, leg: Limb) -> Way:
+    count = unknowns_port(leg).size
+    given = Port("given", (point_port(mechanism, leg).size - count,), "rad, m or as declared")
+    return Way(mechanism.name, leg.name, "closure", given, count, partial(closing_at, mechanism, leg))
+
+
+def _started(mechanism: Mechanism, leg: Limb) -> Function:
+    start, way = found_start(mechanism, leg), _way(mechanism, leg)
+    point = (*start.drives, *start.parameters, *start.unknowns)
+    return Tape().function(way.words("start", (), (way.start,)), [sympy.Rational(str(entry)) for entry in point])
+
+
+@cache
+def _begin(mechanism: Mechanism, leg: Limb) -> Function:
+    return _way(mechanism, leg).begin()
+
+
+@cache
+def _advance(mechanism: Mechanism, leg: Limb) -> Function:
+    return _way(mechanism, leg).advance()
+
+
+@cache
+def _finish(mechanism: Mechanism, leg: Limb) -> Function:
+    """given, state -> the unknowns and the status."""
+    way, tape = _way(mechanism, leg), Tape()
+    (gone, unknowns), wanted = way.gone, symbols_of(way.aim)
+    found = closing_at(mechanism, leg, wanted, unknowns, tape)
+    missed = tape.let("missed", sympy.Add(*(residual**2 for residual in found.residuals)))
+    closes = both(less(missed, _CLOSED), LessEqual(1, gone))
+    taint = tape.let("taint", sympy.Add(*(Residue(symbol) for symbol in wanted)))
+    status = Select(Finite(taint), Select(closes, OK, UNREACHABLE), BAD_INPUT)
+    nothing = tape.let("nothing", sympy.sqrt(-1 - missed**2))  # NaN
+    words = way.words("finish", (way.aim, way.state), (unknowns_port(leg), assembled_port(leg)))
+    return tape.function(words, [*(Select(closes, unknown, nothing) for unknown in unknowns), status])
