@@ -3,8 +3,8 @@
  * The unknowns u are roots of a closure r(z, u) = 0, where z are drives and parameters. From the start (z0, u0) the drives go straight to
  * their values, z0 + s (z - z0) with s from 0 to 1, and u with them: the first try is the whole way in one step. A step is taken where
  * Newton's method converges at once (its first correction is short, each is at most half of the one before), where the determinant of
- * dr/du, which changes its sign at a dead point, stays near what it was, and where the way back leads to where it came from, as it does not
- * from another assembly beyond a dead point; else it is cut to a quarter. The guess after the first step is the secant's. So the result is
+ * dr/du, which changes its sign at a dead point, stays near what it was, and where one correction leads about there and one back, as they do not
+ * between assemblies on both sides of a dead point; else it is cut to a quarter. The guess after the first step is the secant's. So the result is
  * the assembly that the linkage moves to from the start without passing a dead point, or none.
  */
 #include "walkgen_math.h"
@@ -125,14 +125,15 @@ static inline int WG_NAME(wg_triads_newton)(const struct WG_NAME(wg_triads_way) 
     return 0;
 }
 
-/* Whether the way back from u, found further on, leads to where the linkage is: one correction there leaves at most half of the change. */
-static inline int WG_NAME(wg_triads_returns)(const struct WG_NAME(wg_triads_way) * linkage, const WG_REAL *u, WG_REAL change) {
+/* Whether a correction of unknowns at a part of the way leads to others: it leaves at most half of the change. */
+static inline int WG_NAME(wg_triads_leads)(const struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, const WG_REAL *from, const WG_REAL *to,
+                                           WG_REAL change) {
     WG_REAL correction[WG_MOST_UNKNOWNS];
-    int i, returns = WG_ABS(WG_NAME(wg_triads_correction)(linkage, linkage->part, u, correction)) > WG_C(0.0);
+    int i, leads = WG_ABS(WG_NAME(wg_triads_correction)(linkage, part, from, correction)) > WG_C(0.0);
     for (i = 0; i < linkage->unknowns; ++i) {
-        returns = returns && WG_ABS(u[i] - correction[i] - linkage->u[i]) <= WG_C(0.5) * change + WG_ROUGH;
+        leads = leads && WG_ABS(from[i] - correction[i] - to[i]) <= WG_C(0.5) * change + WG_ROUGH;
     }
-    return returns;
+    return leads;
 }
 
 /* One step from part to part, whose guess changes u by `slope` per part; 1 where it is taken. */
@@ -149,7 +150,11 @@ static inline int WG_NAME(wg_triads_step)(struct WG_NAME(wg_triads_way) * linkag
         change = WG_MAX(WG_ABS(u[i] - linkage->u[i]), change);
     }
     determinant /= linkage->determinant;
-    if (!(change <= WG_C(0.5) && determinant >= WG_C(0.4) && determinant <= WG_C(2.5)) || !WG_NAME(wg_triads_returns)(linkage, u, change)) {
+    if (!(change <= WG_C(0.5) && determinant >= WG_C(0.4) && determinant <= WG_C(2.5))) {
+        return 0;
+    }
+    if (!WG_NAME(wg_triads_leads)(linkage, linkage->part, u, linkage->u, change) ||
+        !WG_NAME(wg_triads_leads)(linkage, next, linkage->u, u, change)) {
         return 0;
     }
     for (i = 0; i < linkage->unknowns; ++i) {

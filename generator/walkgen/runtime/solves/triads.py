@@ -116,18 +116,18 @@ class _Move:
         change = tried.u - self.u[rows]
         most = np.abs(change).max(-1)
         taken: Truths = tried.taken & (most <= 0.5) & (ratio >= 0.4) & (ratio <= 2.5)
-        taken &= self._returns(rows, part, tried.u, most)
+        taken &= self._leads(rows, part, tried.u, self.u[rows], most) & self._leads(rows, further, self.u[rows], tried.u, most)
         moved = rows[taken]
         self._slope[moved] = (change / (further - part)[:, None])[taken]
         self.u[moved], self._determinant[moved] = tried.u[taken], tried.determinant[taken]
         return taken
 
-    def _returns(self, rows: NDArray[np.intp], part: Reals, u: Reals, change: Reals) -> Truths:
-        """Whether the way back from u, found further on, leads to where a row is: one correction leaves at most half of the change."""
-        correction, determinant = self._correction(np.concatenate([self.way(part, rows), u], -1))
-        left = np.abs(u - correction - self.u[rows]).max(-1)
-        returns: Truths = (np.abs(determinant) > 0.0) & (left <= 0.5 * change + _ROUGH)
-        return returns
+    def _leads(self, rows: NDArray[np.intp], part: Reals, start: Reals, end: Reals, change: Reals) -> Truths:
+        """Whether a correction of unknowns at a part of the way leads to others: it leaves at most half of the change."""
+        correction, determinant = self._correction(np.concatenate([self.way(part, rows), start], -1))
+        left = np.abs(start - correction - end).max(-1)
+        leads: Truths = (np.abs(determinant) > 0.0) & (left <= 0.5 * change + _ROUGH)
+        return leads
 
     def _newton(self, rows: NDArray[np.intp], part: Reals, close: Reals, guess: Reals) -> _Tried:
         """Newton's method at a part of the way: each correction at most half of the one before, the first at most a quarter."""
