@@ -84,6 +84,11 @@ def test_back_to_the_drives(built, name):
     assert np.abs(limb.foot_position(inside) - p[:20]).max() < 1e-11
     assert set(limb.inverse_admissible(3 * p[:3])[1]) <= {UNREACHABLE}
     assert limb.inverse_near([np.nan, 0, 0], q[0])[1] == BAD_INPUT
+
+
+def test_rates(built):
+    limb = kinematics(built, "held").c.legs["leg"]
+    q = drives(limb, 100)
     qd, status = limb.inverse_velocity(q, limb.foot_jacobian(q) @ np.array([0.1, 0.2, -0.3]))
     assert np.abs(qd - [0.1, 0.2, -0.3])[status == OK].max() < 1e-9
 
