@@ -20,8 +20,8 @@ def _turned(angle, vector):
 
 @cache
 def equations():
-    """(q, qd, qdd, lever) -> left sides d/dt dL/dqd - dL/dq [5], the place of the foot's point at `lever` by q [2, 5], dE/dt."""
-    q, qd, qdd, lever = _symbols("q"), _symbols("qd"), _symbols("qdd"), sympy.symbols("r:2")
+    """(q, qd, qdd, lever, the ground's slope) -> d/dt dL/dqd - dL/dq [5], the place of the foot's point at `lever` by q [2, 5], dE/dt."""
+    q, qd, qdd, lever, slope = _symbols("q"), _symbols("qd"), _symbols("qdd"), sympy.symbols("r:2"), sympy.Symbol("slope")
     hip = sympy.Matrix(q[:2])
     knee = hip + _turned(q[2], (sympy.Rational(str(THIGH)), 0))
     ankle = knee + _turned(q[3], (sympy.Rational(str(SHANK)), 0))
@@ -30,14 +30,14 @@ def equations():
         place = start + _turned(angle, [sympy.Rational(str(entry)) for entry in centre])
         velocity = place.jacobian(q) * sympy.Matrix(qd)
         kinetic += mass * velocity.dot(velocity) / 2 + inertia * rate**2 / 2
-        potential += mass * GRAVITY * place[1]
+        potential += mass * GRAVITY * (sympy.cos(slope) * place[1] + sympy.sin(slope) * place[0])
     momenta = sympy.Matrix([kinetic]).jacobian(qd)
     left = momenta.jacobian(q) * sympy.Matrix(qd) + momenta.jacobian(qd) * sympy.Matrix(qdd)
     left -= sympy.Matrix([kinetic - potential]).jacobian(q).T
     point = (ankle + _turned(q[4], lever)).jacobian(q)
     energy = sympy.Matrix([kinetic + potential])
     power = energy.jacobian(q) * sympy.Matrix(qd) + energy.jacobian(qd) * sympy.Matrix(qdd)
-    return tuple(sympy.lambdify((q, qd, qdd, lever), part, "numpy") for part in (left, point, power))
+    return tuple(sympy.lambdify((q, qd, qdd, lever, slope), part, "numpy") for part in (left, point, power))
 
 
 def state(hip, angles):
@@ -45,7 +45,7 @@ def state(hip, angles):
     return tuple(np.concatenate([hip[order], angles[order]]) for order in range(3))
 
 
-def residual(hip, angles, found):
+def residual(hip, angles, found, slope=0.0):
     """Largest error of the five equations, and the size of what they are sums of."""
     torque, load, _, _, ground, centre, _, _ = found
     left, point, _ = equations()
@@ -56,14 +56,14 @@ def residual(hip, angles, found):
     away = np.array([centre, -ankle[1]])  # the centre of pressure is on the ground
     lever = np.array([[c, s], [-s, c]]) @ away
     by_torque = np.array([torque[0] - torque[1], torque[1] - torque[2], torque[2]])
-    right = np.concatenate([load, by_torque]) + point(q, qd, qdd, lever).T @ ground
-    own = left(q, qd, qdd, lever)[:, 0]
+    right = np.concatenate([load, by_torque]) + point(q, qd, qdd, lever, slope).T @ ground
+    own = left(q, qd, qdd, lever, slope)[:, 0]
     return np.abs(own - right).max(), np.abs(own).max() + np.abs(torque).max() + np.abs(ground).max()
 
 
-def energy_rate(hip, angles):
+def energy_rate(hip, angles, slope=0.0):
     """d(T + V)/dt."""
-    return float(equations()[2](*state(hip, angles), (0.0, 0.0))[0, 0])
+    return float(equations()[2](*state(hip, angles), (0.0, 0.0), slope)[0, 0])
 
 
 def input_power(hip, angles, found):

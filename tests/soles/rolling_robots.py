@@ -42,15 +42,15 @@ def robot_of(made, backend):
     return made.numpy if backend == "numpy" else made.c
 
 
-def called(made, backend, name, *inputs):
-    """All outputs of a function of one leg, for one row."""
+def called(made, backend, name, *inputs, **parameters):
+    """All outputs of a function of one leg, for one row; `param` where it has any."""
     robot = robot_of(made, backend)
     leg = next(iter(robot.legs))
     if backend != "casadi":
-        return tuple(np.asarray(part) for part in _outputs(getattr(robot.legs[leg], name)(*inputs)))
+        return tuple(np.asarray(part) for part in _outputs(getattr(robot.legs[leg], name)(*inputs, **parameters)))
     function = robot.casadi(f"{robot.name}_{leg}_{name}")
-    given = [np.reshape(value, function.size_in(index)) for index, value in enumerate(inputs)]
-    shapes = [np.shape(part) for part in _outputs(getattr(robot.legs[leg], name)(*inputs))]
+    given = [np.reshape(value, function.size_in(index)) for index, value in enumerate((*inputs, *parameters.values()))]
+    shapes = [np.shape(part) for part in _outputs(getattr(robot.legs[leg], name)(*inputs, **parameters))]
     return tuple(np.array(part).reshape(shape) for part, shape in zip(function.call(given), shapes, strict=True))
 
 

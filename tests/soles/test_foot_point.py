@@ -7,7 +7,11 @@ from rolling_robots import CURVES, LEG, called, leg_text, random_states
 from walkgen.selftest import run
 
 FUNCTIONS = ("foot_position", "foot_jacobian", "foot_velocity", "foot_acceleration", "inverse_dynamics", "toe_motion", "toe_rolling")
-MORE = ("contact_line", "joint_angles", "link_angles", "stance_forces_load", "flat_motion", "foot_rotation", "foot_pose", "joint_frames")
+MORE = (
+    *("contact_line", "sole_points", "sole_normal", "joint_angles", "link_angles", "stance_forces_load", "flat_motion"),
+    *("foot_rotation", "foot_pose", "joint_frames"),
+)
+WHOLE = ("foot_positions", "foot_jacobians", "contact_points", "contact_normals", "floating_inverse_dynamics")
 YAW = """[[leg_designs.leg.joints]]
 name = "yaw"
 type = "revolute"
@@ -30,7 +34,7 @@ def two_legs():
         "mount = { rpy_deg = [90, 0, 0] }", "mount = { xyz = [0.0, 0.1, 0.0] }"
     )
     text = text.replace("foot = { xyz = [0.0, 0.0, 0.0] }", "foot = { xyz = [0.01, 0.02, 0.0], rpy_deg = [0, 0, 10] }")
-    wanted = ", ".join(f'"{name}"' for name in (*FUNCTIONS, *MORE, "foot_positions", "foot_jacobians", "floating_inverse_dynamics"))
+    wanted = ", ".join(f'"{name}"' for name in (*FUNCTIONS, *MORE, *WHOLE))
     return (
         text.replace('name = "anthropomorphic_leg"', 'name = "pair"')
         + PAIR
@@ -106,9 +110,41 @@ def test_it_is_the_lowest_point_of_the_sole(built, backend):
     assert np.abs(np.abs(angles[0][:, 0] + np.pi / 2) - np.abs(q[:, 1] + np.pi / 2)).max() < 1e-12
 
 
+@pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])
+def test_it_stands_on_its_flat_part_or_on_a_line(single, backend):
+    """Once round the flat part where that lies on the ground, else twice the line where the sole is lowest; the normal is up."""
+    leg = single.c.legs["leg"]
+    for foot in (-np.pi / 2, -np.pi / 2 - 1e-10, -2.0, -1.3):
+        q = leg.joint_angles([-1.2, -2.2, foot])
+        (points,), (normal,) = (called(single, backend, name, q) for name in ("sole_points", "sole_normal"))
+        line, ankle = leg.contact_line(q), leg.joint_frames(q)[-1, :3, 3]
+        flat = [ankle + np.array([y, z, -0.09]) for y, z in ((0.12, -0.05), (-0.06, -0.05), (-0.06, 0.05), (0.12, 0.05))]
+        wanted = flat if abs(foot + np.pi / 2) < 1e-9 else line[[0, 0, 1, 1]]
+        assert np.abs(points - wanted).max() < 1e-10
+        assert np.abs(normal - [0.0, 0.0, 1.0]).max() < 1e-15
+
+
+def test_both_feet_of_a_robot(built):
+    robot = built(two_legs()).c
+    q = np.random.default_rng(6).uniform([-0.8, -2.6, -1.5, -0.6] * 2, [0.8, -0.4, 0.0, 2.0] * 2, (50, 8))
+    legs = robot.legs.values()
+    assert np.abs(robot.contact_points(q) - np.concatenate([leg.sole_points(q[:, leg.slice]) for leg in legs], axis=1)).max() < 1e-14
+    assert np.abs(robot.contact_normals(q) - [0.0, 0.0, 1.0]).max() < 1e-14
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_without_a_width_it_stands_on_two_points_of_its_plane(built, backend):
+    made = built(leg_text(functions=("sole_points", "foot_position", "joint_angles"), name="thin").replace("width = 0.10\n", ""))
+    leg = (made.c if backend == "c" else made.numpy).legs["leg"]
+    flat, rolling = (leg.joint_angles([-1.2, -2.2, foot]) for foot in (-np.pi / 2, -2.0))
+    assert leg.sole_points(flat) - leg.foot_position(flat) == pytest.approx(np.array([[0.12, 0.0, 0.0], [-0.06, 0.0, 0.0]]), abs=1e-14)
+    assert np.abs(leg.sole_points(rolling) - leg.foot_position(rolling)).max() == 0.0
+
+
 def test_nan_passes_through(single):
     leg = single.c.legs["leg"]
     assert np.isnan(leg.foot_position([np.nan, -0.5, 0.5])).any()
+    assert np.isnan(leg.sole_points([np.nan, -0.5, 0.5])).any(axis=1).all()
     assert np.isnan(single.numpy.legs["leg"].foot_position([np.nan, -0.5, 0.5])).any()
 
 

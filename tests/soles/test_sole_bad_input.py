@@ -61,6 +61,7 @@ BAD = {
         "one",
     ),
     "flat sole of the leg": ("WG124", "mount =", "sole = { length = 0.2, width = 0.1 }\nmount =", "leave"),
+    "degrees for radians": ("WG239", FLAT, FLAT + "\nslope = 15", "80"),
     "runtime points": ("WG235", "[leg_designs.leg]\ndh", PARAMETER, "runtime"),
 }
 

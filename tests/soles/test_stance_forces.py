@@ -86,10 +86,10 @@ def test_energy_by_differences(leg):
         q, qd, qdd = state(each, links)
         assert len(q) == COUNT
         step = 1e-5
-        works = [equations()[0](q + t * qd, qd + t * qdd, qdd, (0, 0)) for t in (-step, step)]
+        works = [equations()[0](q + t * qd, qd + t * qdd, qdd, (0, 0), 0.0) for t in (-step, step)]
         assert np.isfinite(works).all()
         # dE/dt = qd' (d/dt dL/dqd - dL/dq): the equations and the energy come from one Lagrangian
-        assert energy_rate(each, links) == pytest.approx(float(qd @ equations()[0](q, qd, qdd, (0, 0))[:, 0]), rel=1e-10)
+        assert energy_rate(each, links) == pytest.approx(float(qd @ equations()[0](q, qd, qdd, (0, 0), 0.0)[:, 0]), rel=1e-10)
 
 
 def test_modes_close_as_they_say(leg):

@@ -90,8 +90,12 @@ def test_points_and_normals_are_those_of_the_walk(mixed):
         close(normal, leg.sole_normal(own), 1e-13)
         close(np.cross(-sides[0], -sides[1]) / (LENGTH * WIDTH), normal, 1e-12)
     functions = RobotFunctions(mixed.mechanism).functions()
-    assert "contact_normals" not in functions
     close(value(lower(functions["contact_points"]()), q), walker.contact_points(q), 1e-13)
+    turns = [walker.platform_pose(leg.platform, q)[:3, :3] for leg in walker.legs[:3]]
+    soles = [turn @ leg.sole_normal(q[walker.slice(leg.name)]) for turn, leg in zip(turns, walker.legs[:3], strict=True)]
+    ground = [0.0, 0.6, 0.8]  # under the foot without a sole
+    found = interpret(lower(functions["contact_normals"]()), {"q": list(q), "ground": ground})["n"]
+    close(np.reshape(found, (-1, 3)), [*np.repeat(soles, 4, axis=0), ground], 1e-13)
 
 
 def test_a_mirrored_sole_has_its_left_on_the_left(tmp_path):

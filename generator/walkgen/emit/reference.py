@@ -1,7 +1,7 @@
 """What the self-test expects: every forward function of a path of limbs, from a 50-digit matrix walk over the Mechanism.
 
 A leg's linkage is closed by Newton's method on its loops; second derivatives are central differences there. A curved sole's foot point is
-where it touches level ground, and slopes are those of the foot's point there.
+where it touches the ground, and slopes are those of the foot's point there.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from walkgen.emit.touching import touched
+from walkgen.emit.touching import normal_in_foot, touched
 from walkgen.model.closing import KnownStart, Posture, closed
+from walkgen.model.curved_sole import CurvedSole
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import CORNERS, Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, Matrix, along, defaults, limb_frames, moved, number
@@ -219,8 +220,10 @@ def _frames(sample: Sample) -> Numbers:
 
 
 def sole_corners(sample: Sample) -> list[Numbers]:
-    """The points that the path's leg stands on: its sole's corners, else its tip."""
-    sole = sample.limbs[-1].sole
+    """The points that the path's leg stands on: its sole's corners, the ends of a rolling sole's contact line, else its tip."""
+    sole, rolling = sample.limbs[-1].sole, sample.limbs[-1].curved_sole
+    if rolling is not None:
+        return _rolling_points(sample, rolling)
     if sole is None:
         return [sample.position]
     frame, sizes = _sole_frame(sample), [number(size, sample.mechanism) / 2 for size in (sole.length, sole.width)]
@@ -229,8 +232,22 @@ def sole_corners(sample: Sample) -> list[Numbers]:
     ]
 
 
+def _rolling_points(sample: Sample, sole: CurvedSole) -> list[Numbers]:
+    """Front and rear, which are one where the sole rolls."""
+    frame, width = sample.poses[-1], sole.width
+    half = CONTEXT.zero if width is None else number(width, sample.mechanism) / 2
+    sides = (1,) if width is None else (1, -1)
+    ends = {side: [frame[row, 3] + side * half * frame[row, 2] for row in range(3)] for side in sides}
+    return [ends[1], *(ends[side] for side in sides), *(ends[side] for side in sides[1:])]
+
+
 def sole_normal(sample: Sample) -> Numbers:
-    """The z axis of the leg's sole."""
+    """The z axis of the leg's sole; the ground's normal under a rolling one."""
+    leg = sample.limbs[-1]
+    if leg.curved_sole is not None:
+        frame, own = sample.poses[-1], sample.q[len(sample.q) - len(leg.joints) :]
+        down, ahead = normal_in_foot(sample.mechanism, leg, own)
+        return [down * frame[row, 0] + leg.curved_sole.side * ahead * frame[row, 1] for row in range(3)]
     return [_sole_frame(sample)[row, 2] for row in range(3)]
 
 

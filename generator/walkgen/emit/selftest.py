@@ -200,7 +200,7 @@ _INVERSES = {
 
 def _robot_check(robot: Mechanism, signature: Signature, rows: Sequence[Row], starts: Mapping[str, KnownStart]) -> Check:
     expected = [_ROBOT[signature.name](robot, q, starts) for q in rows]
-    return _compared(signature, _input_tables(signature, [{"q": q} for q in rows]), expected)
+    return _compared(signature, _input_tables(signature, [{"q": q, "ground": _GROUND} for q in rows]), expected)
 
 
 def _platform_poses(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
@@ -226,8 +226,10 @@ def _contact_points(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) 
 
 
 def _contact_normals(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
-    normals = ((sole_normal(sample), sample.limbs[-1].contacts) for sample, _ in _foot_samples(robot, q, starts))
-    return ([element for normal, corners in normals for _ in range(corners) for element in normal],)
+    samples = [sample for sample, _ in _foot_samples(robot, q, starts)]
+    counts = [sample.limbs[-1].contacts for sample in samples]
+    normals = [sole_normal(sample) if count > 1 else _GROUND for sample, count in zip(samples, counts, strict=True)]
+    return ([element for normal, count in zip(normals, counts, strict=True) for _ in range(count) for element in normal],)
 
 
 def _foot_jacobians(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
@@ -238,6 +240,8 @@ def _foot_jacobians(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) 
     return (rows,)
 
 
+_GROUND = (CONTEXT.zero, CONTEXT.mpf(3) / 5, CONTEXT.mpf(4) / 5)
+"""A normal that the caller gives."""
 _ROBOT = {
     "platform_poses": _platform_poses,
     "foot_positions": _foot_positions,

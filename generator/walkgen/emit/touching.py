@@ -1,4 +1,4 @@
-"""Where a curved sole touches level ground, by bisection in 50 digits: what the self-test takes for the foot point."""
+"""Where a curved sole touches the ground, by bisection in 50 digits: what the self-test takes for the foot point."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,15 +24,26 @@ def touched(mechanism: Mechanism, leg: Limb, q: Sequence[Any]) -> Limb:
     if sole is None:
         return leg
     values = defaults(mechanism)
+    down, ahead = normal_in_foot(mechanism, leg, q)
+    curve, edge = (sole.toe, sole.front) if ahead < 0 else (sole.heel, sole.rear)
+    level = (evaluate(sole.depth, CONTEXT, values), evaluate(edge, CONTEXT, values))
+    x, y = _rolled(curve, down, ahead, values) if curve else level
+    shift = (Motion("translate", axis, _exact(entry)) for axis, entry in enumerate((x, sole.side * y)))
+    return replace(leg, tip=(*leg.tip, *shift), curved_sole=None)
+
+
+def normal_in_foot(mechanism: Mechanism, leg: Limb, q: Sequence[Any]) -> tuple[Any, Any]:
+    """Of the ground: along the foot's x, and forward along its y."""
+    sole, values = leg.curved_sole, defaults(mechanism)
+    assert sole is not None
     foot = limb_frames(mechanism, leg, q, values)[-1]
     gravity = [evaluate(entry, CONTEXT, values) for entry in mechanism.gravity]
     against = [-entry for entry in gravity] if any(gravity) else [CONTEXT.zero, CONTEXT.zero, CONTEXT.one]
-    down, ahead = (sum(foot[row, axis] * against[row] for row in range(3)) for axis in (0, 1))
-    curve, edge = (sole.toe, sole.front) if sole.side * ahead < 0 else (sole.heel, sole.rear)
-    level = (evaluate(sole.depth, CONTEXT, values), evaluate(edge, CONTEXT, values))
-    x, y = _rolled(curve, down, sole.side * ahead, values) if curve else level
-    shift = (Motion("translate", axis, _exact(entry)) for axis, entry in enumerate((x, sole.side * y)))
-    return replace(leg, tip=(*leg.tip, *shift), curved_sole=None)
+    size = CONTEXT.sqrt(sum(entry * entry for entry in against))
+    down, ahead = (sum(foot[row, axis] * against[row] for row in range(3)) / size for axis in (0, 1))
+    slope = evaluate(sole.slope, CONTEXT, values)
+    cosine, sine = CONTEXT.cos(slope), CONTEXT.sin(slope)
+    return cosine * down - sine * sole.side * ahead, cosine * sole.side * ahead + sine * down
 
 
 def _rolled(curve: tuple[Piece, ...], down: Any, ahead: Any, values: dict[str, Any]) -> tuple[Any, Any]:

@@ -6,7 +6,7 @@ from typing import Literal
 from walkgen.model.values import Values
 from walkgen.spec.curved_sole import CurvedSoleSpec
 from walkgen.spec.directrix import Piece, pieces_of
-from walkgen.spec.scalar import Scalar
+from walkgen.spec.scalar import ZERO, Scalar
 
 Directrix = tuple[Piece, ...]
 """Pieces end to end, whose x and y (m) are expressions in lambda; none where the foot does not roll on that side."""
@@ -16,7 +16,7 @@ Directrix = tuple[Piece, ...]
 class CurvedSole:
     """Flat from `rear` to `front` along y at x = `depth` (m), then curves; generatrices are `width` long, points where it is None.
 
-    `side` is -1 for the mirror image of a leg: y points backward there.
+    `side` is -1 for the mirror image of a leg: y points backward there. The ground rises forward by `slope` (rad).
     """
 
     depth: Scalar
@@ -25,6 +25,7 @@ class CurvedSole:
     width: Scalar | None
     toe: Directrix
     heel: Directrix
+    slope: Scalar = ZERO
     side: Literal[1, -1] = 1
 
     def curves(self) -> dict[str, Directrix]:
@@ -38,7 +39,8 @@ def curved_sole_of(sole: CurvedSoleSpec | None, values: Values) -> CurvedSole | 
         return None
     rear, front = (values.resolve(edge) for edge in sole.si("flat"))
     toe, heel = (_resolved(pieces_of(sole, which, values.number), values) for which in ("toe", "heel"))
-    return CurvedSole(values.resolve(sole.si("depth")), rear, front, values.optional(sole.si("width")), toe, heel)
+    slope = values.optional(sole.si("slope")) or ZERO
+    return CurvedSole(values.resolve(sole.si("depth")), rear, front, values.optional(sole.si("width")), toe, heel, slope)
 
 
 def _resolved(pieces: Directrix, values: Values) -> Directrix:

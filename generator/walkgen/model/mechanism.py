@@ -171,6 +171,8 @@ class Limb:
     @property
     def contacts(self) -> int:
         """On how many points a leg stands."""
+        if self.curved_sole:
+            return len(CORNERS) if self.curved_sole.width is not None else len(CORNERS) // 2
         return len(CORNERS) if self.sole else 1
 
 

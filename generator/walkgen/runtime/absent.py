@@ -46,12 +46,13 @@ _NEEDS = {
         (*_STABILITY, "tipping_acceleration", "tipping_time", "tipping_tilt", "tipping_speed_limit"), "it stands on fewer than two points"
     ),
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
-    **dict.fromkeys(("sole_points", "sole_normal", "ground_pressure"), "it stands on a point: sole in its design is a rectangle"),
+    **dict.fromkeys(("sole_points", "sole_normal"), "it stands on a point: its design may have a sole or a curved_sole"),
+    "ground_pressure": "it stands on no rectangle: sole in its design is one",
     "sole_compliance": "it stands on a point, or a link of some length has no cross-section: give the design a sole and its links sections",
     "foot_transfers": "the gait has no lift",
     "foot_targets": "the gait has no stance",
-    "contact_points": "every leg stands on a point, and foot_positions has them: sole in a leg design is a rectangle",
-    "contact_normals": "a leg stands on a point, and has no normal: sole in a leg design is a rectangle",
+    "contact_points": "every leg stands on a point, and foot_positions has them: a leg design may have a sole or a curved_sole",
+    "contact_normals": "every leg stands on a point, which has no normal: a leg design may have a sole or a curved_sole",
 }
 
 

@@ -19,6 +19,7 @@ _CLOSE = 1e-9
 """What counts as nothing beside the size of the sole, or of an angle."""
 _STRAIGHT = 1e-9
 _MOST_TURN = math.pi
+_STEEPEST = math.radians(80.0)
 _ROLLING = 3
 
 
@@ -56,6 +57,7 @@ def _sole(path: Path, sole: CurvedSoleSpec, spec: RobotSpec, numbers: Numbers) -
     if rear is not None and front is not None and rear >= front:
         key = "flat" if sole.flat is not None else "flat_mm"
         yield Finding("WG160", (*path, key), f"the flat part is empty: {float(rear):g} to {float(front):g} m", "give the rear edge first")
+    yield from _slope(path, sole, numbers)
     for which in CURVES:
         given = getattr(sole, which)
         if given is not None:
@@ -63,6 +65,14 @@ def _sole(path: Path, sole: CurvedSoleSpec, spec: RobotSpec, numbers: Numbers) -
             yield from broken
             if not broken and not missing:
                 yield from _curve((*path, which), which, sole, numbers)
+
+
+def _slope(path: Path, sole: CurvedSoleSpec, numbers: Numbers) -> Iterator[Finding]:
+    slope = numbers.number(sole.si("slope"))
+    if slope is not None and not abs(float(slope)) <= _STEEPEST:
+        key = "slope" if sole.slope is not None else "slope_deg"
+        message = f"a ground that rises by {math.degrees(float(slope)):.4g} degrees"
+        yield Finding("WG239", (*path, key), message, f"up to {math.degrees(_STEEPEST):g} degrees either way")
 
 
 def _given(path: Path, curve: DirectrixSpec, spec: RobotSpec) -> Iterator[Finding]:

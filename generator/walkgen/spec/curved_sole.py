@@ -1,5 +1,7 @@
 """The tables of a curved sole: a flat part between two generatrices, and the curves on which the foot rolls over toe and heel."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from walkgen.spec.table import Number, Pair, Table
@@ -51,6 +53,11 @@ class CurvedSoleSpec(Table):
     """The curve in front of the flat part."""
     heel: DirectrixSpec | None = None
     """The curve behind it."""
+    slope: Number | None = None
+    """By how much the ground rises forward, in the leg's plane (rad); 0 where left out: level ground, across gravity."""
+    slope_deg: Number | None = None
+
+    ANGLES: ClassVar[frozenset[str]] = frozenset({"slope"})
 
 
 FORMS = ("x", "polynomial", "ellipse", "points")

@@ -92,7 +92,7 @@ STABILITY_FUNCTIONS: Final = (
 """Of robots with feet to share a load, for any number of feet in contact, or about a line between two."""
 
 SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_compliance")
-"""Of legs with a sole; `sole_compliance` where the links have sections."""
+"""Of legs with a sole; `ground_pressure` and `sole_compliance` of rectangular ones, that where the links have sections."""
 
 CURVED_SOLE_FUNCTIONS: Final = (
     "link_angles",
@@ -145,7 +145,7 @@ KINEMATIC_FUNCTIONS: Final = (
     "adapt",
     "adapt_velocity",
 )
-"""Of the robot; contacts apart from feet where a leg has a sole, their normals where every leg has one."""
+"""Of the robot; contacts apart from feet, and their normals, where a leg has a sole."""
 
 ROBOT_FUNCTIONS: Final = (*KINEMATIC_FUNCTIONS, *FLOATING_FUNCTIONS, *STANCE_FUNCTIONS, *CONTACT_FUNCTIONS, *STABILITY_FUNCTIONS)
 TERRAIN_FUNCTIONS: Final = ("height", "normal", "tangents", "curvature", "ground", "compliance", "patch", "project")

@@ -10,13 +10,13 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.symbolic.beams import Beam, Rows, all_have_sections
 from walkgen.symbolic.driven import DrivenKinematics, kinematics_of
+from walkgen.symbolic.footing import Footing, footing
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.linkage_beams import Yielding, yields_of
 from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.robot import joint_indices
-from walkgen.symbolic.soles import Footing, footing
 from walkgen.symbolic.tape import ZERO_VECTOR, Tape, Vec, cross, plus, symbols_of
 
 Exprs = Sequence[sympy.Expr]
@@ -55,7 +55,7 @@ def sole_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
     q, tape = joint_port("q", leg.joints), Tape()
     kinematics = kinematics_of((leg,), symbols_of(q), parameter_symbols(mechanism), tape)
     (beams,) = yields_of(mechanism, (leg,), kinematics)
-    stands = footing(leg, kinematics)
+    stands = footing(mechanism, leg, kinematics)
     blocks, size = _blocks(beams, stands, stands, tape), 3 * leg.contacts
     doc = (
         f"How far the sole's corners yield for unit forces on the corners {_HELD}: three rows and columns a corner, in the order of "
@@ -178,7 +178,7 @@ class StanceCompliance:
         return _blocks(tuple(beams), stands, stands if first == second else self._footing(second), self._tape)
 
     def _footing(self, foot: int) -> Footing:
-        return footing(self._mechanism.legs[foot], self._feet[foot])
+        return footing(self._mechanism, self._mechanism.legs[foot], self._feet[foot])
 
     def load_misfit(self) -> Function:
         """[k,3]."""

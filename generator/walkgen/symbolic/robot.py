@@ -8,15 +8,17 @@ import sympy
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.symbolic.driven import DrivenKinematics, kinematics_of
+from walkgen.symbolic.footing import Footing, footing
 from walkgen.symbolic.forward import flat, pose
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function
 from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.ports import joint_port, signature
-from walkgen.symbolic.soles import CONTACTS, EQ_CORNERS, Footing, footing
+from walkgen.symbolic.soles import CONTACTS, EQ_CORNERS
 from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Tape, Vec, symbols_of
 
 _EQ_POSES = "eqs. (5)-(7): G_m = G_parent(m) B A_1 A_2 A_3 E"
+_GROUND = Port("ground", (3,), default=(0.0, 0.0, 1.0))
 _EQ_FEET = "eqs. (5)-(7): p = G_m M A_1 A_2 A_3 p_4"
 
 
@@ -37,15 +39,15 @@ class RobotFunctions:
         q = [symbols[index] for index in self._indices(limbs)]
         return kinematics_of(limbs, q, parameter_symbols(self._mechanism), self._tape)
 
-    def _function(self, name: str, output: Port, outputs: Sequence[sympy.Expr], doc: str, source: str) -> Function:
-        return self._tape.function(signature(self._mechanism, "", name, [self._q], [output], doc, source), outputs)
+    def _function(
+        self, name: str, output: Port, outputs: Sequence[sympy.Expr], doc: str, source: str, more: Sequence[Port] = ()
+    ) -> Function:
+        return self._tape.function(signature(self._mechanism, "", name, [self._q, *more], [output], doc, source), outputs)
 
     def functions(self) -> dict[str, Callable[[], Function]]:
-        """Those that the robot has: contacts apart from feet where a leg has a sole, their normals where every leg has one."""
-        soles = [leg.sole is not None for leg in self._mechanism.legs]
+        """Those that the robot has: contacts apart from feet, and their normals, where a leg has a sole."""
         found = [self.platform_poses, self.foot_positions, self.foot_jacobians]
-        found += [self.contact_points] if any(soles) else []
-        found += [self.contact_normals] if all(soles) else []
+        found += [self.contact_points, self.contact_normals] if self._mechanism.contacts > len(self._mechanism.legs) else []
         return {function.__name__: function for function in found}
 
     def platform_poses(self) -> Function:
@@ -65,7 +67,7 @@ class RobotFunctions:
 
     @property
     def _footings(self) -> list[Footing]:
-        return [footing(leg, foot) for leg, foot in zip(self._mechanism.legs, self._feet, strict=True)]
+        return [footing(self._mechanism, leg, foot) for leg, foot in zip(self._mechanism.legs, self._feet, strict=True)]
 
     def contact_points(self) -> Function:
         """[k,3]."""
@@ -75,9 +77,13 @@ class RobotFunctions:
 
     def contact_normals(self) -> Function:
         """[k,3]."""
-        normals = [found.normal for found in self._footings for _ in found.levers]
-        port, doc = Port("n", (len(normals), 3)), "Unit normal of the sole at every one of contact_points, in the first platform's axes."
-        return self._function("contact_normals", port, list(chain.from_iterable(normals)), doc, EQ_CORNERS)
+        bare = any(leg.contacts == 1 for leg in self._mechanism.legs)
+        ground = symbols_of(_GROUND)
+        normals = [found.normal if len(found.levers) > 1 else ground for found in self._footings for _ in found.levers]
+        port, doc = Port("n", (len(normals), 3)), "Unit normal of the sole at every one of contact_points, in the first platform's axes"
+        doc += "; at feet without a sole that of the ground, which is given in these axes." if bare else "."
+        more = [_GROUND] if bare else []
+        return self._function("contact_normals", port, list(chain.from_iterable(normals)), doc, EQ_CORNERS, more)
 
     def foot_jacobians(self) -> Function:
         """[feet,3,nq]."""

@@ -1,7 +1,7 @@
 """A leg with a curved sole in its own plane: lengths of thigh and shank, angles of its links by q, what they weigh (chapter section 8).
 
-The plane's X is forward along the ground, Y up; angles are counted from X towards Y. Links have x along them: from hip to knee, from knee
-to ankle; the foot's axes are the foot frame's x and y, seen from the ankle.
+The plane's X is forward along the ground, Y across it, up where that is level; angles are counted from X towards Y. Links have x along
+them: from hip to knee, from knee to ankle; the foot's axes are the foot frame's x and y, seen from the ankle.
 """
 
 from collections.abc import Sequence
@@ -13,8 +13,9 @@ import sympy
 from walkgen.model.curved_sole import CurvedSole
 from walkgen.model.mechanism import Joint, Limb, Mechanism, Motion
 from walkgen.symbolic.frames import Frame, Parameters, cosine_sine, expression, frame_of, parameter_symbols
+from walkgen.symbolic.ground_plane import gravity_size, slope_of, upward
 from walkgen.symbolic.path import yaw_of
-from walkgen.symbolic.tape import DIGITS, Vec, constant
+from walkgen.symbolic.tape import DIGITS, Vec, constant, dot
 
 LINKS = ("thigh", "shank", "foot")
 _CLOSE = sympy.Float("1e-30", DIGITS)
@@ -32,7 +33,8 @@ class LinkMass:
 
 @dataclass(frozen=True)
 class RollingLeg:
-    """`thigh` and `shank` are lengths (m), `foot` is the foot frame's origin from the ankle in its own axes (m), `gravity` m/s^2 downwards.
+    """`thigh` and `shank` are lengths (m), `foot` is the foot frame's origin from the ankle in its own axes (m); `weight` is
+    what a mass at rest is held up with (m/s^2): against gravity.
 
     The angle of link i is `signs` times q of the joints up to it, summed, plus `zeros[i]`.
     """
@@ -44,7 +46,7 @@ class RollingLeg:
     signs: tuple[int, int, int]
     zeros: tuple[sympy.Expr, sympy.Expr, sympy.Expr]
     masses: tuple[LinkMass, LinkMass, LinkMass]
-    gravity: sympy.Expr
+    weight: Planar
 
     def angles(self, q: Sequence[sympy.Expr]) -> tuple[sympy.Expr, ...]:
         """Of thigh, shank and foot from X (rad), for the q of hip, knee and ankle."""
@@ -74,7 +76,7 @@ def rolling_leg(mechanism: Mechanism, leg: Limb) -> RollingLeg:
     assert sole is not None
     sections = _sections(leg, parameters)
     side = sole.side * sections[0].flip * sections[1].flip * sections[2].flip
-    angle, flip = -_level(mechanism, leg, side), 1
+    angle, flip = -_level(mechanism, leg, side) - side * slope_of(mechanism, leg), 1
     lengths, signs, zeros, masses = list[sympy.Expr](), list[int](), list[sympy.Expr](), list[LinkMass]()
     for number, section in enumerate(sections):
         length, tilt = _polar(section.frame, parameters)
@@ -87,7 +89,7 @@ def rolling_leg(mechanism: Mechanism, leg: Limb) -> RollingLeg:
         angle, flip = angle + flip * section.yaw, flip * section.flip
     (first, second, third), (one, two, three), (a, b, c) = signs, zeros, masses
     foot = _foot(sections[-1].frame, sole.side)
-    return RollingLeg(sole, lengths[0], lengths[1], foot, (first, second, third), (one, two, three), (a, b, c), _weight(mechanism))
+    return RollingLeg(sole, lengths[0], lengths[1], foot, (first, second, third), (one, two, three), (a, b, c), _weight(mechanism, leg))
 
 
 def hindrance(mechanism: Mechanism, leg: Limb) -> str:
@@ -127,10 +129,7 @@ def _up(mechanism: Mechanism, leg: Limb) -> Vec:
         kind: Literal["rotate", "translate"] = "rotate" if joint.kind == "revolute" else "translate"
         way += [*joint.before, Motion(kind, 2, joint.zero), *joint.after]
     rotation = frame_of((*way, *leg.joints[-3].before), parameters).rotation
-    gravity = [expression(entry, parameters) for entry in mechanism.gravity]
-    against = [-entry for entry in gravity] if any(entry != 0 for entry in gravity) else [sympy.S.Zero, sympy.S.Zero, sympy.S.One]
-    size = sympy.sqrt(sympy.Add(*(entry**2 for entry in against)))
-    x, y, z = (_folded(sympy.Add(*(a * b for a, b in zip(column, against, strict=True))) / size) for column in rotation)
+    x, y, z = (_folded(dot(column, upward(mechanism))) for column in rotation)
     return (x, y, z)
 
 
@@ -177,8 +176,7 @@ def _mass(joint: Joint, parameters: Parameters, tilt: sympy.Expr, turn: int) -> 
     return LinkMass(expression(joint.body.mass, parameters), place, expression(joint.body.inertia[2], parameters))
 
 
-def _weight(mechanism: Mechanism) -> sympy.Expr:
-    """The ground is level, so gravity acts across it."""
-    parts = [expression(entry, parameter_symbols(mechanism)) for entry in mechanism.gravity]
-    own = [part for part in parts if part != 0]
-    return abs(own[0]) if len(own) == 1 and own[0].is_number else sympy.sqrt(sympy.Add(*(part**2 for part in own)))
+def _weight(mechanism: Mechanism, leg: Limb) -> Planar:
+    """Across level ground; forward, too, where the ground rises forward."""
+    size, (cosine, sine) = gravity_size(mechanism), cosine_sine(slope_of(mechanism, leg))
+    return sine * size, cosine * size

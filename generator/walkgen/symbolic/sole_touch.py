@@ -1,10 +1,8 @@
-"""Where a curved sole touches level ground, in its foot's axes, for any posture: what kinematics and dynamics take for the foot point.
+"""Where a curved sole touches the ground, in its foot's axes, for any posture: what kinematics and dynamics take for the foot point.
 
 It is an unknown of the functions that rest on it, found before them: on the toe's or the heel's curve by Newton's method, at the end of a
 curve where the foot is turned further, below the ankle where the sole lies flat.
 """
-
-import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
@@ -12,15 +10,13 @@ from walkgen.symbolic.choices import at_most, both, less
 from walkgen.symbolic.first_root import FirstRoot
 from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.function import Function, Residue, Same, Select
+from walkgen.symbolic.ground_plane import FLAT, foot_rotor
 from walkgen.symbolic.path import Kinematics, path_of, touch_port
 from walkgen.symbolic.ports import signature
 from walkgen.symbolic.rolling_leg import Planar
 from walkgen.symbolic.rolling_stance import RollingStance
 from walkgen.symbolic.sole_ports import SoleLeg
-from walkgen.symbolic.tape import Tape, dot, symbols_of
-
-_FLAT = sympy.Rational(1, 10**9)
-"""A foot turned by less (rad) stands flat."""
+from walkgen.symbolic.tape import Tape, symbols_of
 
 
 class SoleTouch:
@@ -32,23 +28,19 @@ class SoleTouch:
 
     @property
     def up(self) -> Port:
-        """The vertical in the sole's plane, as a rotor: forward and towards the ankle's far side."""
+        """The ground's normal in the sole's plane, as a rotor: forward and towards the ankle's far side."""
         return Port(f"{self._leg.name}_up", (2,))
 
     def upright(self, q: Port, first: int) -> Function:
-        """q -> the vertical, `first` the place of the leg's first joint in q."""
+        """q -> the ground's normal, `first` the place of the leg's first joint in q."""
         tape, parameters = Tape(), parameter_symbols(self._mechanism)
         values = symbols_of(q)[first : first + len(self._leg.joints)]
         rotation = Kinematics(path_of((self._leg,), values, parameters), tape).rotation
-        gravity = [expression(entry, parameters) for entry in self._mechanism.gravity]
-        against = [-entry for entry in gravity] if any(entry != 0 for entry in gravity) else [sympy.S.Zero, sympy.S.Zero, sympy.S.One]
-        size = sympy.sqrt(dot(against, against))
-        down, ahead = (dot(column, against) / size for column in rotation[:2])
         words = signature(self._mechanism, self._leg.name, f"up_in_{q.name}_{q.size}", [q], [self.up], "", "")
-        return tape.function(words, [self._own.leg.sole.side * ahead, down])
+        return tape.function(words, foot_rotor(self._mechanism, self._leg, rotation))
 
     def given(self, root: FirstRoot) -> Function:
-        """What a curve's root takes, out of the vertical."""
+        """What a curve's root takes, out of the ground's normal."""
         return self._own.function(Tape(), f"{root.name}_upright", [self.up], [root.given], symbols_of(self.up))
 
     def roots(self) -> list[FirstRoot]:
@@ -56,7 +48,7 @@ class SoleTouch:
         return [self._rolling.along(which, f"{self._leg.name}_{which}") for which in self._own.leg.sole.curves()]
 
     def place(self) -> Function:
-        """Vertical and roots -> the foot point."""
+        """Normal and roots -> the foot point."""
         tape, (ahead, _) = Tape(), symbols_of(self.up)
         sole, parameters = self._own.leg.sole, parameter_symbols(self._mechanism)
         depth, rear, front = (expression(entry, parameters) for entry in (sole.depth, sole.rear, sole.front))
@@ -68,7 +60,7 @@ class SoleTouch:
             sides[which] = self._on(tape, which, root)
             inputs += [root.root, root.status]
         toe = less(ahead, 0)
-        flat = at_most(abs(ahead), _FLAT)
+        flat = at_most(abs(ahead), FLAT)
         x, y = (
             Select(flat, level, Select(toe, *pair)) for level, pair in zip((depth, below), zip(*sides.values(), strict=True), strict=True)
         )

@@ -1,71 +1,33 @@
-"""Where legs touch the ground: the foot point, or the corners of a rectangular sole about it, and the pressure under one."""
+"""Where legs touch the ground: the foot point, or the corners of a sole about it, and the pressure under a rectangular one."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import chain
 
 import sympy
 
-from walkgen.model.mechanism import CORNERS, Limb, Mechanism, Sole
+from walkgen.model.mechanism import CORNERS, Limb, Mechanism
 from walkgen.signature import Port
-from walkgen.symbolic.driven import DrivenKinematics, kinematics_of
-from walkgen.symbolic.frames import Parameters, expression, frame_of, parameter_symbols
+from walkgen.symbolic.driven import kinematics_of
+from walkgen.symbolic.footing import Footing, footing
+from walkgen.symbolic.frames import expression, parameter_symbols
 from walkgen.symbolic.function import Function
-from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.ports import joint_port, signature
-from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Columns, Tape, Vec, dot, minus, plus, scaled, symbols_of, times
+from walkgen.symbolic.tape import Tape, dot, symbols_of
 
 ORDER = "the corners (+,+), (-,+), (-,-), (+,-) in the sole's x and y"
 _SOLE = "the sole's x runs along its length, y along its width, z away from the ground"
+_ROLLING = (
+    "Where a rolling sole touches the ground, in the platform's frame: the front and the rear edge of its flat part where that lies on the "
+    "ground (to 1e-9 rad), else twice the line on which it rolls"
+)
+_ONCE_ROUND = "; ends of these lines once round: front, rear, rear, front, those towards the foot frame's z first"
+EQ_ROLLING = "theory 8.1, 8.3"
 EQ_CORNERS = "eq. (1) with p_n at the corner"
 CONTACTS = (
-    f"Where the robot touches the ground, in the first platform's frame, legs in file order: of a leg with a sole {ORDER}, else the foot."
+    f"Where the robot touches the ground, in the first platform's frame, legs in file order: of a leg with a sole {ORDER}, of one with a "
+    "rolling sole sole_points, else the foot."
 )
 _UP = (0.0, 0.0, 1.0)
-
-
-@dataclass(frozen=True)
-class Footing:
-    """What a leg stands on, in the base's axes: the foot point, contact points as seen from it, and the sole's normal with its pad.
-
-    `pad` is how far a corner yields (m/N) along the normal and across it.
-    """
-
-    foot: Vec
-    levers: tuple[Vec, ...] = (ZERO_VECTOR,)
-    normal: Vec = ZERO_VECTOR
-    pad: tuple[sympy.Expr, sympy.Expr] = (sympy.S.Zero, sympy.S.Zero)
-
-    def points(self, tape: Tape) -> tuple[Vec, ...]:
-        """The contact points."""
-        return tuple(self.foot if lever == ZERO_VECTOR else tape.vector("contact", plus(self.foot, lever)) for lever in self.levers)
-
-
-def footing(leg: Limb, kinematics: Kinematics | DrivenKinematics) -> Footing:
-    """Of a leg at the end of a path; without a sole, its foot point."""
-    sole, tape, parameters = leg.sole, kinematics.tape, kinematics.parameters
-    if sole is None:
-        return Footing(kinematics.position)
-    x, y, z = _axes(sole, kinematics)
-    half = [expression(size, parameters) / 2 for size in (sole.length, sole.width)]
-    along, aside = (tape.vector(name, scaled(size, axis)) for name, size, axis in zip(("ahead", "aside"), half, (x, y), strict=True))
-    diagonals = [tape.vector("corner", combine(along, aside)) for combine in (plus, minus)]
-    levers = tuple(scaled(sympy.Integer(first), diagonals[0 if first == second else 1]) for first, second in CORNERS)
-    return Footing(kinematics.position, levers, z, _pad(sole, parameters, tape))
-
-
-def _axes(sole: Sole, kinematics: Kinematics | DrivenKinematics) -> Columns:
-    turn = frame_of(sole.turn, kinematics.parameters).rotation
-    if turn == IDENTITY:
-        return kinematics.rotation
-    columns = zip("xyz", turn, strict=True)
-    x, y, z = (kinematics.tape.vector(f"sole_{name}", times(kinematics.rotation, column)) for name, column in columns)
-    return (x, y, z)
-
-
-def _pad(sole: Sole, parameters: Parameters, tape: Tape) -> tuple[sympy.Expr, sympy.Expr]:
-    along, across = (tape.let("pad", 1 / expression(size, parameters)) if size else sympy.S.Zero for size in (sole.kn, sole.kt))
-    return along, across
 
 
 class SoleFunctions:
@@ -78,12 +40,14 @@ class SoleFunctions:
 
     def functions(self) -> dict[str, Callable[[], Function]]:
         """None of a leg that stands on its foot point."""
+        if self._leg.curved_sole is not None:
+            return {"sole_points": self.rolling_points, "sole_normal": self.ground_normal}
         if self._leg.sole is None:
             return {}
         return {"sole_points": self.sole_points, "sole_normal": self.sole_normal, "ground_pressure": self.ground_pressure}
 
     def _footing(self) -> Footing:
-        return footing(self._leg, kinematics_of((self._leg,), symbols_of(self._q), self._parameters, self._tape))
+        return footing(self._mechanism, self._leg, kinematics_of((self._leg,), symbols_of(self._q), self._parameters, self._tape))
 
     def sole_points(self) -> Function:
         """[4,3]."""
@@ -95,6 +59,17 @@ class SoleFunctions:
         """[3]."""
         doc = "Unit normal of the sole, away from the ground, in the platform's axes: its z."
         return self._function("sole_normal", (self._q,), (Port("n", (3,)),), self._footing().normal, doc, EQ_CORNERS)
+
+    def rolling_points(self) -> Function:
+        """[4,3], [2,3] without a width."""
+        points = self._footing().points(self._tape)
+        doc = f"{_ROLLING}{_ONCE_ROUND if len(points) == len(CORNERS) else ''}."
+        return self._function("sole_points", (self._q,), (Port("p", (len(points), 3), "m"),), [*chain(*points)], doc, EQ_ROLLING)
+
+    def ground_normal(self) -> Function:
+        """[3]."""
+        doc = "Unit normal of the ground under a rolling sole, in the platform's axes."
+        return self._function("sole_normal", (self._q,), (Port("n", (3,)),), self._footing().normal, doc, EQ_ROLLING)
 
     def ground_pressure(self) -> Function:
         """Mean pressure and its centre, out of the corners' forces in any one frame."""

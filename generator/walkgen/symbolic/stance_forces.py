@@ -218,11 +218,11 @@ class StanceForces:
         return _assembled(tape, loads, moments, levers, places)
 
     def _weight(self, tape: Tape, mass: LinkMass, spin: "_Spin", acceleration: Planar) -> tuple[Planar, Planar]:
-        """W = m (G'' + (0, g)), and where G is from the link's joint."""
-        (x, y), (c, s) = mass.com, (spin.cosine, spin.sine)
+        """W = m (G'' + (0, g)) on level ground, and where G is from the link's joint."""
+        (x, y), (c, s), own = mass.com, (spin.cosine, spin.sine), self._own.leg.weight
         lever = named(tape, "lever", (c * x - s * y, s * x + c * y))
         moved = spin.carried(lever, acceleration)
-        return named(tape, "load", (mass.mass * moved[0], mass.mass * (moved[1] + self._own.leg.gravity))), lever
+        return named(tape, "load", (mass.mass * (moved[0] + own[0]), mass.mass * (moved[1] + own[1]))), lever
 
 
 @dataclass(frozen=True)
