@@ -47,7 +47,7 @@ def print_build(built: "BuildReport") -> None:
 def print_walk(walk: "Walk", files: list[Path]) -> None:
     """Say how a walk went, what stands against it and which files have it."""
     pace = f"{walk.times[-1] - walk.times[0]:.4g} s, {count(len(walk.holds.leg), 'foothold')}, {walk.trajectory.speed:.4g} m/s"
-    typer.echo(f"{walk.robot}: {pace}, least static margin {walk.least_margin:.4g} m")
+    typer.echo(f"{walk.robot}: {pace}, {walk.margin_summary}")
     for file in files:
         typer.echo(f"  {file}")
     for fault in walk.faults:

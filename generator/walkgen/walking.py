@@ -16,10 +16,12 @@ from walkgen import __version__
 from walkgen.errors import Problem, SpecError, ToolchainError
 from walkgen.gait.drawing import Linked, drawing
 from walkgen.gait.driven import own_stance
+from walkgen.gait.footholds import Footholds
 from walkgen.gait.ground import Described, Ground, Slope
 from walkgen.gait.pattern import Gait
 from walkgen.gait.reach import shortfalls
-from walkgen.gait.simulate import Options, simulate
+from walkgen.gait.rolling_ground import hindrances
+from walkgen.gait.simulate import Options, instants, planned, simulate
 from walkgen.gait.steps import Steps
 from walkgen.gait.table import table
 from walkgen.gait.trajectory import Trajectory
@@ -37,12 +39,14 @@ from walkgen.walking_request import Wanted, request
 _FUNCTIONS = (
     *("foot_positions", "foot_jacobians", "foot_bias_acceleration", "joint_frames", "frames", "inverse", "platform_poses", "adapt", "com"),
     *("height", "normal", "ground", "pair_positions", "demanded_wrench", "floating_inverse_dynamics"),
-    *("contact_forces", "stability_margins"),
+    *("contact_forces", "stability_margins", "contact_points", "sole_points"),
 )
 """What a walk calls, of those that the robot has."""
 _DRIVEN = ("foot_position", "foot_jacobian")
 """And where a leg has a path of its own."""
-_ROLLING = ("foot_position", "joint_angles", "flat_motion", "hip_position", "toe_rolling")
+_SOLED = ("foot_spatial_jacobian",)
+"""And where a leg has a sole."""
+_ROLLING = ("foot_position", "link_angles", "joint_angles", "flat_motion", "hip_position", "toe_rolling")
 """And where a leg rolls on a curved sole."""
 _WITHOUT_BRANCHES = ("inverse_near",)
 """And where a leg has more than three joints."""
@@ -80,6 +84,7 @@ def walked(path: Path, wanted: Wanted = _AS_THE_SPEC_SAYS, progress: Progress = 
         message = f"{path}: a {options.body} body moves the centre of mass, and the robot has no mass"
         raise SpecError(Problem("WG620", message, "give its platforms and links masses, or take --body level"))
     _refuse_unreachable(robot, trajectory, ground, options)
+    _refuse_uneven(robot, trajectory, ground, options)
     progress("walk")
     return Walked(robot, simulate(robot, trajectory, ground, options), ground, options.units, linked_of(mechanism))
 
@@ -119,8 +124,9 @@ def _robot(path: Path, mechanism: Mechanism, progress: Progress) -> Robot:
 def functions_of(mechanism: Mechanism) -> tuple[str, ...]:
     """Names of the functions that a walk of the robot calls."""
     counts = [len(leg.joints) for leg in mechanism.legs]
+    soled = _SOLED if any(leg.contacts > 1 for leg in mechanism.legs) else ()
     rolling = _ROLLING if any(leg.curved_sole for leg in mechanism.legs) else ()
-    return _FUNCTIONS + (_WITHOUT_BRANCHES if max(counts) > 3 else ()) + (_DRIVEN if min(counts) < 3 else ()) + rolling
+    return _FUNCTIONS + (_WITHOUT_BRANCHES if max(counts) > 3 else ()) + (_DRIVEN if min(counts) < 3 else ()) + soled + rolling
 
 
 def _patches(mechanism: Mechanism) -> tuple[Any, ...]:
@@ -143,6 +149,18 @@ def _refuse_unreachable(robot: Robot, trajectory: Trajectory | Steps, ground: Gr
             problems.append(Problem("WG617", f"{leg}: there is no ground at x = {x:g}, y = {y:g}, where it starts", TERRAINS))
     if problems:
         raise SpecError(*problems)
+
+
+def _refuse_uneven(robot: Robot, trajectory: Trajectory | Steps, ground: Ground, options: Options) -> None:
+    """No ground on which soles cannot roll, and no platform that their legs cannot follow."""
+    plan = planned(trajectory, ground, options)
+    if not isinstance(plan.footholds, Footholds):
+        return
+    found = tuple(hindrances(robot, plan.footholds, plan.body, ground, instants(trajectory, options)))
+    if found:
+        raise SpecError(
+            *(Problem("WG623", message, "take --terrain flat or slope:DEGREES, and legs along the platform") for message in found)
+        )
 
 
 def written(result: Walked, output: Path) -> str:

@@ -103,11 +103,12 @@ def _feet(mechanism: Mechanism, gait: SpecGait | Schedule, wanted: Wanted, path:
     stance = tuple(zip(map(float, x), map(float, y), map(float, z), strict=True))
     found: Trajectory | Steps
     if isinstance(gait, SpecGait):
-        found = Trajectory(_timing(gait, mechanism), stance, float(gait.lift))
+        found = Trajectory(_timing(gait, mechanism), stance, float(gait.lift), float(gait.heel_off))
     else:
         found = _steps(gait, mechanism, stance, label)
     if _body(gait, wanted) != "level":
         _one_at_a_time(found, label)
+        _refuse_rolling(mechanism, f"{label}: legs that roll on their soles step in planes of their own", "take --body level")
     return found
 
 
@@ -120,6 +121,7 @@ def _steps(gait: Schedule, mechanism: Mechanism, stance: tuple[Point, ...], labe
     legs = tuple(leg.name for leg in mechanism.legs)
     lifted = tuple(leg for leg, up in zip(legs, gait.lifted, strict=True) if up)
     events = tuple(Event(float(event.at), legs[event.leg], event.does) for event in gait.events)
+    _refuse_rolling(mechanism, f"{label}: legs that roll on their soles walk in cycles, not by a list of events", _CYCLES)
     if any(len(leg.joints) < _SPACE for leg in mechanism.legs):
         raise SpecError(Problem("WG621", f"{label}: legs with a path of their own walk in cycles, not by a list of events", _CYCLES))
     assert gait.lift is not None
@@ -127,6 +129,11 @@ def _steps(gait: Schedule, mechanism: Mechanism, stance: tuple[Point, ...], labe
         return Steps(ScheduledEvents(legs, events, lifted), stance, float(gait.lift), float(gait.stride))
     except ValueError as error:
         raise SpecError(Problem("WG621", f"{label}: {error}", "place it before the last event; lift it after 0 s")) from None
+
+
+def _refuse_rolling(mechanism: Mechanism, message: str, cure: str) -> None:
+    if any(leg.curved_sole for leg in mechanism.legs):
+        raise SpecError(Problem("WG623", message, cure))
 
 
 def _chosen(mechanism: Mechanism, name: str, path: Path) -> SpecGait | Schedule:
@@ -163,6 +170,7 @@ def _options(mechanism: Mechanism, gait: SpecGait | Schedule, wanted: Wanted) ->
         from_rest=wanted.from_rest,
         adapt=wanted.adapt,
         body=_body(gait, wanted),  # type: ignore[arg-type]
+        static=gait.static,
         margin=own if wanted.margin is None else wanted.margin,
         max_speed=speeds,
         give=wanted.give,

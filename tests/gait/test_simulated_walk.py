@@ -12,6 +12,7 @@ from walkgen.gait.ground import Described, Grid, Relief, Slope
 from walkgen.gait.simulate import Options, simulate
 from walkgen.gait.spline import Spline
 from walkgen.gait.stance_margins import margins
+from walkgen.gait.standing import Standing
 from walkgen.gait.trajectory import Trajectory
 from walkgen.signature import STATUSES
 from walkgen.walking import walked
@@ -183,7 +184,12 @@ def test_margins_are_distances_to_the_hull(robot):
     rng = np.random.default_rng(4)
     feet, com = rng.uniform(-1, 1, (200, 4, 3)), rng.uniform(-0.6, 0.6, (200, 3))
     support = rng.random((200, 4)) < 0.8
-    found = margins(robot, feet, support, com, np.array([1.0, 0.0, 0.0])).static
+    standing = Standing(feet, np.broadcast_to([0.0, 0.0, 1.0], feet.shape), np.arange(4), support)
+    weight = np.broadcast_to([0.0, 0.0, -2.0], com.shape)
+    load = np.concatenate([weight, np.cross(com, weight)], axis=1)
+    both = margins(robot, standing, com, load, np.array([1.0, 0.0, 0.0]))
+    found = both.static
+    np.testing.assert_allclose(both.dynamic, found, atol=1e-12)  # nothing moves
     assert (found[~support.any(axis=1)] == -np.inf).all()
     for row in np.flatnonzero(support.sum(axis=1) > 2):
         hull = ConvexHull(feet[row, support[row], :2])

@@ -1,4 +1,6 @@
-"""The shipped specs walk: MERO on the level and up 15 degrees, the quadruped with both of its bodies, Garrec's robot by its cranks."""
+"""The shipped specs walk: MERO on the level and up 15 degrees, the quadruped with both of its bodies, Garrec's robot by its cranks, the
+biped on its soles.
+"""
 
 from pathlib import Path
 
@@ -16,6 +18,8 @@ WALKS = [
     ("quadruped", Wanted(gait="swinging")),
     ("quadruped", Wanted(gait="set_right")),
     ("garrec", Wanted(give=0.002)),
+    ("anthropomorphic_biped", Wanted()),
+    ("anthropomorphic_biped", Wanted(from_rest=True, cycles=4, heading=20.0)),
 ]
 
 

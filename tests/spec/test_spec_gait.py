@@ -1,6 +1,7 @@
 """Mistakes in [gait] tables: each with its code, place and cure, all of them at once; and what is no mistake."""
 
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -8,6 +9,7 @@ from walkgen.errors import SpecError
 from walkgen.model.assemble import assemble
 from walkgen.spec.read import read
 
+SPECS = Path(__file__).parents[2] / "specs"
 SIDES = 'left = ["lf", "lm", "lr"]\nright = ["rf", "rm", "rr"]\n'
 WAVE = f'kind = "wave"\nperiod = 2.0\nduty_factor = 0.75\n{SIDES}'
 TRIPOD = f'kind = "tripod"\nperiod = 2.0\n{SIDES}'
@@ -131,6 +133,8 @@ CASES = (
         "lifted",
         "before 0 s only rf, lm support",
     ),
+    (f"{WAVE}heel_off = 1", "WG161", "heel_off", "share of the support"),
+    (f"{EVENTS}heel_off = 0.5", "WG124", "heel_off", "does not belong"),
     (EVENTS.replace('"pace"', '"loose"'), "WG199", "events[1].at", 'runtime parameter "loose"'),
 )
 HEADED = tuple((head, *case) for case in CASES for head in ("gait", "gait.quick"))
@@ -220,3 +224,27 @@ def test_events_are_exact_and_know_who_is_lifted(tmp_path) -> None:
     assert [made.kind for made in both.values()] == ["events", "tripod"]
     twice = EVENTS.replace("at = 1,", 'at = "pace",')  # one is placed as another one lifts
     assert gaits(tmp_path, f'[gait]\n{twice}lifted = ["lm", "lr"]')[""].events[2].at == Fraction(1, 2)
+
+
+@pytest.mark.parametrize(("width", "static"), [("width = 0.14", True), ("", False)])
+def test_a_sole_is_enough_for_a_static_gait(tmp_path, width, static) -> None:
+    """The shipped biped's are; on edges without a width, two of them, it would fall to a side."""
+    biped = (SPECS / "anthropomorphic_biped.toml").read_text(encoding="utf-8").replace("width = 0.14", width)
+    (tmp_path / "spec.toml").write_text(biped, encoding="utf-8")
+    if static:
+        assert assemble(read(tmp_path / "spec.toml")).gaits[0].static
+        return
+    with pytest.raises(SpecError, match=r"WG197.*only left supports"):
+        read(tmp_path / "spec.toml")
+
+
+def test_a_flat_sole_is_enough_in_a_list_of_events(tmp_path) -> None:
+    gait = """[gait]
+kind = "events"
+events = [{ at = 0, leg = "lf", does = "lift" }, { at = 1, leg = "lf", does = "place" }]
+"""
+    with pytest.raises(SpecError, match="only rf supports"):
+        gaits(tmp_path, gait, ("lf", "rf"))
+    soled = text(gait, ("lf", "rf")).replace('dh = "classic"\n', 'dh = "classic"\nsole = { length = 0.2, width = 0.1 }\n')
+    (tmp_path / "spec.toml").write_text(soled, encoding="utf-8")
+    assert assemble(read(tmp_path / "spec.toml")).gaits[0].static

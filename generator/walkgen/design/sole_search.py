@@ -109,7 +109,7 @@ class _Search:
     def _front(self) -> list[SolePoint]:
         """Ends by each objective alone, between them the least acceleration for a moment that is bounded in even steps."""
         calm = self._point(self._best({"acceleration": 1.0, "moment": 0.0}))
-        light = self._point(self._best({"acceleration": 0.0, "moment": 1.0}, start=calm.x, starts=self._starts // 2))
+        light = self._point(self._best({"acceleration": 0.0, "moment": 1.0}))  # not from the calm one, which lies in a corner of the bounds
         points, near = [calm], calm.x
         most, least = calm.peak("moment"), light.peak("moment")
         for number in range(1, self._roll.table.front - 1):

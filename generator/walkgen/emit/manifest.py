@@ -145,6 +145,7 @@ def _cycle(gait: Gait, robot: Mechanism) -> dict[str, Any]:
         "duty_factor": list(map(float, gait.duty_factor)),
         "phase": list(map(float, gait.phase)),
         "period": float(gait.period),
+        **({"heel_off": float(gait.heel_off)} if any(leg.curved_sole for leg in robot.legs) else {}),
     }
 
 

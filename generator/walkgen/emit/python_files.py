@@ -62,7 +62,7 @@ _STEPPING = (
     *("name: str", "kind: str", "legs: tuple[str, ...]", "stride: float", "lift: float | None"),
     *("stance: tuple[tuple[float, float, float], ...] | None", "static: bool", "body: str", "margin: float | None", _FUNCTIONS),
 )
-_GAIT = (*_STEPPING, "duty_factor: tuple[float, ...]", "phase: tuple[float, ...]", "period: float")
+_GAIT = (*_STEPPING, "duty_factor: tuple[float, ...]", "phase: tuple[float, ...]", "period: float", "heel_off: float")
 _SCHEDULE = (*_STEPPING, "events: tuple[tuple[float, str, str], ...]", "lifted: tuple[str, ...]")
 _ROBOT = (
     "name: str",

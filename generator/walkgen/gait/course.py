@@ -81,8 +81,17 @@ def course(ground: Ground, stance: np.ndarray, stride: float, length: float, hea
     spacing = (abs(stride) or 1.0) / _KNOTS_PER_STRIDE
     back = _AHEAD * _KNOTS_PER_STRIDE
     ends = math.ceil(abs(length) / spacing) + back
+    stance = _widened(stance, 0.25 * (abs(stride) or 1.0))
     knots = spacing * np.arange(-ends if length < 0 else -back, (back if length < 0 else ends) + 1)
     return Course(Spline(float(knots[0]), spacing, _settled(ground, stance, knots, heading)), heading)
+
+
+def _widened(stance: np.ndarray, reach: float) -> np.ndarray:
+    """Feet abreast say nothing of how the ground rises ahead: what is before and behind them does."""
+    if np.ptp(stance[:, 0]) > _SETTLED:
+        return stance
+    ahead = np.array([reach, 0.0, 0.0])
+    return np.concatenate([stance + ahead, stance - ahead])
 
 
 def _settled(ground: Ground, stance: np.ndarray, knots: np.ndarray, heading: float) -> np.ndarray:

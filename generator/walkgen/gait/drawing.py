@@ -8,6 +8,7 @@ import numpy as np
 
 from walkgen.gait.ground import Ground
 from walkgen.gait.legs import carriers, platform_poses
+from walkgen.gait.sole_outline import soles
 from walkgen.gait.walk import Walk
 from walkgen.runtime.robot import Chain, Leg, Robot
 
@@ -27,15 +28,17 @@ class Drawing:
         times: instants [f] (s).
         rows: their numbers in the walk.
         legs: line through all legs' joints to their feet [f,p,3].
+        soles: lines around curved soles [f,s,3].
         chains: line through the chains' joints, from platform to platform [f,c,3].
         platforms: closed line through the corners of every platform [f,m,3].
-        polygon: closed line around the supporting feet [f,k+1,3], its last corner repeated.
+        polygon: closed line around the supporting feet or soles [f,p+1,3], its last corner repeated.
         ground: x, y and z of a mesh [g,g].
     """
 
     times: np.ndarray
     rows: np.ndarray
     legs: np.ndarray
+    soles: np.ndarray
     chains: np.ndarray
     platforms: np.ndarray
     polygon: np.ndarray
@@ -60,15 +63,18 @@ def drawing(robot: Robot, walk: Walk, ground: Ground, rows: np.ndarray, linked: 
         _limb(leg, poses[:, host], q, walk.feet[rows, foot], linked.get(leg.name, ()))
         for foot, (leg, host) in enumerate(zip(robot.legs.values(), hosts, strict=True))
     ]
+    lines = [(soles(leg, q[:, leg.slice]), host) for leg, host in zip(robot.legs.values(), hosts, strict=True)]
+    around = [_moved(poses[:, host], own) for own, host in lines if own is not None]
     chains = [_link(chain, robot, poses, q) for chain in robot.chains.values()]
     outlines = [_outline(robot, poses, q, number) for number in range(len(robot.platforms))]
     return Drawing(
         times=walk.times[rows],
         rows=rows,
         legs=_parted(legs, len(rows)),
+        soles=_parted(around, len(rows)),
         chains=_parted(chains, len(rows)),
         platforms=_parted(outlines, len(rows)),
-        polygon=np.array([_hull(feet[down], len(walk.legs) + 1) for feet, down in zip(_known(walk, rows), walk.stance[rows], strict=True)]),
+        polygon=np.array([_hull(points[down], len(down) + 1) for points, down in zip(*_stood(walk, rows), strict=True)]),
         ground=_mesh(walk, ground),
     )
 
@@ -123,9 +129,9 @@ def _outline(robot: Robot, poses: np.ndarray, q: np.ndarray, number: int) -> np.
     return _moved(poses[:, number], np.broadcast_to(ring, (len(q), *ring.shape)))
 
 
-def _known(walk: Walk, rows: np.ndarray) -> np.ndarray:
-    feet: np.ndarray = np.nan_to_num(walk.feet[rows])
-    return feet
+def _stood(walk: Walk, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What the robot may stand on, and whether it does."""
+    return np.nan_to_num(walk.standing.points[rows]), walk.standing.support[rows]
 
 
 def _hull(points: np.ndarray, size: int) -> np.ndarray:

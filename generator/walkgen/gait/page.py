@@ -52,7 +52,7 @@ def page(walk: Walk, drawn: Drawing, units: Sequence[str] = ()) -> str:
 
 def _summary(walk: Walk) -> str:
     feet = walk.trajectory
-    pace = f"{feet.summary.capitalize()}, {feet.speed:.4g} m/s. Least static margin {walk.least_margin:.4g} m."
+    pace = f"{feet.summary.capitalize()}, {feet.speed:.4g} m/s. {walk.margin_summary.capitalize()}."
     if walk.feasible:
         return f'<p class="good">Feasible. {escape(pace)}</p>'
     items = "".join(f"<li>{escape(str(fault))}</li>" for fault in walk.faults)
@@ -79,6 +79,7 @@ def _moving(walk: Walk, drawn: Drawing, frame: int) -> list[go.Scatter3d]:
         _line(drawn.platforms[frame], mode="lines", line={"color": "#333", "width": 8}, name="platforms"),
         _line(drawn.chains[frame], mode="lines+markers", line={"color": _GREY, "width": 7}, marker={"size": 3}, name="chains"),
         _line(drawn.legs[frame], mode="lines+markers", line={"color": _GREY, "width": 5}, marker={"size": 3, "color": "#333"}, name="legs"),
+        _line(drawn.soles[frame], mode="lines", line={"color": _GREY, "width": 3}, name="soles"),
         _line(feet, mode="markers", marker={"size": 6, "color": colours}, name="feet"),
         _line(drawn.polygon[frame], mode="lines", line={"color": _BLUE, "width": 3}, name="support polygon"),
         _line(
@@ -135,11 +136,13 @@ def _slider(names: Sequence[str]) -> dict[str, object]:
 
 
 def _curves(walk: Walk, units: Sequence[str]) -> go.Figure:
-    titles = ("Gait diagram: bars are supports", "Static stability margin (m)", "Joints")
+    titles = ("Gait diagram: bars are supports", "Stability margin (m): static, with inertia dotted", "Joints")
     figure = make_subplots(rows=3, cols=1, shared_xaxes=True, subplot_titles=titles, vertical_spacing=0.06, row_heights=[0.3, 0.25, 0.45])
     for leg, start, length in _bars(walk):
         figure.add_bar(x=[length], base=[start], y=[leg], orientation="h", marker_color=_BLUE, showlegend=False, row=1, col=1)
     figure.add_scatter(x=walk.times, y=np.round(walk.margins.static, 6), mode="lines", line_color=_GREEN, showlegend=False, row=2, col=1)
+    inertia = {"line_color": _GREEN, "line_dash": "dot", "showlegend": False}
+    figure.add_scatter(x=walk.times, y=np.round(walk.margins.dynamic, 6), mode="lines", row=2, col=1, **inertia)
     for number, (joint, unit) in enumerate(zip(walk.joints, units, strict=True)):
         figure.add_scatter(x=walk.times, y=np.round(walk.q[:, number], 5), mode="lines", name=f"{joint} ({unit})", row=3, col=1)
     figure.update_yaxes(autorange="reversed", row=1, col=1)

@@ -51,6 +51,7 @@ def _robot(axes: Axes3D, walk: Walk, drawn: Drawing, frame: int) -> None:
     axes.plot_surface(*ground, color="#efe9da", edgecolor="#c2b89e", linewidth=0.35, alpha=0.6, rcount=41, ccount=41, zorder=0)
     for line, colour, width in (
         (drawn.legs, _GREY, 2.0),
+        (drawn.soles, _GREY, 1.0),
         (drawn.chains, _GREY, 2.5),
         (drawn.platforms, "#333", 3.0),
         (drawn.polygon, _BLUE, 1.2),
@@ -87,7 +88,8 @@ def _diagram(axes: Axes, walk: Walk, now: float) -> None:
 
 def _margin(axes: Axes, walk: Walk, now: float) -> None:
     axes.plot(walk.times, walk.margins.static, color=_GREEN)
+    axes.plot(walk.times, walk.margins.dynamic, ":", color=_GREEN)
     axes.axhline(0.0, color="#333", lw=0.6)
     axes.axvline(now, color=_RED, lw=1)
-    axes.set_title("static stability margin (m)", fontsize=9)
+    axes.set_title("stability margin (m): static, with inertia dotted", fontsize=9)
     axes.set_xlabel("t (s)", fontsize=8)

@@ -5,20 +5,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkgen.gait.stance_margins import standing
-from walkgen.runtime.robot import Robot
+from walkgen.gait.standing import Standing
+from walkgen.runtime.robot import Leg, Robot, Route
 from walkgen.signature import STATUSES
 
 _OK, _INFEASIBLE = STATUSES.index("OK"), STATUSES.index("INFEASIBLE")
 
 
 class Contact(NamedTuple):
-    """Feet in the world [t,k,3] (m), the ground's normals there [t,k,3], whether each supports [t,k], coefficients of friction [t,k]."""
+    """What the robot stands on, coefficients of friction there [t,p], and the feet [t,k,3] (m)."""
 
-    points: np.ndarray
-    normals: np.ndarray
-    support: np.ndarray
+    standing: Standing
     mu: np.ndarray
+    feet: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -47,10 +46,10 @@ class Power:
 
 
 def power(robot: Robot, pose: np.ndarray, q: np.ndarray, rates: tuple[np.ndarray, np.ndarray], contact: Contact) -> Power:
-    """Of a walk, its load spread over the supporting feet by least squares within their friction cones.
+    """Of a walk, its load spread over the supporting points by least squares within their friction cones.
 
     Args:
-        robot: with `floating_inverse_dynamics`, `demanded_wrench` and `contact_forces`.
+        robot: with `floating_inverse_dynamics`, `demanded_wrench` and `contact_forces`, and `foot_spatial_jacobian` of legs on soles.
         pose: world_T_platform [t,4,4].
         q: joint values [t,nq].
         rates: v and a of the robot [t,6+nq] each, base first, in the base's axes.
@@ -60,26 +59,44 @@ def power(robot: Robot, pose: np.ndarray, q: np.ndarray, rates: tuple[np.ndarray
     none = np.zeros_like(v)
     moving, overcome = _carried(robot, (pose, q, v, a), contact)
     resting, _ = _carried(robot, (pose, q, none, none), contact)
-    torque = robot.floating_inverse_dynamics(pose, q, v, a, moving)[:, 6:]
-    backward = robot.floating_inverse_dynamics(pose, q, -v, a, moving)[:, 6:]
-    weight = robot.floating_inverse_dynamics(pose, q, none, none, resting)[:, 6:]
+    torque = _efforts(robot, (pose, q, v, a), moving, contact)
+    backward = _efforts(robot, (pose, q, -v, a), moving, contact)
+    weight = _efforts(robot, (pose, q, none, none), resting, contact)
     friction, qd = 0.5 * (torque - backward), v[:, 6:]
     return Power(weight * qd, (torque - friction - weight) * qd, friction * qd, torque, overcome)
 
 
 def _carried(robot: Robot, state: tuple[np.ndarray, ...], contact: Contact) -> tuple[np.ndarray, np.ndarray]:
-    """The ground's forces on all feet [t,k,3] (N), 0 on lifted ones, and where there are none."""
-    forces, overcome = np.zeros_like(contact.points), np.zeros(len(contact.points), bool)
+    """The ground's forces on all points [t,p,3] (N), 0 on lifted ones, and where there are none."""
+    points = contact.standing.points
+    forces, overcome = np.zeros_like(points), np.zeros(len(points), bool)
     wrench = robot.demanded_wrench(*state)
     known = np.isfinite(wrench).all(axis=-1)
-    for every, legs in standing(contact.support):
+    for every, numbers in contact.standing.together():
         forces[every] = np.nan
-        rows = every[known[every] & np.isfinite(contact.points[np.ix_(every, legs)]).all(axis=(1, 2))]
-        if not legs.size or not rows.size:
+        rows = every[known[every] & np.isfinite(points[np.ix_(every, numbers)]).all(axis=(1, 2))]
+        if not numbers.size or not rows.size:
             continue
         forces[rows] = 0.0
-        place = np.ix_(rows, legs)
-        found, status, *_ = robot.contact_forces(contact.points[place], contact.normals[place], contact.mu[place], wrench[rows])
+        place = np.ix_(rows, numbers)
+        found, status, *_ = robot.contact_forces(points[place], contact.standing.normals[place], contact.mu[place], wrench[rows])
         overcome[rows] = status == _INFEASIBLE
         forces[place] = np.where((status == _OK)[:, None, None], found, np.nan)
     return forces, overcome
+
+
+def _efforts(robot: Robot, state: tuple[np.ndarray, ...], forces: np.ndarray, contact: Contact) -> np.ndarray:
+    """Of all joints [t,nq]: forces on a sole's corners act on its foot point, and turn the foot besides."""
+    pose, q, _, _ = state
+    standing, feet = contact.standing, contact.feet
+    summed = standing.by_leg(forces, feet.shape[1])
+    found: np.ndarray = robot.floating_inverse_dynamics(*state, summed)[:, 6:].copy()
+    if standing.points.shape == feet.shape:
+        return found
+    turned = standing.by_leg(np.cross(standing.points - feet[:, standing.leg], forces), feet.shape[1]) @ pose[:, :3, :3]
+    for foot, leg in enumerate(robot.legs.values()):
+        owner: Leg | Route = robot.routes.get(leg.name, leg)
+        own = robot.routes[leg.name].indices if leg.name in robot.routes else np.arange(leg.slice.start, leg.slice.stop)
+        if "foot_spatial_jacobian" in owner.functions:
+            found[:, own] -= np.einsum("tin,ti->tn", owner.foot_spatial_jacobian(q[:, own])[:, 3:], turned[:, foot])
+    return found

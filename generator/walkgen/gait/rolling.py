@@ -15,9 +15,8 @@ from walkgen.runtime.solves.gait import gait_step
 from walkgen.signature import STATUSES
 
 _OK = STATUSES.index("OK")
-_FLAT = -0.5 * np.pi
-_HEEL_OFF = 0.5
-"""Share of the support after which the foot begins to roll."""
+FLAT = -0.5 * np.pi
+"""A foot's angle (rad)."""
 _ROLL = 0.7
 """How far, of what the toe's curve allows."""
 _KNEE = 1
@@ -43,9 +42,9 @@ def rolled(robot: Robot, footholds: Footholds, body: Callable[[Rows], Motion], t
     """Joint motions that keep every supporting sole on the ground, flat and then rolling, and lead it to the next foothold in between.
 
     Args:
-        robot: with the functions of such legs, whose planes are along its first platform's x and z; the ground is level.
-        footholds: below the ankles of flat feet.
-        body: motion of the first platform at times, which does not turn.
+        robot: with the functions of such legs, whose planes are along its first platform's x and z.
+        footholds: below the ankles of flat feet, on a plane.
+        body: motion of the first platform at times, which keeps its z along the plane's normal and does not turn.
         t: instants [t] (s).
     """
     none = np.zeros((len(t), len(robot.joint_names)))
@@ -65,16 +64,18 @@ def _joints(leg: Leg, foot: int, footholds: Footholds, body: Callable[[Rows], Mo
     number, support = footholds.support(t)
     u, duty = gait.leg_phase(t)[:, foot], gait.duty_factor[foot]
     stays = footholds.skipped[foot, number[:, foot]]
-    here, there = (footholds.points[foot, number[:, foot] + step] for step in (0, 1))
+    motion = body(t)
+    axes = motion.rotation[0]
+    here, there = (footholds.points[foot, number[:, foot] + step] @ axes for step in (0, 1))
     stands = support[:, foot] | stays
-    angle, end = _planned(np.where(stays, 0.0, u), duty, gait.period, _limit(leg))
+    angle, end = _planned(np.where(stays, 0.0, u), duty, gait.period, _limit(leg), footholds.trajectory.heel_off)
     last = _on_toe(leg, np.array([[end], [0.0], [0.0]]))[0, 0]
     share = np.clip((u - duty) / (1.0 - duty), 0.0, 1.0)
     over = last - [0.0, _height(leg)]
     moving = _carried(share, 1.0 / ((1.0 - duty) * gait.period), footholds.trajectory.lift, here[:, [0, 2]] + over, there[:, [0, 2]])
     moving[0, :, 1] += _height(leg)
     ankle = np.where(stands[None, :, None], _placed(here, _on_toe(leg, angle)), moving)
-    at, velocity, acceleration = body(t).seen(*(_spread(part) for part in ankle))
+    at, velocity, acceleration = motion.seen(*(_spread(part) @ axes.T for part in ankle))
     away = np.stack([part[:, 0][:, [0, 2]] for part in (at, velocity, acceleration)], 1)
     relative = -away
     relative[:, 0] += _hip(leg)
@@ -87,18 +88,18 @@ def _joints(leg: Leg, foot: int, footholds: Footholds, body: Callable[[Rows], Mo
 
 
 def _spread(part: Rows) -> Rows:
-    """Points of one foot [t,2] in the world's x and z as [t,1,3]; sideways the foothold does not matter."""
+    """Points of one foot [t,2] along the platform's x and z as [t,1,3]; sideways the foothold does not matter."""
     return np.stack([part[:, 0], np.zeros(len(part)), part[:, 1]], -1)[:, None]
 
 
-def _planned(u: Rows, duty: float, period: float, limit: float) -> tuple[Rows, float]:
+def _planned(u: Rows, duty: float, period: float, limit: float, heel_off: float) -> tuple[Rows, float]:
     """The foot's angle with rate and acceleration [3,t], and where its roll ends."""
-    end = _FLAT + _ROLL * (limit - _FLAT)
+    end = FLAT + _ROLL * (limit - FLAT)
     rest = np.zeros_like(u)
-    start, off = _HEEL_OFF * duty, duty
-    rolling = _eased((u - start) / (off - start), (off - start) * period, _FLAT, end)
-    turning = _eased((u - off) / (1.0 - off), (1.0 - off) * period, end, _FLAT)
-    flat = np.array([_FLAT + rest, rest, rest])
+    start, off = heel_off * duty, duty
+    rolling = _eased((u - start) / (off - start), (off - start) * period, FLAT, end)
+    turning = _eased((u - off) / (1.0 - off), (1.0 - off) * period, end, FLAT)
+    flat = np.array([FLAT + rest, rest, rest])
     return np.where(u < start, flat, np.where(u < off, rolling, turning)), end
 
 
@@ -111,8 +112,8 @@ def _eased(share: Rows, span: float, start: float, end: float) -> Rows:
 
 def _limit(leg: Leg) -> float:
     """The angle beyond which the foot has no more toe to roll over."""
-    angles = np.linspace(_FLAT, -1.5 * np.pi, _LOOKS)
-    links = np.stack([np.full(_LOOKS, _FLAT), np.full(_LOOKS, _FLAT), angles], -1)
+    angles = np.linspace(FLAT, -1.5 * np.pi, _LOOKS)
+    links = np.stack([np.full(_LOOKS, FLAT), np.full(_LOOKS, FLAT), angles], -1)
     status = leg.hip_position(links, 0.0)[-1]
     beyond = np.flatnonzero(status != _OK)
     return float(angles[beyond[0] - 1] if len(beyond) else angles[-1])
@@ -120,8 +121,8 @@ def _limit(leg: Leg) -> float:
 
 def _on_toe(leg: Leg, angle: Rows) -> Rows:
     """The ankle over a foothold at 0 with rate and acceleration [3,t,2], by the foot's angle with those [3,t]."""
-    rest = np.full(angle.shape[1], _FLAT)
-    _, phase, contact, ankle, _, _ = leg.hip_position(np.stack([rest, rest, np.minimum(angle[0], _FLAT)], -1), 0.0)
+    rest = np.full(angle.shape[1], FLAT)
+    _, phase, contact, ankle, _, _ = leg.hip_position(np.stack([rest, rest, np.minimum(angle[0], FLAT)], -1), 0.0)
     rolls = phase == 1
     turning, _, _, by_contact = leg.toe_rolling(contact, _edge(leg))
     rate = np.where(rolls, angle[1] / turning[:, 1], 0.0)[:, None]
@@ -131,14 +132,14 @@ def _on_toe(leg: Leg, angle: Rows) -> Rows:
 
 def _edge(leg: Leg) -> float:
     """How far the flat part goes ahead of the ankle (m): where the foot touches the ground once it is a little turned."""
-    flat = np.array([_FLAT, _FLAT, _FLAT])
+    flat = np.array([FLAT, FLAT, FLAT])
     turned = flat - [0.0, 0.0, 1e-7]
     return float(leg.hip_position(turned, 0.0)[4][0])
 
 
 def _hip(leg: Leg) -> Rows:
     """Where the hip is in the platform's x and z (m)."""
-    angles = np.full(3, _FLAT)
+    angles = np.full(3, FLAT)
     q = np.zeros(len(leg.joints))
     q[-3:] = leg.joint_angles(angles)
     hip, _, _, _, point, _ = leg.hip_position(angles, 0.0)
@@ -148,17 +149,17 @@ def _hip(leg: Leg) -> Rows:
 
 def _height(leg: Leg) -> float:
     """Of a flat foot's ankle (m)."""
-    return float(leg.hip_position(np.full(3, _FLAT), 0.0)[3][1])
+    return float(leg.hip_position(np.full(3, FLAT), 0.0)[3][1])
 
 
 def _placed(foothold: Rows, ankle: Rows) -> Rows:
-    """[3,t,2] in the world's x and z: over footholds at rest [t,3]."""
+    """[3,t,2] along the platform's x and z: over footholds at rest [t,3]."""
     placed = ankle.copy()
     placed[0] += foothold[:, [0, 2]]
     return placed
 
 
 def _carried(share: Rows, rate: float, lift: float, start: Rows, end: Rows) -> Rows:
-    """A point on its way, in the world's x and z, with rates and accelerations [3,t,2]."""
+    """A point on its way, along the platform's x and z, with rates and accelerations [3,t,2]."""
     begin, there = (np.stack([place[:, 0], np.zeros(len(place)), place[:, 1]], -1) for place in (start, end))
     return np.stack([part[:, [0, 2]] for part in gait_step(share, np.full(len(share), rate), lift, begin, there)])

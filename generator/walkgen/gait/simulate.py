@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from walkgen.gait import balance
+from walkgen.gait.carried import Moving, carried
 from walkgen.gait.chains import Bending, Rest, adapted, held
 from walkgen.gait.course import Course, Pace, course
 from walkgen.gait.driven import driven, is_driven
@@ -17,17 +18,16 @@ from walkgen.gait.ground import Ground, Slope
 from walkgen.gait.legs import missing, postures
 from walkgen.gait.motion import Motion, composed
 from walkgen.gait.planned import is_planned
-from walkgen.gait.power import Contact, Power, power
+from walkgen.gait.power import Power
 from walkgen.gait.rates import rates
 from walkgen.gait.rolling import is_rolling, rolled
-from walkgen.gait.stance_margins import Margins, margins
+from walkgen.gait.rolling_ground import hindrances
 from walkgen.gait.steps import Standing, Steps, place_steps
 from walkgen.gait.trajectory import FootMotion, Trajectory
 from walkgen.gait.walk import Walk
 from walkgen.runtime.robot import Robot
 from walkgen.signature import STATUSES
 
-_USUAL_MU = 0.7
 _SINGULAR, _UNREACHABLE = STATUSES.index("SINGULAR"), STATUSES.index("UNREACHABLE")
 _REACHED = 1e-9
 _WITHIN = 1e-9
@@ -45,7 +45,8 @@ class Options:
         from_rest: start and stop in a period each, all feet on the ground at both ends; else steadily.
         adapt: connecting chains are adapted to the footholds; else held straight.
         body: level, waved (shifts before a leg lifts) or swinging (turns about a side of the support polygon).
-        margin: the least static stability margin (m); 0 is the border of falling.
+        static: the margin is that of the centre of mass, as if nothing moved; else that of the load with its inertia.
+        margin: the least stability margin (m); 0 is the border of falling.
         max_speed: of joints [nq] (rad/s, m/s); infinite where unknown.
         units: of joints [nq], rad or m; rad where left out.
         mu: coefficient of friction; where left out the ground's, 0.7 where that is not known.
@@ -58,6 +59,7 @@ class Options:
     from_rest: bool = False
     adapt: bool = False
     body: Literal["level", "waved", "swinging"] = "level"
+    static: bool = True
     margin: float = 0.0
     max_speed: tuple[float, ...] = ()
     units: tuple[str, ...] = ()
@@ -103,16 +105,21 @@ def simulate(robot: Robot, trajectory: Trajectory | Steps, ground: Ground = _LEV
 
     Raises:
         ValueError: no cycle, or a rate that is not more than 0; a list of events for legs with paths of their own, or one that leaves a
-            body no time.
+            body no time; soles that roll on what is no plane, or under a platform that turns or shifts.
     """
     if options.cycles < 1 or not options.rate > 0.0:
         raise ValueError(f"{options.cycles} cycles at {options.rate:g} instants a second: one and more than 0 are needed")
     trajectory = trajectory.ordered(tuple(robot.legs))
     if isinstance(trajectory, Steps) and any(map(is_planned, robot.legs.values())):
         raise ValueError("legs with a path of their own, or that roll on their soles, walk in cycles, not by a list of events")
+    if options.body != "level" and any(map(is_rolling, robot.legs.values())):
+        raise ValueError("legs that roll on their soles step in planes of their own, and keep the platform level")
     if options.body != "level":
         trajectory = balance.with_room(trajectory)
     plan = planned(trajectory, ground, options)
+    if isinstance(plan.footholds, Footholds):
+        for hindrance in hindrances(robot, plan.footholds, plan.body, ground, instants(trajectory, options)):
+            raise ValueError(hindrance)
     if options.body != "level":
         plan = _balanced(robot, plan, options, options.body)
     times = instants(trajectory, options)
@@ -176,11 +183,13 @@ def state(robot: Robot, plan: Plan, adapt: bool, times: np.ndarray) -> State:
 def _on_their_way(
     robot: Robot, motion: Motion, feet: FootMotion, support: np.ndarray, which: tuple[list[int], list[int]], q: np.ndarray
 ) -> FootMotion:
-    """The feet: in transfer those with a path of their own where it takes them, always those that roll where they touch the ground."""
+    """The feet: in transfer those with a path of their own where it takes them, those that roll where they touch, but sideways."""
     position, (led, rolls) = feet.position.copy(), which
     own = motion.position[:, None] + motion.outward(robot.foot_positions(q))
     position[:, led] = np.where(support[:, led, None], position[:, led], own[:, led])
-    position[:, rolls] = np.where(np.isfinite(own[:, rolls]), own[:, rolls], position[:, rolls])
+    across = motion.rotation[:, None, :, 1]
+    beside = ((feet.position - own) * across).sum(axis=-1, keepdims=True) * across
+    position[:, rolls] = np.where(np.isfinite(own[:, rolls]), (own + beside)[:, rolls], position[:, rolls])
     return feet._replace(position=position)
 
 
@@ -199,8 +208,8 @@ def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.
     seen = now.motion.seen(*now.feet)
     qd, qdd = rates(robot, now.q, now.bending, seen[1], seen[2])
     feet = now.motion.position[:, None] + now.motion.outward(robot.foot_positions(now.q))
-    stable = _margins(robot, now, options.heading)
-    cost = _power(robot, now, (qd, qdd), ground, options.mu)
+    moving = Moving(robot, now.motion, now.q, (qd, qdd), now.feet.position, now.support)
+    stands, stable, cost = carried(moving, now.com, ground, options.heading, options.mu)
     return Walk(
         robot=robot.name,
         legs=tuple(robot.legs),
@@ -212,48 +221,17 @@ def _walk(robot: Robot, plan: Plan, ground: Ground, options: Options, times: np.
         qd=qd,
         qdd=qdd,
         stance=now.support,
+        standing=stands,
         feet=feet,
         targets=now.feet.position,
         statuses=now.status,
         com=now.com,
         margins=stable,
+        static=options.static,
         holds=plan.footholds.holds(float(times[-1])),
         power=cost,
-        faults=tuple(_faults(robot, now, qd, ground, options, times, stable.static, cost)),
+        faults=tuple(_faults(robot, now, qd, ground, options, times, stable.static if options.static else stable.dynamic, cost)),
     )
-
-
-def _margins(robot: Robot, now: State, heading: float) -> Margins:
-    """NaN of a robot without mass, or where a foot has no place."""
-    if not hasattr(robot, "stability_margins"):
-        none = np.full((len(now.com), 2), np.nan)
-        return Margins(none[:, 0], none, none[:, 0])
-    way = np.array([math.cos(heading), math.sin(heading), 0.0])
-    return margins(robot, now.feet.position, now.support, now.com, way)
-
-
-def _power(robot: Robot, now: State, rate: tuple[np.ndarray, np.ndarray], ground: Ground, mu: float | None) -> Power | None:
-    if not all(hasattr(robot, name) for name in ("floating_inverse_dynamics", "demanded_wrench", "contact_forces")):
-        return None
-    motion, point = now.motion, now.feet.position
-    linear, turning = _inward(motion, motion.velocity), _inward(motion, motion.turning)
-    acceleration = _inward(motion, motion.acceleration) - np.cross(turning, linear)
-    v = np.concatenate([linear, turning, rate[0]], axis=1)
-    a = np.concatenate([acceleration, _inward(motion, motion.turning_acceleration), rate[1]], axis=1)
-    contact = Contact(point, ground.normal(point[..., 0], point[..., 1]), now.support, _friction(ground, point, mu))
-    return power(robot, motion.pose, now.q, (v, a), contact)
-
-
-def _friction(ground: Ground, point: np.ndarray, mu: float | None) -> np.ndarray:
-    """Coefficients under feet [t,k,3]: as asked for, else the ground's, else the usual one."""
-    if mu is not None:
-        return np.full(point.shape[:-1], mu)
-    known = ground.friction(point[..., 0], point[..., 1])
-    return np.where(np.isfinite(known), known, _USUAL_MU)
-
-
-def _inward(motion: Motion, vector: np.ndarray) -> np.ndarray:
-    return motion.inward(vector[:, None])[:, 0]
 
 
 def _faults(
@@ -263,7 +241,7 @@ def _faults(
     ground: Ground,
     options: Options,
     times: np.ndarray,
-    static: np.ndarray,
+    margin: np.ndarray,
     cost: Power | None,
 ) -> Iterator[Fault]:
     legs, joints = tuple(robot.legs), robot.joint_names
@@ -291,4 +269,4 @@ def _faults(
         yield Fault("mass", robot.platforms[0], 0.0, math.nan, "kg", 1.0)
     if cost is not None:
         yield from worst("carry", (robot.platforms[0],), times, np.where(cost.overcome, np.inf, np.nan)[:, None], "N", 0.0)
-    yield from worst("margin", (robot.platforms[0],), times, (options.margin - static)[:, None], "m", _WITHIN)
+    yield from worst("margin", (robot.platforms[0],), times, (options.margin - margin)[:, None], "m", _WITHIN)

@@ -42,6 +42,7 @@ def _columns(walk: Walk, units: Sequence[str]) -> Iterator[tuple[str, np.ndarray
             yield f"{kind}_{joint} ({unit}{suffix})", values[:, number]
     yield from _vectors("com", walk.com)
     yield "static_margin (m)", walk.margins.static
+    yield "dynamic_margin (m)", walk.margins.dynamic
     yield "longitudinal_margin_ahead (m)", walk.margins.longitudinal[:, 0]
     yield "longitudinal_margin_back (m)", walk.margins.longitudinal[:, 1]
     yield "energy_height (m)", walk.margins.height

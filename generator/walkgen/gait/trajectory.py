@@ -27,6 +27,7 @@ class Trajectory:
         gait: when each foot is lifted and placed.
         stance: where each foot is in the middle of its support [k][3], in the platform's frame (m); z up.
         lift: how far a foot rises over the higher of its two footholds, half way (m).
+        heel_off: the share of its support after which a foot with a curved sole rolls over its toe, less than 1.
 
     Raises:
         ValueError: not one point a leg.
@@ -35,6 +36,7 @@ class Trajectory:
     gait: Gait
     stance: tuple[tuple[float, float, float], ...]
     lift: float
+    heel_off: float = 0.5
 
     def __post_init__(self) -> None:
         points = np.asarray(self.stance, float)
@@ -51,7 +53,7 @@ class Trajectory:
         """
         if built.stance is None or built.lift is None:
             raise ValueError(f"{built!r} has no stance; the spec's gait table gives it")
-        return cls(Gait.of(built), built.stance, built.lift)
+        return cls(Gait.of(built), built.stance, built.lift, built.heel_off)
 
     @property
     def speed(self) -> float:
@@ -70,7 +72,7 @@ class Trajectory:
             ValueError: not the same legs.
         """
         gait = self.gait.ordered(legs)
-        return Trajectory(gait, tuple(self.stance[self.gait.legs.index(leg)] for leg in legs), self.lift)
+        return Trajectory(gait, tuple(self.stance[self.gait.legs.index(leg)] for leg in legs), self.lift, self.heel_off)
 
     def platform(self, t: Any, twist: Any = None) -> FootMotion:
         """In the frame of the platform, which moves steadily over level ground.

@@ -8,6 +8,7 @@ from walkgen.gait.faults import Fault
 from walkgen.gait.footholds import Holds
 from walkgen.gait.power import Power
 from walkgen.gait.stance_margins import Margins
+from walkgen.gait.standing import Standing
 from walkgen.gait.steps import Steps
 from walkgen.gait.trajectory import Trajectory
 
@@ -27,11 +28,13 @@ class Walk:
         qd: [t,nq].
         qdd: [t,nq].
         stance: whether each leg supports [t,k].
+        standing: the feet, or the corners of their soles, and which support.
         feet: in the world [t,k,3] (m), by the forward kinematics of q.
         targets: where they are meant to be [t,k,3] (m).
         statuses: of every leg's inverse [t,k].
         com: centre of mass in the world [t,3] (m); NaN of a robot without mass.
-        margins: of stability, static ones negative where the robot falls.
+        margins: of stability, negative where the robot falls.
+        static: whether the static margin is the one that has to hold; else the dynamic one.
         holds: footholds, one a support.
         power: of all joints; None where the robot was built without the functions that it takes.
         faults: why the walk is not feasible.
@@ -47,11 +50,13 @@ class Walk:
     qd: np.ndarray
     qdd: np.ndarray
     stance: np.ndarray
+    standing: Standing
     feet: np.ndarray
     targets: np.ndarray
     statuses: np.ndarray
     com: np.ndarray
     margins: Margins
+    static: bool
     holds: Holds
     power: Power | None
     faults: tuple[Fault, ...]
@@ -63,8 +68,19 @@ class Walk:
 
     @property
     def least_margin(self) -> float:
-        """Over the walk (m)."""
+        """Static, over the walk (m)."""
         return float(self.margins.static.min())
+
+    @property
+    def least_dynamic_margin(self) -> float:
+        """With inertia, over the walk (m); NaN where the robot was built without `demanded_wrench`."""
+        return float(self.margins.dynamic.min())
+
+    @property
+    def margin_summary(self) -> str:
+        """The least margin of the kind that has to hold, in words."""
+        kind, least = ("static", self.least_margin) if self.static else ("dynamic", self.least_dynamic_margin)
+        return f"least {kind} margin {least:.4g} m"
 
     @property
     def slip(self) -> float:

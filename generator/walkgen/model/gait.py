@@ -16,7 +16,7 @@ class Stepping:
         stride: along the first platform's x, in a period or in all (m).
         lift: of a foot over the higher of its footholds (m), None where the gait only says when.
         stance: of each foot in the middle of its supports, in the first platform's frame (m).
-        static: whether three legs support at every instant.
+        static: whether three legs, or a sole, support at every instant.
         body: what the platform does before a leg lifts, to keep the `margin` (m).
     """
 
@@ -38,12 +38,14 @@ class Gait(Stepping):
         duty_factor: of each leg, in (0, 1).
         phase: when each leg is placed, in periods.
         period: s.
+        heel_off: the share of its support after which a foot with a curved sole rolls over its toe.
     """
 
     kind: str
     duty_factor: tuple[Fraction, ...]
     phase: tuple[Fraction, ...]
     period: Fraction
+    heel_off: Fraction
 
 
 class Event(NamedTuple):

@@ -1,6 +1,7 @@
 """From the spec's gait tables to Gaits and Schedules: parameters put in, phases from the kind's formula, legs in the order of the feet."""
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 from walkgen.gait import phases
 from walkgen.model.gait import Event, Gait, Point, Schedule, Stepping
@@ -10,6 +11,8 @@ from walkgen.spec.gait import GaitSpec
 from walkgen.spec.gait_timing import timing
 from walkgen.spec.scalar import ZERO, Vector
 from walkgen.spec.schema import RobotSpec
+
+_HALF = Fraction(1, 2)
 
 
 def gaits(spec: RobotSpec, values: Values) -> tuple[Gait | Schedule, ...]:
@@ -50,6 +53,7 @@ def _cycle(name: str, gait: GaitSpec, points: Mapping[str, Vector] | None, legs:
         duty_factor=tuple(times[leg][0] for leg in legs),
         phase=tuple(phases.fraction(times[leg][1]) for leg in legs),
         period=values.fraction(gait.period),
+        heel_off=_HALF if gait.heel_off is None else values.fraction(gait.heel_off),
         **vars(_common(name, gait, points, legs, values)),
     )
 

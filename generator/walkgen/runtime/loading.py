@@ -218,6 +218,7 @@ def _cycle(entry: Mapping[str, Any], functions: Mapping[str, Function]) -> Gait:
         duty_factor=tuple(map(float, entry["duty_factor"])),
         phase=tuple(map(float, entry["phase"])),
         period=float(entry["period"]),
+        heel_off=float(entry.get("heel_off", 0.5)),
         functions=functions,
         **_stepping(entry),
     )

@@ -156,13 +156,15 @@ class Stepping(_Owner):
 class Gait(Stepping):
     """A periodic gait of the spec.
 
-    `duty_factor` and `phase` are in periods, `period` in s, `stride` along x in a period, in m.
+    `duty_factor` and `phase` are in periods, `period` in s, `stride` along x in a period, in m; `heel_off` is the share of its support
+    after which a foot with a curved sole rolls over its toe.
     `walkgen.gait.pattern.Gait.of` makes a gait of walkgen.gait of it.
     """
 
     duty_factor: tuple[float, ...]
     phase: tuple[float, ...]
     period: float
+    heel_off: float
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""

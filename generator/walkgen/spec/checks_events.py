@@ -1,6 +1,6 @@
 """Rules of gaits that are lists of events: in order of time, every leg lifted and placed in turn, three legs that support a static one."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import groupby
 
 from walkgen.gait import phases
@@ -33,13 +33,17 @@ def check_order(path: Path, gait: GaitSpec, numbers: Numbers) -> Iterator[Findin
         (up.add if event.does == "lift" else up.discard)(event.leg)
 
 
-def unsupported(gait: GaitSpec, legs: Sequence[str], numbers: Numbers) -> tuple[int, str, tuple[bool, ...]] | None:
-    """Where fewest legs support, if these are too few: the last event before, or -1; when, in words; which of the legs support."""
-    found = min(_spans(gait, numbers), key=lambda span: len(legs) - len(span[2]), default=None)
-    if found is None or len(legs) - len(found[2]) >= phases.STATIC:
+def unsupported(gait: GaitSpec, contacts: Mapping[str, int], numbers: Numbers) -> tuple[int, str, tuple[bool, ...]] | None:
+    """Where the legs that support have fewest points, if too few: the last event before, or -1; when, in words; which of them support."""
+
+    def points(span: tuple[int, str, frozenset[str]]) -> int:
+        return sum(count for leg, count in contacts.items() if leg not in span[2])
+
+    found = min(_spans(gait, numbers), key=points, default=None)
+    if found is None or points(found) >= phases.STATIC:
         return None
     number, when, up = found
-    return number, when, tuple(leg not in up for leg in legs)
+    return number, when, tuple(leg not in up for leg in contacts)
 
 
 def _spans(gait: GaitSpec, numbers: Numbers) -> Iterator[tuple[int, str, frozenset[str]]]:

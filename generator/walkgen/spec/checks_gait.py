@@ -1,4 +1,4 @@
-"""Rules of gaits: keys of each kind, legs that exist and are all there, factors in their range, three legs that support a static one."""
+"""Rules of gaits: keys of each kind, legs that exist and are all there, factors in their range, three points that support a static one."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
@@ -14,6 +14,7 @@ from walkgen.spec.scalar import Scalar, names, substitute
 from walkgen.spec.schema import RobotSpec
 from walkgen.spec.shapes import STAND_IN_NAME
 from walkgen.spec.table import Path, entries, is_scalar
+from walkgen.spec.tree import contacts_of
 
 OWNER = "gait"
 """Whose functions those of the only gait are; those of a named one are gait_<name>'s."""
@@ -24,6 +25,7 @@ _UNSIDED = {"free": ("phase",), "events": ("events",)}
 _PERIODIC = ("period", "duty_factor")
 _OPTIONAL: Mapping[str, tuple[str, ...]] = {"follow_the_leader": ("pitch",), "free": ("phase",), "events": ("events", "lifted")}
 _FASTEST = 10**300
+_CYCLIC = ("heel_off",)
 _OWN_KEYS = (*_SIDED, "phase", "pitch", "events", "lifted")
 
 
@@ -41,7 +43,7 @@ def gait_owner(name: str) -> str:
 
 
 def is_static(gait: GaitSpec) -> bool:
-    """Whether three legs are meant to support at every instant."""
+    """Whether three legs, or a sole, are meant to support at every instant."""
     return gait.kind != "trot" if gait.static is None else gait.static
 
 
@@ -51,7 +53,7 @@ def check_gaits(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
         found = (*_keys(path, gait), *_legs(path, gait, spec), *_numbers(path, gait, spec, numbers))
         yield from found
         if not found and _computable(gait, numbers):
-            yield from _supported(path, gait, numbers) if gait.events is None else _events(path, gait, spec, numbers)
+            yield from _supported(path, gait, spec, numbers) if gait.events is None else _events(path, gait, spec, numbers)
             yield from _free_places(path, gait, numbers)
     yield from _owners(spec)
 
@@ -66,7 +68,7 @@ def _keys(path: Path, gait: GaitSpec) -> Iterator[Finding]:
             "WG112", (*path, "events"), "the list has no entries, which are too few", "list what happens in order of time", because
         )
     allowed = (*(() if gait.kind in _UNSIDED else _SIDED), *_OPTIONAL.get(gait.kind, ()))
-    for key in (*_OWN_KEYS, *(_PERIODIC if gait.kind == "events" else ())):
+    for key in (*_OWN_KEYS, *((*_PERIODIC, *_CYCLIC) if gait.kind == "events" else ())):
         if key not in allowed and not _missing(gait, key):
             cure = f"it has {', '.join(allowed)}"
             yield Finding("WG124", (*path, key), f'{key} does not belong to a gait "{gait.kind}"', cure, because)
@@ -156,6 +158,10 @@ def _numbers(path: Path, gait: GaitSpec, spec: RobotSpec, numbers: Numbers) -> I
         if value is not None and not 0 < float(value) < 1:
             place = (*path, "duty_factor", leg) if leg else (*path, "duty_factor")
             yield Finding("WG196", place, f"a duty factor of {float(value):g} is not between 0 and 1", _duty_cure(value))
+    heel_off = numbers.number(gait.heel_off)
+    if heel_off is not None and not 0 <= heel_off < 1:
+        message = f"a heel that is lifted after {float(heel_off):g} of the support"
+        yield Finding("WG161", (*path, "heel_off"), message, "give a share of the support, less than 1")
     for place, scalar in entries(gait, path):
         if is_scalar(scalar):
             yield from _fixed(place, scalar, spec, numbers)
@@ -197,13 +203,15 @@ def _timing(gait: GaitSpec, numbers: Numbers) -> Timing | None:
         return None
 
 
-def _supported(path: Path, gait: GaitSpec, numbers: Numbers) -> Iterator[Finding]:
-    """Three legs support a static gait at every instant."""
+def _supported(path: Path, gait: GaitSpec, spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
+    """Three legs, or a sole, support a static gait at every instant."""
     times = _timing(gait, numbers)
     if not times or not is_static(gait):
         return
     duty, phase = zip(*times.values(), strict=True)
-    short = [span for span in phases.spans(duty, phase) if sum(span[2]) < phases.STATIC]
+    contacts = contacts_of(spec)
+    points = [contacts[leg] for leg in times]
+    short = [span for span in phases.spans(duty, phase) if sum(compress(points, span[2])) < phases.STATIC]
     if short:
         start, end, downs = min(short, key=lambda span: sum(span[2]))
         place = next((key for key in ("static", "duty_factor") if not _missing(gait, key)), "kind")
@@ -213,11 +221,11 @@ def _supported(path: Path, gait: GaitSpec, numbers: Numbers) -> Iterator[Finding
 
 
 def _events(path: Path, gait: GaitSpec, spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
-    """Events that can follow each other; three legs support a static gait from first to last, and before and after."""
+    """Events that can follow each other; three legs, or a sole, support a static gait from first to last, and before and after."""
     legs = [leg.name for leg in spec.legs]
     wrong = tuple(check_order(path, gait, numbers))
     yield from wrong
-    found = None if wrong or not is_static(gait) else unsupported(gait, legs, numbers)
+    found = None if wrong or not is_static(gait) else unsupported(gait, contacts_of(spec), numbers)
     if found is not None:
         number, when, downs = found
         place: Path = (*path, "lifted") if number < 0 else (*path, "events", number)

@@ -69,10 +69,12 @@ class GaitSpec(Table):
     lift: Number | None = None
     """How far a foot rises over the higher of its two footholds, half way (m)."""
     lift_mm: Number | None = None
+    heel_off: Number | None = None
+    """Of legs with curved soles: the share of its support after which a foot rolls over its toe, from 0 to 1; 0.5 where left out."""
     stance: Stance | None = None
     """Where each foot is in the middle of its support, in the first platform's frame (m); or the name of a gait that says so."""
     static: StrictBool | None = None
-    """Whether three legs support at every instant, which is then checked; of every kind but trot where left out."""
+    """Whether three legs, or a sole, support at every instant, which is then checked; of every kind but trot where left out."""
     body: Literal["level", "waved", "swinging"] = "level"
     """What the platform does before a leg lifts: nothing, shifts sideways, or turns about the line of that leg's neighbours."""
     margin: Number | None = None

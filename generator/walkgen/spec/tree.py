@@ -4,6 +4,8 @@ from collections.abc import Iterator
 
 from walkgen.spec.schema import LegDesign, LegSpec, RobotSpec
 
+_CORNERS = 4
+
 
 def originals(spec: RobotSpec, leg: LegSpec) -> Iterator[LegSpec]:
     """The leg, the leg that it mirrors, and so on; ends at an unknown name or before a leg met earlier."""
@@ -24,6 +26,18 @@ def _source(spec: RobotSpec, leg: LegSpec) -> LegSpec:
 def design_of(spec: RobotSpec, leg: LegSpec) -> LegDesign | None:
     """The leg's design, its own or that of the leg it mirrors."""
     return spec.leg_designs.get(_source(spec, leg).design or "")
+
+
+def contacts_of(spec: RobotSpec) -> dict[str, int]:
+    """On how many points each leg stands: the corners of its sole, both edges of a rolling one without a width, one."""
+    return {leg.name: _contacts(_source(spec, leg), design_of(spec, leg)) for leg in spec.legs}
+
+
+def _contacts(leg: LegSpec, design: LegDesign | None) -> int:
+    rolling = None if design is None else design.curved_sole
+    if rolling is not None:
+        return _CORNERS if rolling.si("width") is not None else _CORNERS // 2
+    return _CORNERS if leg.sole is not None or (design is not None and design.sole is not None) else 1
 
 
 def platform_of(spec: RobotSpec, leg: LegSpec) -> str | None:
