@@ -92,7 +92,7 @@ STABILITY_FUNCTIONS: Final = (
 """Of robots with feet to share a load, for any number of feet in contact, or about a line between two."""
 
 SOLE_FUNCTIONS: Final = ("sole_points", "sole_normal", "ground_pressure", "sole_compliance")
-"""Of legs with a sole; `ground_pressure` and `sole_compliance` of rectangular ones, that where the links have sections."""
+"""Of legs with a sole; `ground_pressure` of rectangular ones, `sole_compliance` where the links have sections."""
 
 CURVED_SOLE_FUNCTIONS: Final = (
     "link_angles",

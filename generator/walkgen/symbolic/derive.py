@@ -48,11 +48,8 @@ BRANCHED: dict[str, LegBuilder] = {
 ITERATED: dict[str, PathBuilder] = {"inverse_near": inverse_reach, "inverse_pose": inverse_pose}
 """Of longer legs and routes."""
 
-LIMITED: dict[str, PathBuilder] = {"within_limits": within_limits}
-"""Of every leg and route, whatever it stands on."""
-
 JOINTED: dict[str, PathBuilder] = {
-    **LIMITED,
+    "within_limits": within_limits,
     "inverse_velocity": inverse_velocity,
     "inverse_acceleration": inverse_acceleration,
 }
@@ -115,8 +112,7 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     pointed = all(leg.curved_sole is None for leg in mechanism.legs)
     if pointed and all(leg.linkage is None for leg in mechanism.legs):
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-    if pointed:
-        stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
+    stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
     floating = FloatingFunctions(mechanism)
     yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
     if mechanism.terrain and wanted("settle"):
@@ -133,8 +129,7 @@ def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivat
     yield from (build() for name, build in curved_sole_functions(mechanism, leg).items() if wanted(name))
     if leg.linkage is not None:
         yield from (linkage_function(mechanism, leg, name) for name in LINKAGE if wanted(name))
-    if leg.curved_sole is None:
-        yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
+    yield from _existing(build(mechanism, leg) for name, build in YIELDING.items() if wanted(name))
 
 
 def _dynamics(build: Callable[[str], Derivation | None], names: Iterable[str], wanted: Wanted) -> Iterator[Derivation]:
@@ -185,12 +180,14 @@ def _linkage_inverse(mechanism: Mechanism, leg: Limb) -> Iterable[Derivation]:
 
 def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:
     """What any path has; the iterated inverse where there are too many joints for branches."""
-    builders = LIMITED if route.limbs[-1].curved_sole else JOINTED | _iterated(mechanism, route)
+    builders = JOINTED | _iterated(mechanism, route)
     yield from (build(mechanism, route) for name, build in builders.items() if wanted(name))
 
 
 def _iterated(mechanism: Mechanism, route: Route) -> dict[str, PathBuilder]:
-    """What is found by iteration where branches are not known."""
+    """What is found by iteration where branches are not known; not where the point that is led moves along the foot."""
+    if route.limbs[-1].curved_sole is not None:
+        return {}
     if route.limbs[-1].linkage is None:
         return ITERATED if len(route.joints) > BRANCHED_JOINTS else {}
     branched = len(route.limbs) == 1 and inverse_class(mechanism, route.limbs[-1]).name
