@@ -86,3 +86,77 @@ def test_rates_of_a_leg_in_a_plane_are_singular(built, backend):
     (jacobian,), (qd, status) = called(made, backend, "foot_jacobian", q), called(made, backend, "inverse_velocity", q, [0.3, 0.0, -0.2])
     assert status == 3
     assert (jacobian @ qd)[[0, 2]] == pytest.approx([0.3, -0.2], abs=0.02)
+
+
+INVERSES = ("inverse", "inverse_branch", "inverse_near", "foot_position", "link_angles", "joint_angles", "joint_frames", "sole_points")
+SHIFTED = "foot = { xyz = [0.01, 0.02, 0.03], rpy_deg = [0, 0, 10] }"
+
+
+def placed_text(slope="0.0"):
+    """Two legs with shifted and turned foot frames, mounted off the platform's origin; the right one mirrored."""
+    wanted = ", ".join(f'"{name}"' for name in INVERSES)
+    text = LEG.replace(FOOT, SHIFTED).replace(
+        "mount = { rpy_deg = [90, 0, 0] }", "mount = { xyz = [0.1, 0.1, -0.05], rpy_deg = [90, 0, 0] }"
+    )
+    text = text.replace("width = 0.10", f"width = 0.10\nslope = {slope}").replace('name = "anthropomorphic_leg"', 'name = "placed"')
+    return f"{text}{PAIR}\n[generate]\nfunctions = [{wanted}]\ntargets = ['c', 'numpy', 'casadi']\n"
+
+
+def flat_places(leg, rows, seed):
+    """Joint values with a flat foot, and where that touches the ground."""
+    random = np.random.default_rng(seed)
+    thigh, knee = random.uniform(-2.2, -0.9, rows), random.uniform(0.05, 1.8, rows) * random.choice([-1, 1], rows)
+    q = leg.joint_angles(np.stack([thigh, thigh + knee, np.full(rows, -np.pi / 2)], -1))
+    return q, leg.foot_position(q)
+
+
+@pytest.mark.parametrize("slope", ["0.0", pytest.param("0.2", marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_the_inverse_puts_the_foot_flat(built, backend, slope):
+    """Every posture that forward kinematics makes is one of two; the other one reaches as well, and the sole lies flat in both."""
+    robot = robot_of(built(placed_text(slope)), backend)
+    for leg in robot.legs.values():
+        assert (leg.inverse_class, leg.branch_names) == ("flat sole", ("knee_plus", "knee_minus"))
+        q, p = flat_places(leg, 300, 5)
+        found, status = leg.inverse(p)
+        assert (status == 0).all()
+        turned = np.angle(np.exp(1j * (found - q[:, None])))
+        assert np.abs(turned).max(axis=2).min(axis=1).max() < 1e-9
+        assert np.abs(found).max() <= np.pi
+        assert np.abs(leg.foot_position(found) - p[:, None]).max() < 1e-13
+        foot = leg.link_angles(found)[..., 2]
+        assert np.abs(np.exp(1j * foot) + 1j).max() < 1e-14
+        assert np.ptp(leg.sole_points(found) @ [np.sin(-float(slope)), 0.0, np.cos(float(slope))], axis=-1).max() < 1e-13
+        for branch in (0, 1):
+            one, state = leg.inverse_branch(p, branch)
+            assert (state == 0).all()
+            assert np.abs(one - found[:, branch]).max() < 1e-13
+        near, state = leg.inverse_near(p, q)
+        assert (state == 0).all()
+        assert np.abs(np.angle(np.exp(1j * (near - q)))).max() < 1e-9
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])
+def test_statuses_of_the_inverse(built, backend):
+    made = built(placed_text())
+    leg = made.c.legs["leg"]
+    _, p = flat_places(leg, 1, 6)
+    hip = leg.joint_frames(np.zeros(3))[0, :3, 3]
+    beside, far, bad = p[0] + [0.0, 0.01, 0.0], hip + 1.5 * (p[0] - hip), p[0] * [1.0, np.nan, 1.0]
+    far[1] = p[0][1]
+    for target, wanted in ((beside, 1), (far, 1), (bad, 2)):
+        rows, states = called(made, backend, "inverse", target)
+        assert (states == wanted).all()
+        assert np.isnan(rows).any() == (wanted == 2)
+    rows, _ = called(made, backend, "inverse", beside)
+    assert np.abs(leg.foot_position(rows) - p[0]).max() < 1e-13  # the nearest point of the plane
+    rows, _ = called(made, backend, "inverse", far)
+    reach = np.linalg.norm(leg.joint_frames(rows[0])[2, :3, 3] - hip)
+    assert reach == pytest.approx(0.84, abs=1e-12)  # stretched towards it
+    level = np.array([hip[0] + 0.84, p[0][1], hip[2]])
+    level[2] += leg.foot_position(rows[0])[2] - leg.joint_frames(rows[0])[2, 2, 3]
+    rows, states = called(made, backend, "inverse", level)
+    assert states[0] == 0
+    assert states[1] in (0, 6)  # a straight knee is one posture, but for rounding
+    _, state = called(made, backend, "inverse_branch", p[0], 2)
+    assert state == 2

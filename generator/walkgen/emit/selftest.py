@@ -89,7 +89,11 @@ def _checks(robot: Mechanism, signatures: Sequence[Signature], starts: Mapping[s
 
 
 def _untold(leg: Limb) -> tuple[str, ...]:
-    """Functions of a leg with triads whose values nothing else gives: their angles, and which rows straight ways lead to."""
+    """Functions whose values nothing else gives: of a leg with triads their angles, and which rows straight ways lead to; of one with a
+    curved sole the inverse, which puts it flat.
+    """
+    if leg.curved_sole is not None:
+        return ("inverse", "inverse_branch")
     if leg.linkage is None:
         return ()
     angles = ("transmission_angles",) if leg.linkage.forward.triads else ()

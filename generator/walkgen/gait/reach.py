@@ -87,7 +87,8 @@ def _distances(robot: Robot, feet: np.ndarray, *, limits: bool) -> tuple[np.ndar
     local: np.ndarray = ((feet - poses[..., :3, 3])[..., None, :] @ poses[..., :3, :3])[..., 0, :]
     if not limits:
         return local, missing(robot, feet, postures(robot, feet, chains).q)
-    return local, np.stack([_missing(leg, local[:, foot]) for foot, leg in enumerate(robot.legs.values())], axis=-1)
+    away = [np.zeros(len(feet)) if is_planned(leg) else _missing(leg, local[:, foot]) for foot, leg in enumerate(robot.legs.values())]
+    return local, np.stack(away, axis=-1)
 
 
 def _missing(leg: Leg, points: np.ndarray) -> np.ndarray:

@@ -32,6 +32,8 @@ class InverseClass:
 YAW_PITCH_PITCH = "yaw-pitch-pitch"
 LINKAGE = "linkage"
 CURVE = "coupler curve"
+FLAT_SOLE = "flat sole"
+_KNEES = ("knee_plus", "knee_minus")
 _YAW_BRANCHES = ("rho_plus_knee_plus", "rho_plus_knee_minus", "rho_minus_knee_plus", "rho_minus_knee_minus")
 _NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 _STRETCHES = (Fraction(1), Fraction(13, 11), Fraction(7, 9))
@@ -52,9 +54,7 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     if leg.linkage is not None:
         return linkage_class(leg, leg.linkage)
     if leg.curved_sole is not None:
-        return InverseClass(
-            "", (), "the foot rolls on a curved sole: hip, knee and ankle follow from flat_position, stance_position, *_motion"
-        )
+        return _rolling_class(leg)
     kinds = "".join(joint.kind[0].upper() for joint in leg.joints)
     if len(kinds) > BRANCHED_JOINTS:
         return InverseClass("", (), f"{len(kinds)} joints leave the foot position redundant: solved by iteration from a seed")
@@ -65,6 +65,13 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     slots = branch_count(kinds)
     names = leg.branches or tuple(f"root_{number}" for number in range(1, slots + 1))
     return InverseClass(f"general {kinds}", names, f"{hindrance}; {_METHODS[slots]}")
+
+
+def _rolling_class(leg: Limb) -> InverseClass:
+    if len(leg.joints) > BRANCHED_JOINTS:
+        reason = "the foot rolls on a curved sole: hip, knee and ankle follow from flat_position, stance_position, *_motion"
+        return InverseClass("", (), reason)
+    return InverseClass(FLAT_SOLE, leg.branches or _KNEES, "the foot is put flat, so that hip and knee follow from the cosine rule")
 
 
 def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:

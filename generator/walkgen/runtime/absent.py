@@ -13,10 +13,15 @@ _FORWARD = (
 )
 _SEEDED = "inverse_near inverse_pose within_limits inverse_velocity inverse_acceleration"
 _LIMB_DYNAMICS = "inverse_dynamics forward_dynamics mass_matrix bias gravity_torque coriolis_matrix kinetic_energy potential_energy"
+_ROLLING = (
+    "link_angles joint_angles flat_ankle flat_position flat_motion stance_position hip_position toe_rolling toe_motion heel_rolling "
+    "heel_motion contact_line stance_forces stance_forces_passive stance_forces_pressure stance_forces_load stance_forces_ankle "
+    "stance_forces_rolling stance_forces_sliding"
+)
 _LEG = (
     f"{_FORWARD} inverse inverse_branch inverse_admissible inverse_distance {_SEEDED} {_LIMB_DYNAMICS} inverse_dynamics_derivatives "
     "regressor base_parameters foot_compliance sole_points sole_normal sole_compliance ground_pressure driving_forces joint_reactions "
-    "transmission_angles pair_positions power assembly_status"
+    f"transmission_angles pair_positions power assembly_status {_ROLLING}"
 )
 _ROBOT = (
     "platform_poses foot_positions foot_jacobians contact_points contact_normals adapt adapt_velocity com com_jacobian "
@@ -37,7 +42,10 @@ VOCABULARY = {
 """Names that walkgen knows for each kind of owner; not every mechanism has them all."""
 
 
+_FLAT = frozenset({"inverse", "inverse_branch", "inverse_near", "inverse_pose", "inverse_admissible", "inverse_distance"})
 _NEEDS = {
+    **dict.fromkeys(_ROLLING.split(), "its design has no curved_sole, or that has no such curve"),
+    "contact_line": "its design has no curved_sole with a width",
     "foot_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of the leg",
     "stance_compliance": "a link of some length has no cross-section: name one of [sections] as section in every link of all legs",
     "load_misfit": "no chain is elastic: name one of [sections] as section in the links of chains, and of all legs",
@@ -54,6 +62,9 @@ _NEEDS = {
     "contact_points": "every leg stands on a point, and foot_positions has them: a leg design may have a sole or a curved_sole",
     "contact_normals": "every leg stands on a point, which has no normal: a leg design may have a sole or a curved_sole",
 }
+
+
+_ROLLS = "the foot rolls on a curved sole: flat_position, stance_position and *_motion lead to hip, knee and ankle"
 
 
 class MissingFunction(UnsupportedMechanism, AttributeError):
@@ -78,7 +89,7 @@ def absent(kind: str, owner: str, name: str, built: Iterable[str], *, joints: in
     cure = f"did you mean {near[0]}?" if near else f"it has {', '.join(names) or 'no functions'}"
     if name.removesuffix("_d_param") not in VOCABULARY[kind]:
         return AttributeError(f"{kind} {owner!r} has no {name!r}; {cure}")
-    reason = _reason(name, joints)
+    reason = _ROLLS if name in _FLAT and not set(names).isdisjoint(_ROLLING.split()) else _reason(name, joints)
     return MissingFunction(Problem("WG410", f"{kind} {owner!r} has no {name!r}: {reason}", cure))
 
 

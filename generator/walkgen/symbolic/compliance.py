@@ -49,7 +49,7 @@ def _summed(beams: Sequence[Yielding | None], first: Vec, second: Vec, tape: Tap
 
 
 def sole_compliance(mechanism: Mechanism, leg: Limb) -> Function | None:
-    """C [12,12] of a leg on its sole, [6,6] on a rolling one without a width; None without one, or where a link of some length has no section."""
+    """C [12,12] of a leg on its sole, [6,6] of a rolling one without width; None without one, or where a link has length and no section."""
     if leg.contacts == 1 or not all_have_sections(mechanism, leg):
         return None
     q, tape = joint_port("q", leg.joints), Tape()

@@ -45,6 +45,9 @@ BRANCHED: dict[str, LegBuilder] = {
 }
 """Of legs of one to three joints, whose branches are known."""
 
+FLAT: dict[str, LegBuilder] = {name: BRANCHED[name] for name in ("inverse", "inverse_branch", "inverse_near")}
+"""Of legs of three joints with curved soles, whose feet are put flat."""
+
 ITERATED: dict[str, PathBuilder] = {"inverse_near": inverse_reach, "inverse_pose": inverse_pose}
 """Of longer legs and routes."""
 
@@ -156,9 +159,10 @@ def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted:
 
 
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
-    """All branches where they are known; a leg with a curved sole has functions of its own."""
+    """All branches where they are known."""
     if leg.curved_sole is not None:
-        pass
+        builders = FLAT if inverse_class(mechanism, leg).name else {}
+        yield from (build(mechanism, leg) for name, build in builders.items() if wanted(name))
     elif leg.linkage is not None:
         yield from (function for function in _linkage_inverse(mechanism, leg) if wanted(function.signature.name))
     elif inverse_class(mechanism, leg).name:

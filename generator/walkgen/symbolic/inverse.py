@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from walkgen.model.classify import YAW_PITCH_PITCH, inverse_class
+from walkgen.model.classify import FLAT_SOLE, YAW_PITCH_PITCH, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.branches import Branches
@@ -34,6 +34,10 @@ def inverse_branch(mechanism: Mechanism, leg: Limb) -> Solve:
     words = signature(mechanism, leg.name, "inverse_branch", [TARGET, index], [joint_port("q", leg.joints), STATUS], doc, source_of(found))
     if found.name == YAW_PITCH_PITCH:
         return _one_branch(mechanism, leg, words, index)
+    if found.name == FLAT_SOLE:
+        rows = branch_rows(mechanism, leg)
+        chosen = Step(by_index(mechanism, leg, len(found.branch_names)), ("rows", "states", "branch", "q", "status"))
+        return Solve(words, rows.ports, (*rows.steps, chosen), rows.closed_form(words, chosen))
     arguments = ("geometry", "p", sequence_of(leg.joints), "branch", "q", "status")
     steps = (geometry_step(mechanism, Route(leg.name, (leg,))), Step("wg_inverse_general_branch", arguments))
     rows = branch_rows(mechanism, leg)

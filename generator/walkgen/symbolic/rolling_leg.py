@@ -15,7 +15,7 @@ from walkgen.model.mechanism import Joint, Limb, Mechanism, Motion
 from walkgen.symbolic.frames import Frame, Parameters, cosine_sine, expression, frame_of, parameter_symbols
 from walkgen.symbolic.ground_plane import gravity_size, slope_of, upward
 from walkgen.symbolic.path import yaw_of
-from walkgen.symbolic.tape import DIGITS, Vec, constant, dot
+from walkgen.symbolic.tape import DIGITS, Vec, constant, dot, times
 
 LINKS = ("thigh", "shank", "foot")
 _CLOSE = sympy.Float("1e-30", DIGITS)
@@ -90,6 +90,36 @@ def rolling_leg(mechanism: Mechanism, leg: Limb) -> RollingLeg:
     (first, second, third), (one, two, three), (a, b, c) = signs, zeros, masses
     foot = _foot(sections[-1].frame, sole.side)
     return RollingLeg(sole, lengths[0], lengths[1], foot, (first, second, third), (one, two, three), (a, b, c), _weight(mechanism, leg))
+
+
+@dataclass(frozen=True)
+class GroundFrame:
+    """In the axes of the platform of a leg whose first joint is the hip: where that is (m), the ground's directions under it.
+
+    `aside` is the hip's axis, along which the foot point is at `shift` (m).
+    """
+
+    hip: Vec
+    forward: Vec
+    normal: Vec
+    aside: Vec
+    shift: sympy.Expr
+
+
+def ground_frame(mechanism: Mechanism, leg: Limb) -> GroundFrame:
+    """Of a leg of three joints with a curved sole."""
+    parameters, sole = parameter_symbols(mechanism), leg.curved_sole
+    assert sole is not None
+    base = frame_of((*leg.mount, *leg.joints[0].before), parameters)
+    first, second, third = _sections(leg, parameters)
+    side = sole.side * first.flip * second.flip * third.flip
+    x, y, _ = _up(mechanism, leg)
+    cosine, sine = cosine_sine(slope_of(mechanism, leg))
+    forward = (side * (cosine * y) + sine * x, -side * (cosine * x) + sine * y, sympy.S.Zero)
+    normal = (cosine * x - side * (sine * y), cosine * y + side * (sine * x), sympy.S.Zero)
+    shifts = [section.frame.origin[2] for section in (first, second, third)]
+    shift = shifts[0] + first.flip * (shifts[1] + second.flip * shifts[2])
+    return GroundFrame(base.origin, times(base.rotation, forward), times(base.rotation, normal), base.rotation[2], shift)
 
 
 def hindrance(mechanism: Mechanism, leg: Limb) -> str:

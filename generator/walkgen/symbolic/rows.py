@@ -3,10 +3,11 @@
 from dataclasses import dataclass, replace
 from functools import cache
 
-from walkgen.model.classify import YAW_PITCH_PITCH, InverseClass, inverse_class
+from walkgen.model.classify import FLAT_SOLE, YAW_PITCH_PITCH, InverseClass, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.branches import Branches
+from walkgen.symbolic.flat_inverse import FLAT_SOURCE, flat_branches
 from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import parameter_symbols
 from walkgen.symbolic.function import Function, Solve, Step
@@ -42,6 +43,10 @@ def branch_rows(mechanism: Mechanism, leg: Limb, rows: str = "rows", states: str
     results = row_ports(leg, found, rows, states)
     if found.name == YAW_PITCH_PITCH:
         return _yaw_rows(mechanism, leg, results)
+    if found.name == FLAT_SOLE:
+        flat = flat_branches(mechanism, leg, TARGET, row_ports(leg, found, "q", "status"))
+        step = Step(flat, ("p", *parameters_of(mechanism), rows, states))
+        return Rows(results, (step,), (step,))
     steps = (
         geometry_step(mechanism, Route(leg.name, (leg,))),
         Step("wg_inverse_general", ("geometry", "p", sequence_of(leg.joints), rows, states)),
@@ -58,7 +63,7 @@ def row_ports(leg: Limb, found: InverseClass, rows: str, states: str) -> tuple[P
 
 def source_of(found: InverseClass) -> str:
     """Where the class's solution comes from."""
-    return YAW_SOURCE if found.name == YAW_PITCH_PITCH else GENERAL_SOURCE
+    return {YAW_PITCH_PITCH: YAW_SOURCE, FLAT_SOLE: FLAT_SOURCE}.get(found.name, GENERAL_SOURCE)
 
 
 def parameters_of(mechanism: Mechanism) -> tuple[str, ...]:
