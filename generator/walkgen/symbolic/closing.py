@@ -140,6 +140,10 @@ class _Closing:
             yield whole(touch.given(root))
             yield from self._rooted(root)
         yield whole(touch.place())
+        if self._mechanism.parameters:
+            slopes = touch.slopes(joints.port, joints.first)
+            names = [given.get(port.name, port.name) for port in slopes.signature.inputs]
+            self._slopes.append(Step(slopes, (*names, slopes.signature.outputs[0].name)))
 
     def _rooted(self, root: FirstRoot) -> tuple[Step, ...]:
         self._locals += root.locals

@@ -10,8 +10,10 @@ from walkgen.model.mechanism import Mechanism
 from walkgen.signature import Port
 from walkgen.symbolic.branches import BAD_INPUT, OK, SINGULAR, UNREACHABLE
 from walkgen.symbolic.choices import at_most, both, chosen, either, less
-from walkgen.symbolic.function import Finite, Function, Less, LessEqual, Select, Solve, Step
+from walkgen.symbolic.frames import parameter_symbols
+from walkgen.symbolic.function import Finite, Function, Less, LessEqual, Same, Select, Solve, Step
 from walkgen.symbolic.ports import signature
+from walkgen.symbolic.tangents import tangents_along
 from walkgen.symbolic.tape import Tape, symbols_of
 
 Residual = Callable[[Tape, sympy.Expr, Sequence[sympy.Expr]], tuple[sympy.Expr, sympy.Expr, sympy.Expr]]
@@ -30,6 +32,14 @@ def whole(function: Function) -> Step:
 def nothing(anything: sympy.Expr) -> sympy.Expr:
     """NaN, as a value that programs can be compared by."""
     return sympy.sqrt(-1 - anything**2)
+
+
+def _replayed(tape: Tape, function: Function) -> list[sympy.Expr]:
+    """The function's outputs, on another tape."""
+    known: dict[sympy.Basic, sympy.Basic] = {}
+    for symbol, definition in function.intermediates:
+        known[symbol] = tape.let(symbol.name, definition.xreplace(known))
+    return [output.xreplace(known) for output in function.outputs]
 
 
 @dataclass(frozen=True)
@@ -92,6 +102,19 @@ class FirstRoot:
         nearer = whole(self._nearer)
         again = replace(nearer, arguments=(*nearer.arguments[:-1], self._state.name), repeat=_REPEATS)
         return (whole(self._bounded), whole(self._begin), again, whole(self._finish))
+
+    def slopes(self, start: Function) -> Step:
+        """How the root moves with the runtime parameters where `start` gives what is given: -(df/dp) / (df/droot)."""
+        tape, (root,), (status,) = Tape(), symbols_of(self.root), symbols_of(self.status)
+        value, slope, _ = self.residual(tape, root, _replayed(tape, start))
+        moves = []
+        for name, symbol in parameter_symbols(self.mechanism).items():
+            (moved,) = tangents_along(tape, [value], name, {symbol: sympy.S.One})
+            moves.append(Select(Same(status, OK), -moved / slope, 0))
+        inputs = [port for port in start.signature.inputs if port.name != "param"]
+        port = Port(f"{self.root.name}_d_param", (len(moves),))
+        words = signature(self.mechanism, self.owner, f"{start.signature.name}_moves", [*inputs, self.root, self.status], [port], "", "")
+        return whole(tape.function(words, moves))
 
     @cached_property
     def callback(self) -> Solve:

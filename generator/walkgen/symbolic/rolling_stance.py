@@ -144,9 +144,11 @@ class RollingStance:
             tuple(step for start, own in zip(starts, found, strict=True) for step in (start, *own))
             for found in ([root.steps() for root in roots], [root.repeated() for root in roots])
         )
-        form = Solve(words, tuple(port for root in roots for port in root.repeated_locals), (*repeated, whole(last)))
+        moving = bool(self._own.mechanism.parameters)
+        slopes = tuple(root.slopes(start) for start, root in zip(given, roots, strict=True)) if moving else ()
+        form = Solve(words, tuple(port for root in roots for port in root.repeated_locals), (*repeated, whole(last)), slopes=slopes)
         places = tuple(port for root in roots for port in root.locals)
-        return Solve(words, places, (*steps, whole(last)), form, callbacks=tuple(root.callback for root in roots))
+        return Solve(words, places, (*steps, whole(last)), form, callbacks=tuple(root.callback for root in roots), slopes=slopes)
 
     # ---- unknowns
 

@@ -4,6 +4,8 @@ It is an unknown of the functions that rest on it, found before them: on the toe
 curve where the foot is turned further, below the ankle where the sole lies flat.
 """
 
+import sympy
+
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
 from walkgen.symbolic.choices import at_most, both, less
@@ -16,6 +18,7 @@ from walkgen.symbolic.ports import signature
 from walkgen.symbolic.rolling_leg import Planar
 from walkgen.symbolic.rolling_stance import RollingStance
 from walkgen.symbolic.sole_ports import SoleLeg
+from walkgen.symbolic.tangents import tangents_along
 from walkgen.symbolic.tape import Tape, symbols_of
 
 
@@ -33,11 +36,14 @@ class SoleTouch:
 
     def upright(self, q: Port, first: int) -> Function:
         """q -> the ground's normal, `first` the place of the leg's first joint in q."""
-        tape, parameters = Tape(), parameter_symbols(self._mechanism)
-        values = symbols_of(q)[first : first + len(self._leg.joints)]
-        rotation = Kinematics(path_of((self._leg,), values, parameters), tape).rotation
+        tape = Tape()
         words = signature(self._mechanism, self._leg.name, f"up_in_{q.name}_{q.size}", [q], [self.up], "", "")
-        return tape.function(words, foot_rotor(self._mechanism, self._leg, rotation))
+        return tape.function(words, self._rotor(tape, q, first))
+
+    def _rotor(self, tape: Tape, q: Port, first: int) -> Planar:
+        values = symbols_of(q)[first : first + len(self._leg.joints)]
+        rotation = Kinematics(path_of((self._leg,), values, parameter_symbols(self._mechanism)), tape).rotation
+        return foot_rotor(self._mechanism, self._leg, rotation)
 
     def given(self, root: FirstRoot) -> Function:
         """What a curve's root takes, out of the ground's normal."""
@@ -50,22 +56,43 @@ class SoleTouch:
     def place(self) -> Function:
         """Normal and roots -> the foot point."""
         tape, (ahead, _) = Tape(), symbols_of(self.up)
+        inputs = [self.up, *(port for root in self.roots() for port in (root.root, root.status))]
+        return self._own.function(tape, "touched", inputs, [touch_port(self._leg)], self._place(tape, ahead))
+
+    def slopes(self, q: Port, first: int) -> Function:
+        """q, roots -> how the foot point moves in the foot with the runtime parameters: a root by -(df/dp) / (df/droot)."""
+        tape, roots = Tape(), self.roots()
+        rotor = self._rotor(tape, q, first)
+        placed = self._place(tape, rotor[0])
+        residuals = [root.residual(tape, symbols_of(root.root)[0], rotor)[:2] for root in roots]
+        columns = []
+        for name, symbol in parameter_symbols(self._mechanism).items():
+            moving: dict[sympy.Symbol, sympy.Expr] = {symbol: sympy.S.One}
+            for root, (value, slope) in zip(roots, residuals, strict=True):
+                (moved,) = tangents_along(tape, [value], name, {symbol: sympy.S.One})
+                found = Same(symbols_of(root.status)[0], 0)
+                moving[symbols_of(root.root)[0]] = tape.let("root_moves", Select(found, -moved / slope, 0))
+            columns.append(tangents_along(tape, placed, name, moving))
+        inputs = [q, *(port for root in roots for port in (root.root, root.status))]
+        port = Port(f"{touch_port(self._leg).name}_d_param", (2, len(columns)))
+        words = signature(self._mechanism, self._leg.name, f"touch_moves_in_{q.name}_{q.size}", inputs, [port], "", "")
+        return tape.function(words, [entry for row in zip(*columns, strict=True) for entry in row])
+
+    def _place(self, tape: Tape, ahead: sympy.Expr) -> list[sympy.Expr]:
         sole, parameters = self._own.leg.sole, parameter_symbols(self._mechanism)
         depth, rear, front = (expression(entry, parameters) for entry in (sole.depth, sole.rear, sole.front))
         below = -self._own.leg.foot[1]
         below = Select(less(below, rear), rear, Select(less(front, below), front, below))
         sides = {"toe": (depth, front), "heel": (depth, rear)}
-        inputs = [self.up]
         for which, root in zip(sole.curves(), self.roots(), strict=True):
             sides[which] = self._on(tape, which, root)
-            inputs += [root.root, root.status]
         toe = less(ahead, 0)
         flat = at_most(abs(ahead), FLAT)
         x, y = (
             Select(flat, level, Select(toe, *pair)) for level, pair in zip((depth, below), zip(*sides.values(), strict=True), strict=True)
         )
         taint = Residue(ahead)
-        return self._own.function(tape, "touched", inputs, [touch_port(self._leg)], [x + taint, sole.side * y + taint])
+        return [x + taint, sole.side * y + taint]
 
     def _on(self, tape: Tape, which: str, root: FirstRoot) -> Planar:
         """The point of a curve, its end where the foot is turned beyond it, from the foot frame's origin."""

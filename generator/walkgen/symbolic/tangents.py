@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import sympy
 
-from walkgen.symbolic.function import Less, Select
+from walkgen.symbolic.function import Angle, Less, Residue, Select
 from walkgen.symbolic.tape import Closure, Tape
 
 Known = dict[sympy.Symbol, sympy.Expr]
@@ -30,6 +30,11 @@ def partial_tangents(tape: Tape, outputs: Sequence[sympy.Expr], variables: Seque
     """The same, but every input moves on its own."""
     forward = _Forward(tape, outputs)
     return [list(row) for row in zip(*(forward.column(label, {variable: sympy.S.One}) for label, variable in variables), strict=True)]
+
+
+def tangents_along(tape: Tape, outputs: Sequence[sympy.Expr], label: str, moving: Known) -> list[sympy.Expr]:
+    """Tangents of the outputs where inputs move as said; their names end in the label."""
+    return _Forward(tape, outputs).column(label, moving)
 
 
 class _Forward:
@@ -114,7 +119,43 @@ def _partials(expression: sympy.Expr, tape: Tape) -> dict[sympy.Symbol, sympy.Ex
         slope = sympy.cos(angle) if isinstance(expression, sympy.sin) else -sympy.sin(angle)
         outer = tape.let(f"slope_{angle}", slope)
         return {symbol: outer * inner for symbol, inner in _partials(angle, tape).items()}
+    if isinstance(expression, Select):
+        condition, then, otherwise = expression.args
+        ways = [_partials(sympy.sympify(way), tape) for way in (then, otherwise)]
+        return {
+            symbol: _either(condition, *(way.get(symbol, sympy.S.Zero) for way in ways)) for symbol in dict.fromkeys([*ways[0], *ways[1]])
+        }
+    if expression.has(Select, Residue, Angle) and not expression.is_Symbol:
+        return _through(expression, tape)
     return {symbol: expression.diff(symbol) for symbol in sorted(expression.free_symbols, key=str)}
+
+
+def _either(condition: sympy.Basic, then: sympy.Expr, otherwise: sympy.Expr) -> sympy.Expr:
+    return then if then == otherwise else Select(condition, then, otherwise)
+
+
+def _through(expression: sympy.Expr, tape: Tape) -> dict[sympy.Symbol, sympy.Expr]:
+    """Of an expression around choices: these under names of their own; what only tells whether a number is finite does not move."""
+    if isinstance(expression, Residue):
+        return {}
+    if isinstance(expression, Angle):
+        y, x = (tape.let("side", part) for part in expression.args)
+        return _merged([(x / (x**2 + y**2), y), (-y / (x**2 + y**2), x)], tape)
+    parts = {part: sympy.Dummy() for part in expression.atoms(Select, Residue, Angle)}
+    outer = expression.xreplace(parts)
+    slopes = [(outer.diff(dummy).xreplace({d: p for p, d in parts.items()}), part) for part, dummy in parts.items()]
+    plain = [(outer.diff(symbol).xreplace({d: p for p, d in parts.items()}), symbol) for symbol in outer.free_symbols - set(parts.values())]
+    return _merged([*slopes, *sorted(plain, key=lambda term: str(term[1]))], tape)
+
+
+def _merged(terms: Sequence[tuple[sympy.Expr, sympy.Expr]], tape: Tape) -> dict[sympy.Symbol, sympy.Expr]:
+    """Partials of a sum of outer slopes times inner ones."""
+    found: dict[sympy.Symbol, sympy.Expr] = {}
+    for outer, inside in terms:
+        own = {inside: sympy.S.One} if inside.is_Symbol else _partials(inside, tape)
+        for symbol, inner in own.items():
+            found[symbol] = found.get(symbol, sympy.S.Zero) + outer * inner
+    return found
 
 
 def _chained(partials: dict[sympy.Symbol, sympy.Expr], known: Known) -> sympy.Expr:
