@@ -70,7 +70,7 @@ class Leg:
         spec = write_spec(self.name, FUNCTIONS, folder)
         found = {artifact.path.name: artifact.text for artifact in emit(generate(spec, BuildOptions(targets=("c",))))}
         for file, text in found.items():
-            if file.endswith(".h"):
+            if file.endswith((".h", ".c")):  # the code includes itself, once for each width of its lanes
                 (folder / file).write_text(text)
         text = found[f"{self.name}.c"] + ADAPTER.replace("NAME", self.name)
         return _compiled(Source("soles", "C", text, includes=(folder,), flags=FLAGS), FLAGS)
