@@ -45,6 +45,12 @@ _NEEDS = {
     **dict.fromkeys(
         (*_STABILITY, "tipping_acceleration", "tipping_time", "tipping_tilt", "tipping_speed_limit"), "it stands on fewer than two points"
     ),
+    **dict.fromkeys(
+        ("adapt", "adapt_velocity"),
+        "it takes connecting chains whose joints are free to choose, at most 96 joints in all, and legs of exactly three joints in series, "
+        "whose inverse is known for every posture of the chains: not legs with linkages, which have inverse_near, nor legs of more joints, "
+        "whose own freedom it does not spread, nor of fewer, whose feet do not reach every target",
+    ),
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
     **dict.fromkeys(("sole_points", "sole_normal", "ground_pressure"), "it stands on a point: sole in its design is a rectangle"),
     "sole_compliance": "it stands on a point, or a link of some length has no cross-section: give the design a sole and its links sections",
