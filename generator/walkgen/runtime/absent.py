@@ -45,12 +45,10 @@ _NEEDS = {
     **dict.fromkeys(
         (*_STABILITY, "tipping_acceleration", "tipping_time", "tipping_tilt", "tipping_speed_limit"), "it stands on fewer than two points"
     ),
-    **dict.fromkeys(
-        ("adapt", "adapt_velocity"),
-        "it takes connecting chains whose joints are free to choose, at most 96 joints in all, and legs of exactly three joints in series, "
-        "whose inverse is known for every posture of the chains: not legs with linkages, which have inverse_near, nor legs of more joints, "
-        "whose own freedom it does not spread, nor of fewer, whose feet do not reach every target",
-    ),
+    "adapt": "it takes connecting chains with joints, and legs of exactly three joints in series, which follow by their closed form: not "
+    "legs with linkages, which have inverse_near; legs of more joints have freedom of their own, those of fewer miss targets",
+    "adapt_velocity": "it takes connecting chains with joints, and legs of exactly three q: those of more have freedom of their own, "
+    "those of fewer do not move their feet every way",
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
     **dict.fromkeys(("sole_points", "sole_normal", "ground_pressure"), "it stands on a point: sole in its design is a rectangle"),
     "sole_compliance": "it stands on a point, or a link of some length has no cross-section: give the design a sole and its links sections",

@@ -113,7 +113,7 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     yield from (build() for name, build in robot.functions().items() if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
     pointed = all(leg.curved_sole is None for leg in mechanism.legs)
-    if pointed and all(leg.linkage is None for leg in mechanism.legs):
+    if pointed:
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
     if pointed:
         stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
