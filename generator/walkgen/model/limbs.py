@@ -77,7 +77,7 @@ def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> 
     before, after = joints[: len(limb.serial)], _turned_over(joints[len(limb.serial) :])
     senses = tuple(-sense if index == 0 else sense for index, sense in enumerate(limb.senses))
     tip = mirrored(limb.tip) + (rotation(X, HALF_TURN) if limb.linkage else ())
-    sole = replace(limb.sole, turn=mirrored(limb.sole.turn)) if limb.sole else None
+    sole = replace(limb.sole, turn=_overturn(limb) + mirrored(limb.sole.turn)) if limb.sole else None
     foot = mirrored(limb.foot)
     rolling = replace(limb.curved_sole, side=-limb.curved_sole.side) if limb.curved_sole else None
     mount, springs = mirrored(limb.mount), mirrored_springs(limb.springs)
@@ -88,6 +88,11 @@ def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> 
 def _turned_over(joints: tuple[Joint, ...]) -> tuple[Joint, ...]:
     """Mirrored joints on a linkage whose plane is turned over: the first one turns back."""
     return tuple(replace(joint, before=rotation(X, HALF_TURN) + joint.before) for joint in joints[:1]) + joints[1:]
+
+
+def _overturn(limb: Limb) -> Transform:
+    """What turns a sole back where it is on a link of a linkage whose plane is turned over."""
+    return rotation(X, HALF_TURN) if limb.linkage and not limb.beyond else ()
 
 
 def _mirrored_joint(joint: Joint) -> Joint:
