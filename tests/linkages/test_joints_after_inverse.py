@@ -10,13 +10,22 @@ from walkgen.model.classify import inverse_class
 from walkgen.pipeline import mechanism_of
 
 FUNCTIONS = ("foot_position", "foot_jacobian", "assembly_status", "inverse", "inverse_branch", "inverse_distance", "inverse_near")
-OK, UNREACHABLE, INFEASIBLE = 0, 1, 5
+OK, UNREACHABLE, BAD_INPUT, NO_CONVERGENCE, INFEASIBLE = 0, 1, 2, 4, 5
 LEGS = {
     "a slide after five bars": ("five_bar", "P", [0.3, 0.1, 0.5, 0.55, 0.7, 0.65, 0.4, 0.2]),
     "a turn after five bars": ("five_bar", "R", [0.3, 0.1, 0.5, 0.55, 0.7, 0.65, 0.4, 0.2]),
     "a turn after cylinders": ("hydraulic", "R", None),
 }
-BUILT = ("foot_pose", "foot_jacobian", "inverse_near", "inverse_admissible", "inverse_velocity", "inverse_dynamics", "joint_reactions")
+BUILT = (
+    "foot_pose",
+    "foot_jacobian",
+    "inverse_near",
+    "inverse_pose",
+    "inverse_admissible",
+    "inverse_velocity",
+    "inverse_dynamics",
+    "joint_reactions",
+)
 
 
 def text_of(topology, before, after, functions, values=None):
@@ -129,3 +138,22 @@ def test_one_function_in_three_ways(robots):
     found, status = near(target[0], q[0] + 0.01)
     assert float(status) == OK
     assert leg.foot_pose(np.array(found).ravel())[:3, 3] == pytest.approx(target[0], abs=1e-9)
+
+
+def test_a_pose_from_a_seed(robots):
+    """Five q keep a pose that they had; far off nothing does."""
+    robot, pair = robots
+    q = assembled(pair[0][1], 6)
+    T = pair[0][1].foot_pose(q)
+    for _, leg in pair:
+        found, status = leg.inverse_pose(T, q + 0.01)
+        assert (status == OK).all()
+        assert leg.foot_pose(found) == pytest.approx(T, abs=1e-8)
+        assert found == pytest.approx(q, abs=1e-6)
+        away = T.copy()
+        away[:, :3, 3] += 5.0
+        assert (leg.inverse_pose(away, q)[1] == NO_CONVERGENCE).all()
+        assert (leg.inverse_pose(np.full((4, 4), np.nan), q)[1] == BAD_INPUT).all()
+    own, state = robot.c.casadi("hydraulic_leg_inverse_pose")(T[0], q[0] + 0.01)
+    assert float(state) == OK
+    assert np.array(own).ravel() == pytest.approx(q[0], abs=1e-6)
