@@ -37,7 +37,7 @@ def adapt_functions(mechanism: Mechanism) -> dict[str, Callable[[], Derivation]]
     branched = all(len(leg.joints) == BRANCHED_JOINTS for leg in mechanism.legs)
     if not counts["chain joints"] or not branched or any(counts[name] > most for name, most in _MOST.items()):
         return {}
-    rates = {"adapt_velocity": lambda: adapt_velocity(mechanism)}
+    rates: dict[str, Callable[[], Derivation]] = {"adapt_velocity": lambda: adapt_velocity(mechanism)}
     return rates if any(leg.linkage for leg in mechanism.legs) else {"adapt": lambda: adapt(mechanism), **rates}
 
 

@@ -207,10 +207,8 @@ class LinkageRows:
         else:
             a, b = tape.let("hung_a", nx * x + ny * y), tape.let("hung_b", ny * x - nx * y)
             c = tape.let("hung_c", seen[2] - stand.origin[2] - nz * z)
-            size = tape.let("hung_size", a**2 + b**2)
-            inside = tape.let("hung_inside", size - c**2)
-            root = tape.let("hung_root", sign * sympy.sqrt(Select(less(inside, 0), 0, inside)))
-            turn = tape.let("hung_turn", Angle((b * c + a * root) / size, (a * c - b * root) / size))
+            _, inside, (cosine, sine) = self._crossing("hung", (a, b, c), sign)
+            turn = tape.let("hung_turn", Angle(sine, cosine))
             cos, sin = tape.let("hung_cosine", sympy.cos(turn)), tape.let("hung_sine", sympy.sin(turn))
             misses, swung = tape.let("hung_misses", Select(less(inside, 0), -inside, 0)), (cos * x - sin * y, sin * x + cos * y, z)
             value = joint.sign * (turn - zero)
@@ -220,6 +218,14 @@ class LinkageRows:
         end = [expression(entry, self._parameters) for entry in self._linkage.foot[1]]
         point = (tape.let("held_x", end[0] + held[0]), tape.let("held_y", end[1] + held[1]))
         return Plane((), (seen[0], seen[1]), misses, sympy.false, (tape.let("hung", value),), point)
+
+    def _crossing(self, name: str, factors: Exprs, sign: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr, Planar]:
+        """Where A cos t + B sin t = C: A^2 + B^2, that less C^2 (negative where there is no t), cosine and sine of t."""
+        (a, b, c), tape = factors, self._tape
+        size = tape.let(f"{name}_size", a**2 + b**2)
+        inside = tape.let(f"{name}_inside", size - c**2)
+        root = tape.let(f"{name}_root", sign * sympy.sqrt(Select(less(inside, 0), 0, inside)))
+        return size, inside, (tape.let(f"{name}_cos", (a * c - b * root) / size), tape.let(f"{name}_sin", (b * c + a * root) / size))
 
     def _frame(self, *poses: Transform) -> Frame:
         """Constant poses one after another."""
@@ -238,11 +244,8 @@ class LinkageRows:
         (nx, ny, nz), tape, joint = hung.rotation[2], self._tape, self._leg.serial[0]
         a, b = tape.let("plane_a", nx * w[0] + ny * w[1]), tape.let("plane_b", nx * w[1] - ny * w[0])
         c = tape.let("plane_c", dot((nx, ny, nz), hung.origin) - nz * w[2])
-        size = tape.let("plane_size", a**2 + b**2)
-        inside = tape.let("plane_inside", size - c**2)
-        root = tape.let("plane_root", sign * sympy.sqrt(Select(less(inside, 0), 0, inside)))
+        size, inside, (cosine, sine) = self._crossing("plane", (a, b, c), sign)
         free = less(size, sympy.Rational(1, 10**24))
-        cosine, sine = tape.let("plane_cos", (a * c - b * root) / size), tape.let("plane_sin", (b * c + a * root) / size)
         angle = Select(free, 0, Angle(sine, cosine))
         turn = tape.let("plane_turn", angle)
         cos, sin = tape.let("plane_cosine", sympy.cos(turn)), tape.let("plane_sine", sympy.sin(turn))
