@@ -104,7 +104,7 @@ def _slack(design: str, place: Place, found: Slack, leg: Limb) -> Problem:
 def _partial(design: str, place: Place, found: Coverage, leg: Limb, linkage: Linkage) -> Iterator[Problem]:
     """One line."""
     if found.limited and 0 < found.assembled < found.points:
-        share, drives = percent(found.assembled, found.points), leg.joints[len(leg.serial) :]
+        share, drives = percent(found.assembled, found.points), leg.drives
         parts = (
             f"{titled(linkage, each.group)} cannot close in {percent(each.count, found.points)} ({_where(each, drives)})"
             for each in found.failing

@@ -147,7 +147,11 @@ def _limb(title: str, limb: Limb) -> Iterator[str]:
         yield f"    {joint.name}  {_joint(joint)}"
     yield f"    {'plane' if limb.linkage else 'tip'}  {_transform(limb.tip)}"
     if limb.linkage is not None:
-        yield from _linkage(limb.joints[len(limb.serial) :], limb.linkage)
+        yield from _linkage(limb.drives, limb.linkage)
+    for joint in limb.distal:
+        yield f"    {joint.name}  {_joint(joint)}"
+    if limb.distal:
+        yield f"    tip  {_transform(limb.foot)}"
     yield from (f"    spring {spring.name}  {_ends(limb, spring)}, {scalar_text(spring.stiffness)} N/m" for spring in limb.springs)
     yield from (f"    cam {cam.name}  on the {cam.on}, balances {limb.joints[cam.joint].name}" for cam in limb.cams)
     if limb.sole:
@@ -197,9 +201,7 @@ def _start(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
     if found is None:
         yield "    start: no assembly is found"
         return
-    drives = ", ".join(
-        f"{drive.name} = {float(value):.6g}" for drive, value in zip(leg.joints[len(leg.serial) :], found.drives, strict=True)
-    )
+    drives = ", ".join(f"{drive.name} = {float(value):.6g}" for drive, value in zip(leg.drives, found.drives, strict=True))
     yield f"    start at {drives}: {len(found.modes)} assemblies, the first is taken; start = {{ angles_deg = ... }} takes another"
     ternary = [names[max(triad.ends)] for triad in linkage.forward.triads]
     for mode in found.modes:
@@ -209,7 +211,7 @@ def _start(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
 
 def _coverage(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> Iterator[str]:
     """Freedoms by rank, how much of the drives' limits assembles, and what fails in the rest."""
-    found, drives = coverage_of(mechanism, leg, linkage), leg.joints[len(leg.serial) :]
+    found, drives = coverage_of(mechanism, leg, linkage), leg.drives
     if found.best is not None and found.mobility is not None:
         twice = f": {', '.join(found.mobility.pairs)} say one thing twice" if found.mobility.pairs else ""
         where = drives_text(drives, found.best)

@@ -23,7 +23,7 @@ class Motion:
     def point(self, link, own):
         """Where a link's point is, and its acceleration."""
         places = self.seen(link, own)
-        return places[2], SECOND @ (places - places[2]) / self.step**2
+        return places[2], self.second(places)
 
     def angle(self, link):
         return self.closure.angle(self.x, link)[0][2]
@@ -36,10 +36,14 @@ class Motion:
         """Time derivative of what is known at the five times."""
         return FIRST @ values / self.step
 
+    def second(self, values):
+        """Second time derivative of what is known at the five times."""
+        return SECOND @ (values - values[2]) / self.step**2
+
     def turning(self, link):
         """A link's angular acceleration."""
         angles = self.closure.angle(self.x, link)[0]
-        return SECOND @ (angles - angles[2]) / self.step**2
+        return self.second(angles)
 
 
 class Bodies:

@@ -19,11 +19,12 @@ from walkgen.symbolic.tape import Tape, symbols_of
 
 
 def code_of(text, names, folder):
-    """Functions by name as in the generated module, `leg_poses` among them: x, y, cosine and sine of every link."""
+    """Functions by name as in the generated module, `leg_poses` of a linkage among them: x, y, cosine and sine of every link."""
     path = folder / "spec.toml"
     path.write_text(text, encoding="utf-8")
     mechanism = assemble(read(path), folder)
-    derived = [*derive(mechanism, tuple(names)), closed(mechanism, poses(mechanism))]
+    told = [closed(mechanism, poses(mechanism))] if mechanism.legs[0].linkage else []
+    derived = [*derive(mechanism, tuple(names)), *told]
     code = RobotCode(mechanism, tuple(lower(function, True) for function in derived), "", ("numpy",))
     module = folder / "code.py"
     module.write_text(numpy_artifact(code).text, encoding="utf-8")
@@ -33,8 +34,8 @@ def code_of(text, names, folder):
 def poses(mechanism):
     """Of the links in the plane, the frame first."""
     leg, tape = mechanism.legs[0], Tape()
-    port = joint_port("q", leg.joints)
-    placing = forward_placing(leg, symbols_of(port)[len(leg.serial) :], parameter_symbols(mechanism), tape)
+    port, first = joint_port("q", leg.joints), len(leg.serial)
+    placing = forward_placing(leg, symbols_of(port)[first : first + len(leg.drives)], parameter_symbols(mechanism), tape)
     links = len(leg.linkage.masses)
     entries = [entry for pose in map(placing.pose, range(links)) for entry in (*pose.origin, *pose.rotor)]
     words = signature(mechanism, leg.name, "poses", [port], [Port("poses", (links, 4))], "Poses of the links.", "")

@@ -43,8 +43,43 @@ a = 0.0
 alpha_deg = 0
 d = 0.0
 [[leg_designs.hydraulic.joints]]"""
+AFTER = """
+[[leg_designs.hydraulic.joints_after]]
+name = "ankle"
+type = "revolute"
+a = 0.0
+alpha_deg = 0
+d = 0.0
+"""
+HUNG = 'foot = {}\nlinkage_end = { point = "shank.P" }'
+SPRING = """
+[[leg_designs.hydraulic.springs]]
+name = "coil"
+between = ["thigh.H", { link = "ankle", xyz = [0, 0, 0.1] }]
+stiffness = 100
+free_length = 0.1
+"""
+FOOT, FIRST = 'foot = "shank.P"', "[[platforms]]"
 PIN = 'joins = ["thigh.H", "shank.H"]'
 BAD = {
+    "an end without joints": ("WG180", FOOT, FOOT + '\nlinkage_end = { point = "shank.P" }', "joints_after"),
+    "a point that is no foot": ("WG180", FIRST, AFTER + FIRST, 'linkage_end = { point = "shank.P" }'),
+    "joints on nothing": ("WG111", f"{FOOT}|{FIRST}", f"foot = {{}}|{AFTER + FIRST}", "linkage_end"),
+    "joints on no point": ("WG180", f"{FOOT}|{FIRST}", f"{HUNG.replace('P', 'Q')}|{AFTER + FIRST}", "points of shank"),
+    "joints of one name": (
+        "WG132",
+        f"{FOOT}|{FIRST}",
+        f"{HUNG}|{AFTER.replace('ankle', 'yaw') + FIRST}",
+        "yaw",
+    ),
+    "signs of some joints": ("WG125", f"{FOOT}|{FIRST}", f"{HUNG}\nsigns = [1]|{AFTER + FIRST}", "2 joints"),
+    "a spring beyond": ("WG201", f"{FOOT}|{FIRST}", f"{HUNG}|{AFTER + SPRING + FIRST}", "follows the linkage"),
+    "branches behind it": (
+        "WG127",
+        f"{FOOT}|{FIRST}",
+        f"{HUNG}\nbranches = ['a']|{AFTER + FIRST}",
+        "one after it and none before",
+    ),
     "link": ("WG180", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shnk.H"]', "shank"),
     "point": ("WG180", 'joins = ["thigh.H", "shank.H"]', 'joins = ["thigh.H", "shank.h"]', "H"),
     "no point": ("WG180", 'foot = "shank.P"', 'foot = "shank"', "link.point"),
@@ -75,9 +110,11 @@ BAD = {
 @pytest.mark.parametrize("name", BAD)
 def test_a_problem_has_its_place_and_cure(tmp_path, name):
     code, old, new, said = BAD[name]
-    assert old in TEXT
-    path = tmp_path / "robot.toml"
-    path.write_text(TEXT.replace(old, new, 1), encoding="utf-8")
+    path, text = tmp_path / "robot.toml", TEXT
+    for one, other in zip(old.split("|"), new.split("|"), strict=True):
+        assert one in text
+        text = text.replace(one, other, 1)
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(SpecError) as error:
         read(path)
     found = [problem for problem in error.value.problems if problem.code == code]

@@ -5,7 +5,7 @@ where it touches the ground, and slopes are those of the foot's point there.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -83,7 +83,8 @@ class Sample:
         """Of the leg's linkage."""
         leg = self.limbs[-1]
         assert leg.linkage is not None
-        return _closed(leg.linkage, self.q[len(self.q) - leg.linkage.drive_count :], self.mechanism, self.start)
+        stop = len(self.q) - leg.beyond
+        return _closed(leg.linkage, self.q[stop - leg.linkage.drive_count : stop], self.mechanism, self.start)
 
     @property
     def pairs(self) -> list[Numbers]:
@@ -120,15 +121,26 @@ def _walk(mechanism: Mechanism, limbs: Sequence[Limb], q: Sequence[Any], start: 
     axes: list[tuple[Joint, Matrix]] = []
     for limb in limbs:
         stop = place + len(limb.serial)
-        local = limb_frames(mechanism, replace(limb, joints=limb.serial, linkage=None), q[place:stop], values, base)
+        local = limb_frames(mechanism, limb.inner, q[place:stop], values, base)
         poses += local[1:-1] if poses else local[:-1]
         axes += [(joint, along(frame, joint.before, values)) for joint, frame in zip(limb.serial, local, strict=False)]
         base, place = local[-1], stop
-    linkage = limbs[-1].linkage
+    leg, linkage = limbs[-1], limbs[-1].linkage
     if linkage is None:
         return Walk(base, [*poses, base], _columns(base, axes))
-    links, columns = _driven(_closed(linkage, q[place:], mechanism, start), base)
-    return Walk(base, [*poses, *links], _columns(links[-1], axes) + columns)
+    stop = place + linkage.drive_count
+    (*links, end), columns = _driven(_closed(linkage, q[place:stop], mechanism, start), base)
+    _, *beyond, tip = hung = limb_frames(mechanism, leg.outer, q[stop:], values, end)
+    after = [(joint, along(frame, joint.before, values)) for joint, frame in zip(leg.distal, hung, strict=False)]
+    driven = [_carried(column, end, tip) for column in columns]
+    return Walk(base, [*poses, *links, *beyond, tip], _columns(tip, axes) + driven + _columns(tip, after))
+
+
+def _carried(column: tuple[Numbers, Numbers], end: Matrix, tip: Matrix) -> tuple[Numbers, Numbers]:
+    """A column at the end of a linkage as one at the tip, which moves with it."""
+    linear, angular = column
+    swung = cross(angular, [tip[row, 3] - end[row, 3] for row in range(3)])
+    return [a + b for a, b in zip(linear, swung, strict=True)], angular
 
 
 def _closed(linkage: Linkage, drives: Sequence[Any], mechanism: Mechanism, start: KnownStart | None) -> Posture:
@@ -138,7 +150,7 @@ def _closed(linkage: Linkage, drives: Sequence[Any], mechanism: Mechanism, start
 
 
 def _driven(posture: Posture, plane: Matrix) -> tuple[list[Matrix], list[tuple[Numbers, Numbers]]]:
-    """Frames of the links that the drives move, then of the foot's at the foot point, and the drives' columns."""
+    """Frames of the links that the drives move, then at the linkage's end, and the drives' columns there."""
     linkage = posture.loops.linkage
     body, point = linkage.foot[0], posture.loops.planar(linkage.foot[1])
     origins = [(link, (CONTEXT.zero, CONTEXT.zero)) for link in _moved_links(linkage)]

@@ -23,10 +23,12 @@ def samples_of(robot: Mechanism, path: tuple[Limb, ...], start: KnownStart | Non
     Fewer than `SAMPLES` where a linkage assembles for few of the values that are tried.
     """
     joints, serial = [joint for limb in path for joint in limb.joints], [joint for limb in path for joint in limb.serial]
+    beyond = len(joints) - path[-1].beyond
     drives = islice(_assembled(robot, path[-1], start), SAMPLES)
     samples = []
     for index, driven in enumerate(drives):
-        q = (*(_value(joint, place, index, 0) for place, joint in enumerate(serial)), *driven)
+        own = (_value(joint, place, index, 0) for place, joint in enumerate(path[-1].distal, beyond))
+        q = (*(_value(joint, place, index, 0) for place, joint in enumerate(serial)), *driven, *own)
         qd, qdd = (tuple(_value(joint, place, index, salt) for place, joint in enumerate(joints)) for salt in (1, 2))
         force = tuple(CONTEXT.mpf(value) / 4 for value in (3 - index, 5, index - 7))
         samples.append(Sample(robot, path, q, qd, qdd, force, start))
@@ -48,10 +50,11 @@ def apart(sample: Sample) -> tuple[Any, ...] | None:
     assert leg.linkage is not None
     if leg.linkage.forward.triads:
         return None
-    serial, drives = sample.q[: len(leg.serial)], leg.joints[len(leg.serial) :]
+    first, last = len(leg.serial), len(leg.joints) - leg.beyond
     far = _rounded(_FAR * reach(sample.mechanism, leg.linkage))
-    driven = [far if joint.kind == "prismatic" else q for joint, q in zip(drives, sample.q[len(serial) :], strict=True)]
-    return None if closed(leg.linkage, defaults(sample.mechanism), driven) else (*serial, *driven)
+    driven = [far if joint.kind == "prismatic" else q for joint, q in zip(leg.drives, sample.q[first:last], strict=True)]
+    found = closed(leg.linkage, defaults(sample.mechanism), driven)
+    return None if found else (*sample.q[:first], *driven, *sample.q[last:])
 
 
 def is_regular(sample: Sample) -> bool:

@@ -66,7 +66,7 @@ def coverage(mechanism: Mechanism, leg: Limb, linkage: Linkage, close_triads: Cl
         linkage: the leg's.
         close_triads: the solve of triads, `walkgen.runtime.solves.triads.close_triads`.
     """
-    drives, triads = leg.joints[len(leg.serial) :], tuple(triad.name for triad in linkage.forward.triads)
+    drives, triads = leg.drives, tuple(triad.name for triad in linkage.forward.triads)
     limited, bounded = all(drive.limits for drive in drives), all(drive.limits or drive.kind == "revolute" for drive in drives)
     start = start_of(mechanism, leg) if triads else None
     if triads and start is None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from walkgen.model.linkage import Linkage
-from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, along, defaults, joint_axis, limb_frames
 from walkgen.spec.branches import (
     BRANCHED_JOINTS,
@@ -52,7 +52,7 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     leg of one to three joints is named after its joints, `general RRP`; longer ones have no class.
     """
     if leg.linkage is not None:
-        return linkage_class(leg, leg.linkage)
+        return linkage_class(mechanism, leg, leg.linkage)
     if leg.curved_sole is not None:
         return _rolling_class(leg)
     kinds = "".join(joint.kind[0].upper() for joint in leg.joints)
@@ -74,22 +74,39 @@ def _rolling_class(leg: Limb) -> InverseClass:
     return InverseClass(FLAT_SOLE, leg.branches or _KNEES, "the foot is put flat, so that hip and knee follow from the cosine rule")
 
 
-def linkage_class(leg: Limb, linkage: Linkage) -> InverseClass:
-    """Of a leg that ends in a linkage: at most one joint turns its plane, two drives place the foot in it, dyad after dyad.
+def linkage_class(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> InverseClass:
+    """Of a leg with a linkage: at most one joint turns its plane or the foot out of it, two drives place the foot in it, dyad after dyad.
 
     One drive leads the foot along a curve; then the joint may slide as well.
     """
-    kinds = "".join(joint.kind[0].upper() for joint in leg.serial)
-    if follows_curve(linkage.structure, len(kinds)):
+    kinds, after = ("".join(joint.kind[0].upper() for joint in joints) for joints in (leg.serial, leg.distal))
+    if not after and follows_curve(linkage.structure, len(kinds)):
         return _curve_class(leg)
-    hindrance = linkage_hindrance(linkage.structure, linkage.foot[0], kinds)
+    hindrance = linkage_hindrance(linkage.structure, linkage.foot[0], kinds, after) or _in_plane(mechanism, leg)
     if hindrance:
         return InverseClass("", (), hindrance)
-    choices = linkage_choices(linkage.structure, linkage.foot[0], [joint.name for joint in leg.serial])
+    turning = [joint.name for joint in (*leg.serial, *leg.distal) if joint.kind == "revolute"]
+    choices = linkage_choices(linkage.structure, linkage.foot[0], turning)
     back, held = "dyads placed one after another from the foot held in the plane", linkage.inverse.triads
     followed = f", the triad {held[0].name} followed from its assemblies at one place of the foot" if held else ""
     put_in = ", then put in, since they hold a triad" if linkage.forward.triads else ""
     return InverseClass(LINKAGE, leg.branches or linkage_branches(choices), f"{back}{followed}{put_in}")
+
+
+def _in_plane(mechanism: Mechanism, leg: Limb) -> str:
+    """What keeps a joint after the linkage from saying how far the foot is from the plane; empty where nothing does, or none follows."""
+    for joint in leg.distal:
+        if min(_lift(leg, joint, values) for values in _samples(mechanism)) < _NEGLIGIBLE:
+            return f"{joint.name} moves the foot along the linkage's plane alone, as the drives do: one of them is free"
+    return ""
+
+
+def _lift(leg: Limb, joint: Joint, values: dict[str, Any]) -> Any:
+    """How far the joint takes the foot out of the plane, per metre where it slides."""
+    before, lever = along(CONTEXT.eye(4), joint.before, values), along(CONTEXT.eye(4), joint.after + leg.foot, values)
+    if joint.kind == "prismatic":
+        return abs(before[2, 2])
+    return CONTEXT.hypot(before[2, 0], before[2, 1]) * CONTEXT.hypot(lever[0, 3], lever[1, 3])
 
 
 def _curve_class(leg: Limb) -> InverseClass:

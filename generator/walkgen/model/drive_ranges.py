@@ -12,7 +12,7 @@ def drive_ranges(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> list[tupl
     """The limits; without any a full turn, a way on a guide or a length of the linkage's size."""
     size, turning = reach(mechanism, linkage), len(linkage.driven)
     found = []
-    for place, joint in enumerate(leg.joints[len(leg.serial) :]):
+    for place, joint in enumerate(leg.drives):
         if joint.limits:
             low, high = (number(limit, mechanism) for limit in joint.limits)
         elif joint.kind == "revolute":

@@ -71,16 +71,28 @@ def mirrored_limb(limb: Limb, name: str, source_names: Sequence[str] | None) -> 
 
     A linkage stays as it is: its plane is turned over instead, which reflects it as well.
     """
-    serial, drives = limb.serial, limb.joints[len(limb.serial) :]
-    sources = source_names or [""] * len(serial)
-    joints = tuple(replace(_mirrored_joint(joint), source_name=source) for joint, source in zip(serial, sources, strict=True))
+    series = (*limb.serial, *limb.distal)
+    named = zip(series, source_names or [""] * len(series), strict=True)
+    joints = tuple(replace(_mirrored_joint(joint), source_name=source) for joint, source in named)
+    before, after = joints[: len(limb.serial)], _turned_over(joints[len(limb.serial) :])
     senses = tuple(-sense if index == 0 else sense for index, sense in enumerate(limb.senses))
     tip = mirrored(limb.tip) + (rotation(X, HALF_TURN) if limb.linkage else ())
-    sole = replace(limb.sole, turn=mirrored(limb.sole.turn)) if limb.sole else None
+    sole = replace(limb.sole, turn=_overturn(limb) + mirrored(limb.sole.turn)) if limb.sole else None
+    foot = mirrored(limb.foot)
     rolling = replace(limb.curved_sole, side=-limb.curved_sole.side) if limb.curved_sole else None
     mount, springs = mirrored(limb.mount), mirrored_springs(limb.springs)
-    placed = replace(limb, name=name, mount=mount, joints=(*joints, *drives), tip=tip, senses=senses)
-    return replace(placed, sole=sole, springs=springs, curved_sole=rolling)
+    placed = replace(limb, name=name, mount=mount, joints=(*before, *limb.drives, *after), tip=tip, senses=senses)
+    return replace(placed, sole=sole, springs=springs, curved_sole=rolling, foot=foot)
+
+
+def _turned_over(joints: tuple[Joint, ...]) -> tuple[Joint, ...]:
+    """Mirrored joints on a linkage whose plane is turned over: the first one turns back."""
+    return tuple(replace(joint, before=rotation(X, HALF_TURN) + joint.before) for joint in joints[:1]) + joints[1:]
+
+
+def _overturn(limb: Limb) -> Transform:
+    """What turns a sole back where it is on a link of a linkage whose plane is turned over."""
+    return rotation(X, HALF_TURN) if limb.linkage and not limb.beyond else ()
 
 
 def _mirrored_joint(joint: Joint) -> Joint:
@@ -103,18 +115,18 @@ def _mirrored_body(body: Body) -> Body:
 
 def joints_of(user: LegSpec | PlatformSpec, design: LegDesign | ChainDesign, values: Values) -> tuple[Joint, ...]:
     """The design's rows as joints, with the user's signs, zeros and names."""
-    count = len(design.joints)
+    count = len(design.rows)
     own = user if isinstance(user, LegSpec) else None
     signs = _signs(own, design)
     zeros = (own.si("zeros") if own else None) or design.si("zeros") or (ZERO,) * count
     sources = user.source_names or ("",) * count
-    rows = zip(design.joints, signs, zeros, sources, strict=True)
+    rows = zip(design.rows, signs, zeros, sources, strict=True)
     return tuple(_joint(row, design.dh, sign, values.resolve(zero), source, values) for row, sign, zero, source in rows)
 
 
 def _signs(own: LegSpec | None, design: LegDesign | ChainDesign) -> tuple[Sign, ...]:
     """The user's signs, a leg's own before its design's."""
-    return cast(tuple[Sign, ...], tuple((own.signs if own else None) or design.signs or (1,) * len(design.joints)))
+    return cast(tuple[Sign, ...], tuple((own.signs if own else None) or design.signs or (1,) * len(design.rows)))
 
 
 def _joint(row: JointRow, convention: str | None, sign: Sign, zero: Scalar, source: str, values: Values) -> Joint:

@@ -42,11 +42,13 @@ class Linkage:
     """Bodies are the links, the frame first, then one bar for each driven cylinder, pinned at (0, 0) and (q, 0).
 
     `points` are those of every pair of the structure, one a body, in the body's axes, None for a bar's far end; a slider's are the
-    sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). q is in the order of the
+    sliding point and the point of its guide where q is 0, `angles` its guide's direction (0 for pins). `foot` is a body and its point that
+    the drives place: the leg's foot, or where the joints beyond the linkage begin. q is in the order of the
     structure's driven pairs, then of its bars. `masses` are those of every link, with what cylinders and
     springs lump at its points; a link at which springs pull has one even where it weighs nothing. `sides` name how dyads are assembled, the
     first side where they are silent; `start` says how triads are, none where there is none. `size` (m) is that of the longest link, to two
     digits. `frictions` are those of the pairs that have any; `sections` names every body's cross-section, empty where it is rigid.
+    `bears` says whether joints follow at the linkage's end.
     """
 
     structure: Structure
@@ -59,6 +61,7 @@ class Linkage:
     start: Start = Start()
     frictions: tuple[PairFriction, ...] = ()
     sections: tuple[str, ...] = ()
+    bears: bool = False
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -94,7 +97,7 @@ def linkage_of(design: LegDesign, values: Values, springs: Sequence[Spring] = ()
     """The linkage of a leg design, whose references and mobility were checked, with its springs."""
     structure = structure_of(design)
     names = link_names(design)
-    link, _, point = str(design.foot).partition(".")
+    link, _, point = design.placed.partition(".")
     angles = [values.resolve(slider.guide.si("angle")) for slider in design.sliders]
     points = tuple(tuple(_end(end, values) for end in joined.points) for joined in joined_pairs(design))
     foot = values.point(design.links[link].points[point])
@@ -109,6 +112,7 @@ def linkage_of(design: LegDesign, values: Values, springs: Sequence[Spring] = ()
         _start(design, names, values),
         frictions_of(design, values),
         _sections(design, names),
+        bool(design.joints_after),
     )
 
 

@@ -1,12 +1,14 @@
-"""A leg that ends in a planar linkage: joints in series, then the linkage's drives as joints of the leg."""
+"""A leg with a planar linkage: joints in series, then the linkage's drives as joints of the leg, then the joints at its end."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from walkgen.model.limbs import actuated, damping_of, joints_of, pose_transform, sole_of, weighted
 from walkgen.model.linkage import linkage_of
 from walkgen.model.mechanism import Joint, Limb
 from walkgen.model.springs import springs_of
 from walkgen.model.values import Values
+from walkgen.spec.joint_tables import Pose
 from walkgen.spec.linkage import CylinderSpec, SliderSpec
 from walkgen.spec.planar import pin_name
 from walkgen.spec.scalar import ZERO
@@ -17,18 +19,27 @@ def linkage_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values)
     """A design with a linkage, mounted as one leg."""
     springs = springs_of(design, values)
     linkage = linkage_of(design, values, springs)
-    joints = (*weighted(joints_of(leg, design, values), springs), *_drives(design, values))
+    joints = joints_of(leg, design, values)
+    before, after = weighted(joints[: len(design.joints)], springs), _hung(joints[len(design.joints) :], design, values)
     mount, plane = pose_transform(leg.mount, values), pose_transform(design.plane, values)
     damping = damping_of(design, min(values.number(linkage.size), 1.0), values)
     sole = sole_of(leg.sole or design.sole, values)
     return Limb(
-        *(leg.name, platform, mount, joints, plane),
+        *(leg.name, platform, mount, (*before, *_drives(design, values), *after), plane),
         damping=damping,
         linkage=linkage,
         branches=design.branches or (),
         sole=sole,
         springs=springs,
+        beyond=len(after),
+        foot=pose_transform(design.foot, values) if isinstance(design.foot, Pose) else (),
     )
+
+
+def _hung(joints: tuple[Joint, ...], design: LegDesign, values: Values) -> tuple[Joint, ...]:
+    """The joints after the linkage, the first on the frame at its end."""
+    end = pose_transform(design.linkage_end, values)
+    return tuple(replace(joint, before=end + joint.before) for joint in joints[:1]) + joints[1:]
 
 
 def _drives(design: LegDesign, values: Values) -> Iterator[Joint]:

@@ -1,6 +1,6 @@
 """The robot as platforms, connecting chains and legs: SI, exact numbers, no file format and no algebra system."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from walkgen.model.curved_sole import CurvedSole
@@ -143,8 +143,9 @@ class Limb:
     their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
     `branches` are the spec's names of them, empty where it gives none. A leg without `sole` stands on its foot point,
     one with `curved_sole` where that touches level ground.
-    A leg that ends in a planar linkage has it in `linkage`: `tip` is then the linkage's plane, X and Y its first two axes, and the
-    last joints are the linkage's drives. `springs` pull at its links; what they weigh is part of these, at the mount of the platform.
+    A leg with a planar linkage has it in `linkage`: `tip` is then the linkage's plane, X and Y its first two axes, and after the joints
+    in series come the linkage's drives. `beyond` joints may hang on its end, and `foot` is the foot frame in the last one's. `springs`
+    pull at its links; what they weigh is part of these, at the mount of the platform.
     What moves with `cams` is part of no link.
     """
 
@@ -162,11 +163,33 @@ class Limb:
     springs: tuple[Spring, ...] = ()
     cams: tuple[Cam, ...] = ()
     curved_sole: CurvedSole | None = None
+    beyond: int = 0
+    foot: Transform = ()
 
     @property
     def serial(self) -> tuple[Joint, ...]:
         """The joints in series: all, or those before the linkage."""
-        return self.joints if self.linkage is None else self.joints[: len(self.joints) - self.linkage.drive_count]
+        return self.joints if self.linkage is None else self.joints[: len(self.joints) - self.beyond - self.linkage.drive_count]
+
+    @property
+    def drives(self) -> tuple[Joint, ...]:
+        """Those of the linkage; none where there is none."""
+        return self.joints[len(self.serial) : len(self.joints) - self.beyond]
+
+    @property
+    def distal(self) -> tuple[Joint, ...]:
+        """The joints beyond the linkage, at the foot's end."""
+        return self.joints[len(self.joints) - self.beyond :]
+
+    @property
+    def inner(self) -> "Limb":
+        """The joints before the linkage as a limb, whose tip is the linkage's plane."""
+        return replace(self, joints=self.serial, linkage=None, beyond=0, foot=())
+
+    @property
+    def outer(self) -> "Limb":
+        """The joints beyond the linkage as a limb on the frame at its end."""
+        return replace(self, mount=(), joints=self.distal, tip=self.foot, linkage=None, beyond=0, foot=())
 
     @property
     def contacts(self) -> int:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import product
 
-from walkgen.spec.assur import SIDES, Structure, order
+from walkgen.spec.assur import SIDES, Order, Structure, order
 
 BRANCHED_JOINTS = 3
 """Joints of a leg whose foot position leaves finitely many solutions, in general."""
@@ -28,19 +28,30 @@ def follows_curve(structure: Structure, joints: int) -> bool:
     return structure.drive_count == 1 and joints <= 1
 
 
-def linkage_hindrance(structure: Structure, foot: int, kinds: str) -> str:
-    """What keeps a leg that ends in a linkage from an inverse in closed form; empty where nothing does.
+def linkage_hindrance(structure: Structure, foot: int, kinds: str, after: str = "") -> str:
+    """What keeps a leg with a linkage from an inverse in closed form; empty where nothing does.
 
     Args:
         structure: a linkage that its drives place.
-        foot: the link that bears the foot.
+        foot: the link that bears the foot, or the joints after the linkage.
         kinds: joints before the linkage, R and P.
+        after: those after it.
     """
+    if after and (kinds or len(after) > 1):
+        return f"joints before the linkage ({kinds or 'none'}) and after it ({after}): one after it and none before has a closed form"
     if kinds not in ("", "R"):
         return f"{len(kinds)} joints ({kinds}) before the linkage: one that turns, or none, has a closed form"
     if structure.drive_count != 2:
         return f"{structure.drive_count} drives do not place the foot in the plane: two do"
-    back = order(structure.released(foot))
+    if after and order(structure).triads:
+        return f"a joint ({after}) follows a linkage with triads: rows have one or the other"
+    return _back_hindrance(structure, order(structure.released(foot)), most=0 if after else 1)
+
+
+def _back_hindrance(structure: Structure, back: Order, most: int) -> str:
+    """What keeps a held foot from leading back to the drives, by groups of which `most` may be triads."""
+    if len(back.triads) > most == 0:
+        return f"with the foot held {back.triads[0].name} is part of a triad, which rows with a joint after the linkage have not"
     if len(back.triads) > 1:
         return f"with the foot held {back.triads[0].name} and {back.triads[1].name} are parts of two triads: rows have one at most"
     if len(back.clusters) > 1:

@@ -98,6 +98,7 @@ def driven(design: LegDesign) -> Iterator[tuple[str, str]]:
     yield from ((pin_name(pin.joins, pin.name), "revolute") for pin in design.pins if pin.driven)
     for pairs in (design.sliders, design.cylinders):
         yield from ((pair.name, "prismatic") for pair in pairs if pair.driven)
+    yield from ((row.name, row.type) for row in design.joints_after)
 
 
 def _joint(path: Path, joint: str, unit: str, joints: dict[str, str]) -> Iterator[Finding]:

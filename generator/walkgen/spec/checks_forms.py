@@ -41,7 +41,7 @@ def _located(finding: Finding, spec: RobotSpec) -> Finding:
 
 def _place(path: Path, design: LegDesign, form: Path, pins: int) -> Path:
     match path[2:]:
-        case ("assembly" | "start" | "cylinders" | "sliders" | "plane" | "springs", *_):
+        case ("assembly" | "start" | "cylinders" | "sliders" | "plane" | "springs" | "joints_after" | "linkage_end", *_):
             return path
         case ("pins", int(index), *rest) if index >= pins:
             return (*path[:3], index - pins, *rest)

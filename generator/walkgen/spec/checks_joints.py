@@ -28,7 +28,7 @@ def check_joints(spec: RobotSpec, numbers: Numbers) -> Iterator[Finding]:
     """Geometry of every joint, convention of every design, and the lists that have one entry a joint."""
     for key in ("leg_designs", "chain_designs"):
         for name, design in getattr(spec, key).items():
-            if design.dh is None and any(_given(joint, _ROW) for joint in design.joints):
+            if design.dh is None and any(_given(joint, _ROW) for joint in design.rows):
                 yield Finding("WG120", (key, name, "dh"), "the DH convention is not named", _CONVENTIONS)
     yield from _branches(spec)
     yield from _soles(spec)
@@ -151,13 +151,13 @@ def _users(spec: RobotSpec) -> Iterator[tuple[Path, Table, Design]]:
 
 
 def _lists(path: Path, table: Table, design: Design, numbers: Numbers) -> Iterator[Finding]:
-    count = len(design.joints)
+    count = len(design.rows)
     for key in ("signs", "zeros", "zeros_deg", "source_names"):
         listed = getattr(table, key, None)
         if listed is not None and len(listed) != count:
             message = f"{key} has {len(listed)} entries for {count} joints"
             yield Finding("WG125", (*path, key), message, "give one entry for each joint")
-    for index, joint in enumerate(design.joints):
+    for index, joint in enumerate(design.rows):
         yield from _zero(path, index, joint, table, numbers)
 
 

@@ -16,7 +16,7 @@ from walkgen.spec.problems import Finding, did_you_mean, shown
 from walkgen.spec.schema import LegDesign, RobotSpec
 from walkgen.spec.table import Path, entries
 
-_OF_LINKAGES = ("plane", "assembly", "start")
+_OF_LINKAGES = ("plane", "assembly", "start", "joints_after", "linkage_end")
 _MOST_CHOICES = 4
 
 
@@ -56,10 +56,7 @@ def _references(path: Path, design: LegDesign) -> Iterator[Finding]:
     if FRAME not in design.links:
         cure = "write [leg_designs.NAME.links.frame] with the points that do not move"
         yield Finding("WG111", (*path, "links"), 'missing link "frame"', cure)
-    if not isinstance(design.foot, str):
-        yield Finding("WG180", (*path, "foot"), "the foot of a linkage is one of its points", 'write foot = "link.point"')
-    else:
-        yield from point_findings((*path, "foot"), design.foot, design)
+    yield from _end(path, design)
     for index, pin in enumerate(design.pins):
         for place, text in enumerate(pin.joins):
             yield from point_findings((*path, "pins", index, "joins", place), text, design)
@@ -78,6 +75,28 @@ def _references(path: Path, design: LegDesign) -> Iterator[Finding]:
             yield from point_findings((*here, place), text, design)
         yield from _ends(here, cylinder)
     yield from _start((*path, "start"), design)
+
+
+def _end(path: Path, design: LegDesign) -> Iterator[Finding]:
+    """The point that the linkage places, for the foot or for the joints after it."""
+    if not design.joints_after:
+        if design.linkage_end:
+            cure = 'remove linkage_end and write foot = "link.point", or describe [[leg_designs.NAME.joints_after]]'
+            yield Finding("WG180", (*path, "linkage_end"), "no joints follow the linkage that could hang on its end", cure)
+        if not isinstance(design.foot, str):
+            yield Finding("WG180", (*path, "foot"), "the foot of a linkage is one of its points", 'write foot = "link.point"')
+        else:
+            yield from point_findings((*path, "foot"), design.foot, design)
+        return
+    if isinstance(design.foot, str):
+        message = "joints follow the linkage: the foot is in the frame after the last of them"
+        cure = f'write linkage_end = {{ point = "{shown(design.foot)}" }}, and foot = {{ xyz = [0.0, 0.0, -0.1] }}'
+        yield Finding("WG180", (*path, "foot"), message, cure)
+    if design.linkage_end is None or design.linkage_end.point is None:
+        cure = 'write linkage_end = { point = "link.point", rpy_deg = [0, 90, 0] }: where the first joint after it stands'
+        yield Finding("WG111", (*path, "linkage_end"), "missing the point of the linkage that the joints after it hang on", cure)
+    else:
+        yield from point_findings((*path, "linkage_end", "point"), design.linkage_end.point, design)
 
 
 def _start(path: Path, design: LegDesign) -> Iterator[Finding]:
@@ -178,12 +197,14 @@ def _structure(path: Path, design: LegDesign, numbers: Numbers) -> Iterator[Find
 
 def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[Finding]:
     """As many names as branches, which the cure spells where there are few."""
-    if follows_curve(structure, len(design.joints)):
+    if not design.joints_after and follows_curve(structure, len(design.joints)):
         yield from named_branches(path, design, len(CURVE_BRANCHES))
         return
-    foot, _ = located(design, str(design.foot))
-    hindrance = linkage_hindrance(structure, foot, "".join(joint.type[0].upper() for joint in design.joints))
-    choices = linkage_choices(structure, foot, [joint.name for joint in design.joints])
+    foot, _ = located(design, design.placed)
+    kinds, after = ("".join(joint.type[0].upper() for joint in rows) for rows in (design.joints, design.joints_after))
+    hindrance = linkage_hindrance(structure, foot, kinds, after)
+    turning = [joint.name for joint in (*design.joints, *design.joints_after) if joint.type == "revolute"]
+    choices = linkage_choices(structure, foot, turning)
     for finding in named_branches(path, design, 0 if hindrance else prod(map(len, choices))):
         spelt = f"{finding.cure}: {', '.join(linkage_branches(choices))}" if len(choices) <= _MOST_CHOICES else finding.cure
         yield replace(finding, cure=f"leave branches out: {hindrance}" if hindrance else spelt)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 from walkgen.spec.checks_gait import gait_owner, gaits_of
+from walkgen.spec.checks_tree import rows_of
 from walkgen.spec.functions import CHAIN_FUNCTIONS, GAIT_FUNCTIONS, LEG_FUNCTIONS, ROBOT_FUNCTIONS, ROUTE_FUNCTIONS, TERRAIN_FUNCTIONS
 from walkgen.spec.linkage import PairSpec
 from walkgen.spec.linkage_forms import DriveSpec
@@ -55,7 +56,7 @@ def _named(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     for key in ("platforms", "legs", "terrain"):
         yield from (((key, index, "name"), entry.name) for index, entry in enumerate(getattr(spec, key)))
     for path, design in _designs(spec):
-        yield from (((*path, "joints", index, "name"), joint.name) for index, joint in enumerate(design.joints))
+        yield from (((*place, "name"), joint.name) for place, joint in rows_of(path, design))
     yield from ((path, name) for name, path, _ in gaits_of(spec) if name)
     yield from _branch_names(spec)
     yield from _pair_names(spec)
@@ -94,8 +95,8 @@ def _groups(spec: RobotSpec) -> Iterator[list[tuple[Path, str]]]:
     for key in ("platforms", "legs", "terrain"):
         yield [(path, name) for path, name in named if path[0] == key]
     for path, _ in _designs(spec):
-        for key in ("joints", "branches", "springs"):
-            yield [(place, name) for place, name in named if place[:3] == (*path, key)]
+        for keys in (("joints", "joints_after"), ("branches",), ("springs",)):
+            yield [(place, name) for place, name in named if any(place[:3] == (*path, key) for key in keys)]
 
 
 def _duplicates(group: list[tuple[Path, str]]) -> Iterator[Finding]:
@@ -136,7 +137,7 @@ def _joint_names(spec: RobotSpec) -> Iterator[tuple[Path, str]]:
     ]
     owners += [(("legs", index), leg, design_of(spec, leg)) for index, leg in _first(spec.legs)]
     for path, owner, design in owners:
-        for index, joint in enumerate(design.joints if design else ()):
+        for index, joint in enumerate(design.rows if design else ()):
             sources = owner.source_names
             if sources and index < len(sources):
                 yield (*path, "source_names", index), sources[index]

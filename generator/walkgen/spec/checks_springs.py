@@ -14,7 +14,7 @@ def check_springs(spec: RobotSpec) -> Iterator[Finding]:
     """Every spring of every leg design, linkages in the long form."""
     for name, design in spec.leg_designs.items():
         path: Path = ("leg_designs", name)
-        if design.springs and any(joint.name == MOUNT for joint in design.joints):
+        if design.springs and any(joint.name == MOUNT for joint in design.rows):
             message = f'a joint is called "{MOUNT}", which springs take for the leg\'s first frame'
             yield Finding("WG201", (*path, "joints"), message, "give the joint another name")
         for index, spring in enumerate(design.springs):
@@ -42,6 +42,10 @@ def _end(path: Path, end: SpringEnd, design: LegDesign) -> Iterator[Finding]:
             yield Finding("WG201", path, f'"{shown(end)}": the leg has no linkage with named points', cure)
     elif end.link not in (MOUNT, *(joint.name for joint in design.joints)):
         known = (MOUNT, *(joint.name for joint in design.joints))
+        if end.link in [joint.name for joint in design.joints_after]:
+            message = f'"{shown(end.link)}" follows the linkage, where springs are not supported'
+            yield Finding("WG201", (*path, "link"), message, f"hook the spring on one of {', '.join(known)}, or on a point of the linkage")
+            return
         yield Finding("WG201", (*path, "link"), f'no joint "{shown(end.link)}" moves a link', did_you_mean(end.link, known, "links"))
 
 

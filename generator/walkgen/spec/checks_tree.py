@@ -6,7 +6,7 @@ from walkgen.spec.functions import FUNCTION_NAMES
 from walkgen.spec.joint_tables import JointRow
 from walkgen.spec.linkage import CylinderSpec, PlanarLinkSpec
 from walkgen.spec.problems import Finding, did_you_mean, shown
-from walkgen.spec.schema import LegDesign, LegSpec, PlatformSpec, RobotSpec
+from walkgen.spec.schema import ChainDesign, LegDesign, LegSpec, PlatformSpec, RobotSpec
 from walkgen.spec.shapes import STAND_IN_NAME
 from walkgen.spec.table import Path
 from walkgen.spec.tree import mirror_circle, platform_circle
@@ -39,7 +39,14 @@ def joint_rows(spec: RobotSpec) -> Iterator[tuple[Path, JointRow]]:
     """Every joint of every design, with its path."""
     for key in ("leg_designs", "chain_designs"):
         for name, design in getattr(spec, key).items():
-            yield from (((key, name, "joints", index), joint) for index, joint in enumerate(design.joints))
+            yield from rows_of((key, name), design)
+
+
+def rows_of(path: Path, design: ChainDesign | LegDesign) -> Iterator[tuple[Path, JointRow]]:
+    """Every joint of one design in series, with its path."""
+    before = len(design.joints)
+    for index, joint in enumerate(design.rows):
+        yield (*path, "joints", index) if index < before else (*path, "joints_after", index - before), joint
 
 
 def _planar_parts(spec: RobotSpec) -> Iterator[tuple[Path, PlanarLinkSpec | CylinderSpec]]:

@@ -24,6 +24,13 @@ class Pose(Table):
     """Roll, pitch, yaw (degrees)."""
 
 
+class LinkageEnd(Pose):
+    """Where the joints after a linkage begin: xyz and rpy in the axes of a link at one of its points, z the plane's normal."""
+
+    point: StrictStr | None = None
+    """The point, as link.point; that of a short form's foot where left out."""
+
+
 class Link(Table):
     """The rigid body that a joint moves, in the frame after the joint's row."""
 

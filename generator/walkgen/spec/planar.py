@@ -35,7 +35,7 @@ def structure_of(design: LegDesign) -> Structure:
     driven = [cylinder.name for cylinder in design.cylinders if cylinder.driven]
     joined = joined_pairs(design)
     pairs = tuple(each.pair for each in joined)
-    found = pantograph(pairs, _exact_places(joined), *_exact_foot(design))
+    found = None if design.joints_after else pantograph(pairs, _exact_places(joined), *_exact_foot(design))
     return Structure((*links, *driven), pairs, frozenset(range(len(links), len(links) + len(driven))), found)
 
 
@@ -51,7 +51,7 @@ def _exact_places(joined: tuple[Joined, ...]) -> dict[tuple[int, int], Complex]:
 
 def _exact_foot(design: LegDesign) -> tuple[int, Complex]:
     """Its link and place; no link where the place is not exact."""
-    body, (x, y) = located(design, str(design.foot))
+    body, (x, y) = located(design, design.placed)
     return (body, (x.value, y.value)) if isinstance(x, Exact) and isinstance(y, Exact) else (-1, (Fraction(0), Fraction(0)))
 
 

@@ -9,7 +9,7 @@ from walkgen.spec.balance import BalanceSpec
 from walkgen.spec.curved_sole import CurvedSoleSpec
 from walkgen.spec.gait import TAGS as GAIT_TAGS
 from walkgen.spec.gait import Gaits
-from walkgen.spec.joint_tables import JointRow, Pose
+from walkgen.spec.joint_tables import JointRow, LinkageEnd, Pose
 from walkgen.spec.linkage import CylinderSpec, PinSpec, PlanarLinkSpec, SliderSpec, StartSpec
 from walkgen.spec.linkage_forms import FiveBar, FourBar, LinkageForm, Parallelogram, Stephenson, Watt
 from walkgen.spec.sole_design import SoleDesignSpec
@@ -44,10 +44,15 @@ class Design(Table):
     """DH convention: classic (distal) or craig (modified, proximal); there is no default."""
     joints: tuple[JointRow, ...] = Field(default=(), max_length=_MOST_JOINTS)
     signs: tuple[Sign, ...] | None = None
-    """One a joint: mechanism angle = sign * q + zero."""
+    """One a joint in series: mechanism angle = sign * q + zero."""
     zeros: tuple[Number, ...] | None = None
     """One a joint (rad or m)."""
     zeros_deg: tuple[Number, ...] | None = None
+
+    @property
+    def rows(self) -> tuple[JointRow, ...]:
+        """All joints in series, from base to tip."""
+        return self.joints
 
 
 def _foot_kind(value: Any) -> str:
@@ -82,7 +87,7 @@ class LegDesign(Design):
     """A leg, described once and mounted as often as needed."""
 
     foot: Foot | None = None
-    """Foot frame in the frame after the last joint, its origin is the foot point; of a linkage a point, as link.point."""
+    """Foot frame in the frame after the last joint, its origin is the foot point; where a linkage is last a point, as link.point."""
     sole: SoleSpec | None = None
     """Rectangle on which the leg stands; on the foot point alone where left out."""
     curved_sole: CurvedSoleSpec | None = None
@@ -100,6 +105,10 @@ class LegDesign(Design):
     cylinders: tuple[CylinderSpec, ...] = Field(default=(), max_length=_MOST_LINKS)
     plane: Pose | None = None
     """Where the linkage's X (forward) and Y (up) lie in the frame after the joints."""
+    joints_after: tuple[JointRow, ...] = Field(default=(), max_length=_MOST_JOINTS)
+    """Joints in series at the linkage's end, from it to the foot."""
+    linkage_end: LinkageEnd | None = None
+    """What they hang on: a point of the linkage, and the first one's frame there."""
     assembly: dict[StrictStr, StrictStr] = Field(default_factory=dict, max_length=_MOST_LINKS)
     """The side on which each dyad is assembled, by its name; `walkgen show` lists them."""
     start: StartSpec | None = None
@@ -116,8 +125,18 @@ class LegDesign(Design):
     """Short for those of a parallelogram."""
 
     @property
+    def rows(self) -> tuple[JointRow, ...]:
+        """All joints in series: before the linkage, then after it."""
+        return (*self.joints, *self.joints_after)
+
+    @property
+    def placed(self) -> str:
+        """The point that the linkage places: its end, or the foot where no joints follow; every reference is trusted."""
+        return str(self.linkage_end.point if self.joints_after and self.linkage_end else self.foot)
+
+    @property
     def planar(self) -> bool:
-        """Whether the leg ends in a linkage."""
+        """Whether the leg has a linkage."""
         return bool(self.links or self.pins or self.sliders or self.cylinders or self.forms)
 
     @property

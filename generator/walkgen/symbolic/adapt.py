@@ -10,6 +10,7 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import CONTEXT, number
 from walkgen.signature import Port, Signature
 from walkgen.spec.branches import BRANCHED_JOINTS
+from walkgen.symbolic.adapt_rates import Posture
 from walkgen.symbolic.forward import flat
 from walkgen.symbolic.frames import Frame, Parameters, parameter_symbols
 from walkgen.symbolic.function import Derivation, Solve, Step
@@ -26,7 +27,7 @@ _NAN = float("nan")
 
 
 def adapt_functions(mechanism: Mechanism) -> dict[str, Callable[[], Derivation]]:
-    """Those that the robot has: it needs connecting chains, and legs of three joints."""
+    """Those that the robot has: it needs connecting chains, and legs of three joints; rates alone where any of these are a linkage's."""
     counts = {
         "joints": sum(len(limb.joints) for limb in mechanism.limbs),
         "feet": len(mechanism.legs),
@@ -36,7 +37,8 @@ def adapt_functions(mechanism: Mechanism) -> dict[str, Callable[[], Derivation]]
     branched = all(len(leg.joints) == BRANCHED_JOINTS for leg in mechanism.legs)
     if not counts["chain joints"] or not branched or any(counts[name] > most for name, most in _MOST.items()):
         return {}
-    return {"adapt": lambda: adapt(mechanism), "adapt_velocity": lambda: adapt_velocity(mechanism)}
+    rates: dict[str, Callable[[], Derivation]] = {"adapt_velocity": lambda: adapt_velocity(mechanism)}
+    return rates if any(leg.linkage for leg in mechanism.legs) else {"adapt": lambda: adapt(mechanism), **rates}
 
 
 def adapt(mechanism: Mechanism) -> Solve:
@@ -76,8 +78,13 @@ def adapt_velocity(mechanism: Mechanism) -> Solve:
         "SINGULAR while a leg is damped."
     )
     words = signature(mechanism, "", "adapt_velocity", inputs, [joint_port("qd", joints, "/s"), _STATUS], doc, _SOURCE)
-    arguments = ("tree", "topology", "limits", "q", "xd", "qd0", *_damping(mechanism), len(joints), feet, platforms)
-    return _solve(mechanism, words, Step("wg_adapt_velocity", (*arguments, "qd", "status")))
+    driven = any(leg.linkage for leg in mechanism.legs)
+    arguments = ("xd", "qd0", *_damping(mechanism), len(joints), feet, platforms, "qd", "status")
+    step = Step("wg_adapt_velocity", ("tree", "topology", "limits", "still" if driven else "q", *arguments))
+    if driven:
+        posture = Posture(mechanism, _tree_port(mechanism), _topology_port(mechanism))
+        return posture.solve(words, tuple(_topology(mechanism)), step)
+    return _solve(mechanism, words, step)
 
 
 def _solve(mechanism: Mechanism, words: Signature, step: Step) -> Solve:

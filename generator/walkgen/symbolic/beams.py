@@ -1,7 +1,7 @@
 """Links as straight beams of constant section between their joints: what makes a locked leg or chain yield under loads (theory 4.3)."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import sympy
@@ -112,21 +112,33 @@ def beams_of(mechanism: Mechanism, limbs: Sequence[Limb], kinematics: Kinematics
 
     A link runs from where its joint stands to where the next one does, a leg's last to the foot, a chain's last to its last frame.
     """
-    frames, values = iter(kinematics.frames[1:]), iter(kinematics.path.q)
-    found = []
+    found, place = [], 0
     for limb in limbs:
-        links = links_of(limb, [next(values) for _ in limb.joints], parameter_symbols(mechanism))
-        pairs = zip(limb.joints, links, strict=True)
-        found.append(tuple(_beam(mechanism, joint, link, next(frames), kinematics.tape) for joint, link in pairs))
+        found.append(limb_beams(mechanism, limb, kinematics, place))
+        place += len(limb.joints)
     return tuple(found)
+
+
+def limb_beams(mechanism: Mechanism, limb: Limb, kinematics: Kinematics, place: int) -> tuple[Beam | None, ...]:
+    """Of one limb of a path, whose first joint is the path's at `place`."""
+    if not limb.joints:
+        return ()
+    stop = place + len(limb.joints)
+    links = links_of(limb, kinematics.path.q[place:stop], parameter_symbols(mechanism))
+    parts = zip(limb.joints, links, kinematics.frames[place + 1 : stop + 1], strict=True)
+    return tuple(_beam(mechanism, joint, link, frame, kinematics.tape) for joint, link, frame in parts)
 
 
 def all_have_sections(mechanism: Mechanism, leg: Limb) -> bool:
     """Whether every link of some length has a section; of a linkage, one of its links: the others are rigid."""
-    if leg.linkage is not None and not (any(leg.linkage.sections) and leg.serial):
-        return any(leg.linkage.sections)
-    links = links_of(replace(leg, joints=leg.serial), sympy.symbols(f"q:{len(leg.serial)}"), parameter_symbols(mechanism))
-    return all(joint.section or link.vector == ZERO_VECTOR for joint, link in zip(leg.serial, links, strict=True))
+    if leg.linkage is None:
+        return _covered(mechanism, leg)
+    return any(leg.linkage.sections) and all(_covered(mechanism, series) for series in (leg.inner, leg.outer) if series.joints)
+
+
+def _covered(mechanism: Mechanism, limb: Limb) -> bool:
+    links = links_of(limb, sympy.symbols(f"q:{len(limb.joints)}"), parameter_symbols(mechanism))
+    return all(joint.section or link.vector == ZERO_VECTOR for joint, link in zip(limb.joints, links, strict=True))
 
 
 @dataclass(frozen=True)

@@ -183,9 +183,9 @@ def _with_inputs(function: Function, extras: Sequence[Port]) -> Function:
 
 
 def _joints(mechanism: Mechanism, leg: Limb, function: Function) -> _Joints:
-    """Of the robot's q where the function takes all of it, else the last of the path's, or the one drive of a curve."""
+    """Of the robot's q where the function takes all of it, else at the end of the path's, or the one drive of a curve."""
     port = next(port for port in function.signature.inputs if port.name in ("q", DRIVE.name))
-    count = drive_count(leg) if leg.linkage is not None else len(leg.joints)
+    count = drive_count(leg) + leg.beyond if leg.linkage is not None else len(leg.joints)
     of_robot = not function.signature.owner
     first = mechanism.offset(leg) + len(leg.joints) - count if of_robot else port.size - count
     return _Joints(leg, port, first)
@@ -198,7 +198,7 @@ def _gathered(mechanism: Mechanism, joints: _Joints) -> Function:
     drives = symbols_of(joints.port)[joints.first : joints.first + drive_count(leg)]
     turned = [
         _near(value, sympy.Rational(str(at)), tape) if joint.kind == "revolute" else value
-        for value, at, joint in zip(drives, start.drives, leg.joints[len(leg.serial) :], strict=True)
+        for value, at, joint in zip(drives, start.drives, leg.drives, strict=True)
     ]
     own = f"drives_in_{joints.port.name}_{joints.port.size}"
     port = Port(f"{leg.name}_drives", (len(turned) + len(used),), "rad, m or as declared")

@@ -44,9 +44,10 @@ class Clusters:
         bars: Mapping[int, sympy.Expr],
         parameters: Parameters,
         target: Planar | None = None,
+        held: Planar | None = None,
     ) -> None:
         self.linkage, self.tape, self._parameters = linkage, tape, parameters
-        self._bars, self.target = bars, target
+        self._bars, self.target, self._held = bars, target, held
         count = len(linkage.structure.names)
         self.cluster = list(range(count))
         self._pose = [PlanarPose() for _ in range(count)]
@@ -68,7 +69,7 @@ class Clusters:
         """The point where a pair meets one of its bodies, in that body's axes."""
         if pair == len(self.linkage.points):
             assert self.target is not None
-            return self.target if body == 0 else self.planar(self.linkage.foot[1])
+            return self.target if body == 0 else self._held or self.planar(self.linkage.foot[1])
         end = self.linkage.points[pair][self.linkage.structure.pairs[pair].bodies.index(body)]
         return (self._bars[body], sympy.S.Zero) if end is None else self.planar(end)
 

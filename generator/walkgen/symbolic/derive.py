@@ -24,7 +24,7 @@ from walkgen.symbolic.limits import inverse_admissible, inverse_distance, invers
 from walkgen.symbolic.linkage_functions import LINKAGE, linkage_function
 from walkgen.symbolic.linkage_inverse import linkage_inverse
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
-from walkgen.symbolic.reach import inverse_pose, inverse_reach
+from walkgen.symbolic.reach import inverse_pose, inverse_pose_driven, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 from walkgen.symbolic.settle import settle
@@ -113,7 +113,7 @@ def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     yield from (build() for name, build in robot.functions().items() if wanted(name))
     stood = contact_functions(mechanism) | stance_functions(mechanism)
     pointed = all(leg.curved_sole is None for leg in mechanism.legs)
-    if pointed and all(leg.linkage is None for leg in mechanism.legs):
+    if pointed:
         yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
     stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
     floating = FloatingFunctions(mechanism)
@@ -194,5 +194,8 @@ def _iterated(mechanism: Mechanism, route: Route) -> dict[str, PathBuilder]:
         return {}
     if route.limbs[-1].linkage is None:
         return ITERATED if len(route.joints) > BRANCHED_JOINTS else {}
-    branched = len(route.limbs) == 1 and inverse_class(mechanism, route.limbs[-1]).name
-    return {} if branched else {"inverse_near": inverse_driven}
+    leg = route.limbs[-1]
+    branched = len(route.limbs) == 1 and inverse_class(mechanism, leg).name
+    followed = leg.linkage is not None and leg.linkage.forward.triads
+    posed: dict[str, PathBuilder] = {"inverse_pose": inverse_pose_driven} if len(route.joints) > BRANCHED_JOINTS and not followed else {}
+    return posed if branched else {"inverse_near": inverse_driven, **posed}

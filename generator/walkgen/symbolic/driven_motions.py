@@ -36,7 +36,7 @@ def driven_motions(mechanism: Mechanism, leg: Limb, spread: Spread) -> Motions:
     closing = _Closure(mechanism, leg, spread.tape) if linkage and linkage.forward.triads else None
     symbols = symbols_of(joint_port("q", leg.joints))
     turns: list[tuple[Any, Any]] = [(-2, 2) for _ in leg.serial]
-    ranges = turns + (drive_ranges(mechanism, leg, linkage) if linkage else [])
+    ranges = turns + (drive_ranges(mechanism, leg, linkage) if linkage else []) + [(-2, 2) for _ in leg.distal]
     lines = lines_behind(spread.tape, [*spread.values, *(slope for row in spread.slopes for slope in row.values())])
 
     def motions(known: Values, generator: random.Random) -> list[tuple[Any, Any]]:

@@ -112,13 +112,14 @@ class DrivenSearch:
     def _limits(self, joint: Joint) -> tuple[sympy.Expr, sympy.Expr]:
         """A cylinder is never shorter than nothing."""
         least, greatest = limits_of(joint, parameter_symbols(self.mechanism))
-        linkage = self.route.limbs[-1].linkage
-        cylinders = self.route.joints[-len(linkage.structure.bars) :] if linkage and linkage.structure.bars else ()
+        leg = self.route.limbs[-1]
+        cylinders = leg.drives[len(leg.linkage.driven) :] if leg.linkage else ()
         return (sympy.S.Zero if joint in cylinders and joint.limits is None else least), greatest
 
     def _ways(self) -> Iterator[Vec]:
         """What the constant poses along the route shift."""
         parameters = parameter_symbols(self.mechanism)
         for limb in self.route.limbs:
-            poses = (limb.mount, limb.tip, *(pose for joint in limb.serial for pose in (joint.before, joint.after)))
+            series = (pose for joint in (*limb.serial, *limb.distal) for pose in (joint.before, joint.after))
+            poses = (limb.mount, limb.tip, limb.foot, *series)
             yield from (frame_of(pose, parameters).origin for pose in poses)

@@ -208,7 +208,7 @@ _OF_CAMS = {
 
 IDENTIFIED = {
     "regressor": " Links: one a joint before the linkage, the last with the linkage's frame on it, then those of the linkage in the "
-    "spec's order, each about the origin of its own axes, z the plane's normal.",
+    "spec's order, each about the origin of its own axes, z the plane's normal, then one a joint after the linkage.",
     "base_parameters": "",
 }
 """Functions of what every link weighs, plate or not, and what there is to say of a linkage's."""

@@ -5,7 +5,7 @@ where rigid links in parallel planes cannot tell how they share a load, it goes 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement
 from math import hypot
@@ -16,14 +16,14 @@ from walkgen.model.linkage import Linkage, Point
 from walkgen.model.mechanism import Limb, Mechanism, Section
 from walkgen.model.walk import number
 from walkgen.spec.scalar import Scalar
-from walkgen.symbolic.beams import Beam, Rows, beams_of
+from walkgen.symbolic.beams import Beam, Rows, beams_of, limb_beams
 from walkgen.symbolic.choices import chosen, less
 from walkgen.symbolic.driven import DrivenKinematics
 from walkgen.symbolic.frames import expression
 from walkgen.symbolic.free_bodies import FreeBodies, Load, at
 from walkgen.symbolic.path import Kinematics
 from walkgen.symbolic.planar import Planar, conjugate, difference, inner, outer, square, stretched, sum_of, turned
-from walkgen.symbolic.tape import Columns, Tape, Vec, plus, scaled
+from walkgen.symbolic.tape import Columns, Tape, Vec, cross, dot, minus, plus, scaled
 
 Exprs = Sequence[sympy.Expr]
 _ZERO, _ONE = sympy.S.Zero, sympy.S.One
@@ -33,33 +33,43 @@ _SAME = 1e-12
 
 @dataclass(frozen=True)
 class PlanarYield:
-    """How a linkage yields in its plane: `matrix` [3][3] maps force along X, Y and moment on the foot's link to its motion.
+    """How a linkage yields in its plane: `matrix` [3][3] maps force along X, Y and moment on the link at its end to that link's motion.
 
-    `axes` are X, Y and the normal in the path's base axes. Its methods are those of `Beam`, for the foot point.
+    `axes` are X, Y and the normal, `end` is the linkage's end, in the path's base axes. Its methods are those of `Beam`.
     """
 
     axes: Columns
     matrix: tuple[tuple[sympy.Expr, ...], ...]
+    end: Vec
 
     def shared(self, first: Vec, second: Vec, tape: Tape) -> Rows:
-        """How far the foot yields [3] for a unit force [3] on it."""
-        assert first == second
-        halves = [tape.vector("planar", plus(scaled(row[0], self.axes[0]), scaled(row[1], self.axes[1]))) for row in self.matrix[:2]]
-        x, y, _ = self.axes
-        return [[x[row] * halves[0][column] + y[row] * halves[1][column] for column in range(3)] for row in range(3)]
+        """How far the first point yields [3] for a unit force [3] in the second, both beyond the linkage."""
+        left, right = self._ways(first, tape), self._ways(second, tape)
+        halves = [self._mixed(row, right, tape) for row in self.matrix[: len(left)]]
+        return [[dot([way[row] for way in left], [half[column] for half in halves]) for column in range(3)] for row in range(3)]
 
     def twisted(self, point: Vec, tape: Tape) -> Rows:
-        """How far the foot yields [3] for a unit moment [3] on its link."""
-        x, y, normal = self.axes
-        moved = tape.vector("planar", plus(scaled(self.matrix[0][2], x), scaled(self.matrix[1][2], y)))
-        del point
-        return [[moved[row] * normal[column] for column in range(3)] for row in range(3)]
+        """How far a point beyond the linkage yields [3] for a unit moment [3] there."""
+        moved = self._mixed(self.matrix[2], self._ways(point, tape), tape)
+        return [[moved[row] * self.axes[2][column] for column in range(3)] for row in range(3)]
 
     def turned(self, tape: Tape) -> Rows:
-        """How far the foot's link turns [3] for a unit moment [3] on it."""
+        """How far what is beyond the linkage turns [3] for a unit moment [3] on it."""
         normal = self.axes[2]
         turn = tape.let("planar", self.matrix[2][2])
         return [[turn * normal[row] * normal[column] for column in range(3)] for row in range(3)]
+
+    def _ways(self, point: Vec, tape: Tape) -> tuple[Vec, ...]:
+        """How a point moves with the end along X, along Y, and where it is elsewhere about the normal."""
+        x, y, normal = self.axes
+        if point == self.end:
+            return (x, y)
+        return (x, y, tape.vector("swing", cross(normal, tape.vector("arm", minus(point, self.end)))))
+
+    @staticmethod
+    def _mixed(factors: Exprs, ways: Sequence[Vec], tape: Tape) -> Vec:
+        x, y, z = (dot(factors[: len(ways)], [way[row] for way in ways]) for row in range(3))
+        return tape.vector("planar", (x, y, z))
 
 
 Yielding = Beam | PlanarYield
@@ -73,10 +83,10 @@ def yields_of(
         return beams_of(mechanism, limbs, kinematics)
     leg, linkage = limbs[-1], limbs[-1].linkage
     assert linkage is not None
-    before = (*limbs[:-1], replace(leg, joints=leg.serial, linkage=None)) if leg.serial else limbs[:-1]
-    found = beams_of(mechanism, before, kinematics.carrier)
-    own = found[-1] if leg.serial else ()
-    return (*found[: len(limbs) - 1], (*own, *LinkageBeams(mechanism, linkage, kinematics).all()))
+    path = kinematics.carrier
+    *found, own = beams_of(mechanism, (*limbs[:-1], leg.inner), path)
+    after = limb_beams(mechanism, leg.outer, path, len(path.path.joints) - leg.beyond)
+    return (*found, (*own, *LinkageBeams(mechanism, linkage, kinematics).all(), *after))
 
 
 @dataclass(frozen=True)
@@ -112,7 +122,7 @@ class LinkageBeams:
         for row, column in combinations_with_replacement(range(3), 2):
             entry = self._tape.let("flexible", sympy.Add(*(each[row, column] for each in energy)))
             rows[row][column] = rows[column][row] = entry
-        yield PlanarYield(self._kinematics.plane, tuple(map(tuple, rows)))
+        yield PlanarYield(self._kinematics.plane, tuple(map(tuple, rows)), self._kinematics.end)
         yield from self._out_of_plane()
 
     # ---- in the plane

@@ -61,12 +61,17 @@ class PlacedLinkage:
     def __init__(self, mechanism: Mechanism, leg: Limb, linkage: Linkage) -> None:
         self._mechanism, self._leg, self.linkage, self.tape = mechanism, leg, linkage, Tape()
         self.q, self.parameters = symbols_of(joint_port("q", leg.joints)), parameter_symbols(mechanism)
-        self.drives = leg.joints[len(leg.serial) :]
+        self.drives = leg.drives
+
+    @property
+    def _driven(self) -> slice:
+        """The drives among the leg's q."""
+        return slice(len(self._leg.serial), len(self._leg.serial) + len(self.drives))
 
     @cached_property
     def placing(self) -> Placing:
         """Every link in the plane."""
-        return forward_placing(self._leg, self.q[len(self._leg.serial) :], self.parameters, self.tape)
+        return forward_placing(self._leg, self.q[self._driven], self.parameters, self.tape)
 
     @cached_property
     def kinematics(self) -> DrivenKinematics:
@@ -106,6 +111,10 @@ class PlacedLinkage:
         pairs = [(structure.pairs[pair].name, body) for pair, body in self.ends]
         cylinders = [(each.name, body) for each in self.linkage.frictions if each.pair is None for body, _ in each.ends]
         return [f"{name} on {structure.names[body]}" for name, body in pairs + cylinders]
+
+    def forces(self) -> Exprs:
+        """Efforts of the drives at their motion."""
+        return self.efforts()[self._driven]
 
     def efforts(self) -> Exprs:
         """Of all q at their motion."""
@@ -162,7 +171,7 @@ def _pair_positions(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
 
 
 def _driving_forces(leg: PlacedLinkage) -> tuple[tuple[Port, ...], Exprs]:
-    efforts = leg.efforts()[-len(leg.drives) :]
+    efforts = leg.forces()
     return (Port("forces", (len(efforts),), effort_unit(leg.drives)),), efforts
 
 
@@ -222,7 +231,7 @@ LINKAGE: dict[str, Entry] = {
     "driving_forces": Entry(
         _MOTION,
         _driving_forces,
-        f"Efforts of the drives: thrust of cylinders and sliders, torque of pins: {_MOTION_DOC}. The last of inverse_dynamics.",
+        f"Efforts of the drives: thrust of cylinders and sliders, torque of pins: {_MOTION_DOC}. Their part of inverse_dynamics.",
         "virtual work; eqs. (14), (15) as corrected",
     ),
     "power": Entry(

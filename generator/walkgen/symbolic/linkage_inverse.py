@@ -9,7 +9,7 @@ import sympy
 
 from walkgen.model.classify import InverseClass, inverse_class
 from walkgen.model.linkage import Linkage
-from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.model.mechanism import Limb, Mechanism, Transform
 from walkgen.signature import Port
 from walkgen.spec.assur import SIDES, Group
 from walkgen.spec.scalar import ZERO
@@ -25,7 +25,7 @@ from walkgen.symbolic.planar import Planar, difference, outer, square
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, parameters_of, row_ports
 from walkgen.symbolic.selection import nearest
-from walkgen.symbolic.tape import Tape, Vec, dot, minus, symbols_of
+from walkgen.symbolic.tape import Tape, Vec, dot, minus, plus, symbols_of, times
 
 _TOLERANCE = sympy.Rational(1, 10**11)
 """Of a group's margin: what rounding leaves of a target at the edge, 1e-12 of the reach outside it."""
@@ -43,12 +43,16 @@ Exprs = Sequence[sympy.Expr]
 
 @dataclass(frozen=True)
 class Plane:
-    """A solution for the joint before the linkage: its q, the target in the plane, how far it is from having one, whether any q will do."""
+    """A solution for the joint before the linkage or after it: its q, the target in the plane, how far it is from having one, whether any q
+    will do; of a joint after it also which point of the linkage's last link is to be at the target.
+    """
 
     q: tuple[sympy.Expr, ...]
     target: Planar
     misses: sympy.Expr
     free: sympy.Expr
+    after: tuple[sympy.Expr, ...] = ()
+    held: Planar | None = None
 
 
 @dataclass(frozen=True)
@@ -147,8 +151,13 @@ class LinkageRows:
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
-        """Both ways of the joint before the linkage; one where there is none."""
-        return tuple(self._plane(turn) for turn in ((_ONE, -_ONE) if self._leg.serial else (_ONE,)))
+        """Both ways of the joint that turns; one where there is none."""
+        return tuple(self._plane(turn) for turn in ((_ONE, -_ONE) if self._turning else (_ONE,)))
+
+    @property
+    def _turning(self) -> bool:
+        """Whether a joint before the linkage or after it has two ways."""
+        return any(joint.kind == "revolute" for joint in (*self._leg.serial, *self._leg.distal))
 
     def row(self, turn: int, signs: Sequence[int], arrival: Arrival | None = None) -> tuple[list[sympy.Expr], sympy.Expr]:
         """q and status for one of the planes and the signs of the dyads that have sides."""
@@ -163,7 +172,7 @@ class LinkageRows:
             upper = Less(branch, slots)
             signs.append(self._tape.let("sign", Select(upper, 1, -1)))
             branch = self._tape.let("rest", Select(upper, branch, branch - slots))
-        turn = signs.pop(0) if self._leg.serial else _ONE
+        turn = signs.pop(0) if self._turning else _ONE
         return self._row(self._plane(turn), dict(zip(self._sided, signs, strict=True)), less(turn, 0))
 
     @property
@@ -177,11 +186,53 @@ class LinkageRows:
         plane = frame_of(self._leg.tip, self._parameters)
         if not self._leg.serial:
             x, y, z = self._local(mount * plane, self._p)
+            if self._leg.distal:
+                return self._hung(self._tape.vector("seen", (x, y, z)), turn)
             return Plane((), (x, y), self._tape.let("off_plane", z**2), sympy.false)
         joint = self._leg.serial[0]
         base = mount * frame_of(joint.before, self._parameters)
         hung = frame_of(joint.after, self._parameters) * plane
         return self._turned(hung, self._tape.vector("seen", self._local(base, self._p)), turn)
+
+    def _hung(self, seen: Vec, sign: sympy.Expr) -> Plane:
+        """The joint after the linkage takes the foot as far from the plane as the target `seen` in it is."""
+        joint, tape = self._leg.distal[0], self._tape
+        stand, lever = (self._frame(*poses) for poses in ((joint.before,), (joint.after, self._leg.foot)))
+        nx, ny, nz = (column[2] for column in stand.rotation)
+        x, y, z = lever.origin
+        zero = expression(joint.zero, self._parameters)
+        if joint.kind == "prismatic":
+            way = tape.let("hung_way", (seen[2] - stand.origin[2] - nx * x - ny * y - nz * z) / nz)
+            misses, value, swung = sympy.S.Zero, joint.sign * (way - zero), (x, y, z + way)
+        else:
+            a, b = tape.let("hung_a", nx * x + ny * y), tape.let("hung_b", ny * x - nx * y)
+            c = tape.let("hung_c", seen[2] - stand.origin[2] - nz * z)
+            _, inside, (cosine, sine) = self._crossing("hung", (a, b, c), sign)
+            turn = tape.let("hung_turn", Angle(sine, cosine))
+            cos, sin = tape.let("hung_cosine", sympy.cos(turn)), tape.let("hung_sine", sympy.sin(turn))
+            misses, swung = tape.let("hung_misses", Select(less(inside, 0), -inside, 0)), (cos * x - sin * y, sin * x + cos * y, z)
+            value = joint.sign * (turn - zero)
+            if joint.zero != ZERO:
+                value = Angle(sympy.sin(value), sympy.cos(value))
+        held = plus(stand.origin, times(stand.rotation, tape.vector("swung", swung)))
+        end = [expression(entry, self._parameters) for entry in self._linkage.foot[1]]
+        point = (tape.let("held_x", end[0] + held[0]), tape.let("held_y", end[1] + held[1]))
+        return Plane((), (seen[0], seen[1]), misses, sympy.false, (tape.let("hung", value),), point)
+
+    def _crossing(self, name: str, factors: Exprs, sign: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr, Planar]:
+        """Where A cos t + B sin t = C: A^2 + B^2, that less C^2 (negative where there is no t), cosine and sine of t."""
+        (a, b, c), tape = factors, self._tape
+        size = tape.let(f"{name}_size", a**2 + b**2)
+        inside = tape.let(f"{name}_inside", size - c**2)
+        root = tape.let(f"{name}_root", sign * sympy.sqrt(Select(less(inside, 0), 0, inside)))
+        return size, inside, (tape.let(f"{name}_cos", (a * c - b * root) / size), tape.let(f"{name}_sin", (b * c + a * root) / size))
+
+    def _frame(self, *poses: Transform) -> Frame:
+        """Constant poses one after another."""
+        frame = Frame()
+        for pose in poses:
+            frame = frame * frame_of(pose, self._parameters)
+        return frame
 
     def _local(self, frame: Frame, point: Vec) -> Vec:
         offset = minus(point, frame.origin)
@@ -193,11 +244,8 @@ class LinkageRows:
         (nx, ny, nz), tape, joint = hung.rotation[2], self._tape, self._leg.serial[0]
         a, b = tape.let("plane_a", nx * w[0] + ny * w[1]), tape.let("plane_b", nx * w[1] - ny * w[0])
         c = tape.let("plane_c", dot((nx, ny, nz), hung.origin) - nz * w[2])
-        size = tape.let("plane_size", a**2 + b**2)
-        inside = tape.let("plane_inside", size - c**2)
-        root = tape.let("plane_root", sign * sympy.sqrt(Select(less(inside, 0), 0, inside)))
+        size, inside, (cosine, sine) = self._crossing("plane", (a, b, c), sign)
         free = less(size, sympy.Rational(1, 10**24))
-        cosine, sine = tape.let("plane_cos", (a * c - b * root) / size), tape.let("plane_sin", (b * c + a * root) / size)
         angle = Select(free, 0, Angle(sine, cosine))
         turn = tape.let("plane_turn", angle)
         cos, sin = tape.let("plane_cosine", sympy.cos(turn)), tape.let("plane_sine", sympy.sin(turn))
@@ -215,10 +263,10 @@ class LinkageRows:
         tape, order = self._tape, self._linkage.inverse
         root = lambda square: sympy.sqrt(Select(less(square, 0), 0, square))  # noqa: E731 - a formula
         target, unknowns = (arrival.target, arrival.unknowns) if arrival else (plane.target, ())
-        placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, target, root, unknowns)
+        placing = Placing(self._linkage, order, tape, {}, {}, signs, self._parameters, target, root, unknowns, plane.held)
         bars = sorted(self._linkage.structure.bars)
         drives = [placing.measured(pair) for pair in self._linkage.driven] + [self._length(placing, bar) for bar in bars]
-        values = [tape.let("drive", value + self._taint) for value in (*plane.q, *drives)]
+        values = [tape.let("drive", value + self._taint) for value in (*plane.q, *drives, *plane.after)]
         return values, self._status(plane, placing, signs, second, arrival)
 
     def _length(self, placing: Placing, bar: int) -> sympy.Expr:

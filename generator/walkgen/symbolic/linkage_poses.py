@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import defaults
 from walkgen.symbolic.arrays import compiled
-from walkgen.symbolic.closure import Closing, closing_at, drive_count, point_parameters, point_port, unknowns_port
+from walkgen.symbolic.closure import Closing, closing_at, point_parameters, point_port, unknowns_port
 from walkgen.symbolic.starts import FoundStart
 from walkgen.symbolic.tape import Tape, symbols_of
 
@@ -60,7 +60,7 @@ class LinkagePoses:
         """Turning drives within half a turn of the start, as generated code has them."""
         assert self._start is not None
         near = z.copy()
-        for place, (joint, at) in enumerate(zip(self._leg.joints[-drive_count(self._leg) :], self._start.drives, strict=True)):
+        for place, (joint, at) in enumerate(zip(self._leg.drives, self._start.drives, strict=True)):
             if joint.kind == "revolute":
                 near[:, place] -= 2 * np.pi * np.rint((z[:, place] - float(at)) / (2 * np.pi))
         return near

@@ -4,13 +4,13 @@ A link counts as a flat plate: about any axis in its plane through its centre of
 only where the centre is matters in space, and how fast the link turns.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import sympy
 
 from walkgen.model.linkage import Linkage, PlanarBody, Point
-from walkgen.model.mechanism import Body, Limb, Mechanism
+from walkgen.model.mechanism import Body, Joint, Limb, Mechanism
 from walkgen.spec.scalar import ZERO, div, exact
 from walkgen.symbolic.cams import grow_cam
 from walkgen.symbolic.closure import forward_placing
@@ -40,10 +40,11 @@ def spread_leg(mechanism: Mechanism, leg: Limb, q: Exprs, tape: Tape, *, whole: 
 
 def whole_bodies(leg: Limb) -> tuple[int, ...]:
     """Links of the leg's whole tree whose inertia may be anything: one a joint in series, then one a cam's follower, or one a link of the
-    linkage but the frame.
+    linkage but the frame, then one a joint beyond it.
     """
     serial, links = len(leg.serial), len(leg.linkage.masses) - 1 if leg.linkage else 0
-    return (*range(serial + len(leg.cams)), *(serial + 3 * number + 2 for number in range(links)))
+    planar, end = (serial + 3 * number + 2 for number in range(links)), serial + 3 * (links + 1)
+    return (*range(serial + len(leg.cams)), *planar, *range(end, end + leg.beyond))
 
 
 def spread_robot(mechanism: Mechanism, q: Exprs, tape: Tape) -> tuple[Tree, Spread]:
@@ -70,10 +71,18 @@ def _grow_series(
 ) -> list[Attachment]:
     """Add a limb's joints in series; its mount, the frame that moves with each, its tip."""
     places = [Attachment(start.link, start.frame * frame_of(limb.mount, growth.parameters))]
-    for joint, index in zip(limb.serial, indices, strict=False):
-        places.append(growth.joint(joint, places[-1], spread.joint(index, q[index]), prefix + joint.name))
+    places += _grow_joints(growth, spread, limb.serial, places[-1], q, indices, prefix)
     tip = frame_of(limb.tip, growth.parameters)
     return [*places, Attachment(places[-1].link, places[-1].frame * (tip * touched(limb) if limb.curved_sole else tip))]
+
+
+def _grow_joints(
+    growth: Growth, spread: Spread, joints: Sequence[Joint], place: Attachment, q: Exprs, indices: Sequence[int], prefix: str
+) -> Iterator[Attachment]:
+    """Add joints in series, each on the one before; the frames that move with them."""
+    for joint, index in zip(joints, indices, strict=False):
+        place = growth.joint(joint, place, spread.joint(index, q[index]), prefix + joint.name)
+        yield place
 
 
 def grow_leg(
@@ -92,11 +101,14 @@ def grow_leg(
     springs = Springs(leg, growth.parameters, spread.values, len(spread.values), growth.tape)
     *series, place = _grow_series(growth, spread, leg, start, q, indices, prefix)
     if leg.linkage is not None:
-        drives = indices[len(leg.serial) :]
+        first = len(leg.serial)
+        drives, distal = indices[first : len(indices) - leg.beyond], indices[len(indices) - leg.beyond :]
         parts = _whole_parts(leg.linkage) if whole else _parts(leg.linkage)
         placing = forward_placing(leg, [q[index] for index in drives], growth.parameters, growth.tape)
         springs = replace(springs, placing=placing, places=_places(parts, len(spread.values)))
         place = _grow_linkage(growth, spread, leg, place, q, drives, prefix, parts, placing)
+        *_, place = (place, *_grow_joints(growth, spread, leg.distal, place, q, distal, prefix))
+        place = Attachment(place.link, place.frame * frame_of(leg.foot, growth.parameters))
     for cam in leg.cams:
         drive = indices[cam.joint], q[indices[cam.joint]]
         springs = replace(springs, ways=(*springs.ways, grow_cam(mechanism, leg, cam, growth, spread, series, drive, prefix)))
@@ -143,7 +155,10 @@ def _grow_linkage(
     parts: Sequence[Part],
     placing: Placing,
 ) -> Attachment:
-    """Add links, and the foot point without mass; where the foot is. The frame's mass is the last serial joint's."""
+    """Add links, and without mass the linkage's end, which turns as well where it bears joints; where that is.
+
+    The frame's mass is that of the last joint before the linkage.
+    """
     linkage = leg.linkage
     assert linkage is not None
     if linkage.masses[0]:
@@ -154,7 +169,10 @@ def _grow_linkage(
     for name, part in zip(names, parts, strict=True):
         coordinates += _at(name, placing.point(part.body, placing.planar(part.point)), growth.tape)
         coordinates.append(Coordinate(f"{name}_angle", rotor=placing.pose(part.body).rotor))
+    end = planar_joints() if linkage.bears else planar_joints()[:2]
     coordinates += _at(f"{prefix}foot", placing.point(linkage.foot[0], placing.planar(linkage.foot[1])), growth.tape)
+    if linkage.bears:
+        coordinates.append(Coordinate(f"{prefix}foot_angle", rotor=placing.pose(linkage.foot[0]).rotor))
     motion = PlanarMotion(growth.tape, drives, coordinates)
     own = spread.driven(indices, [coordinate.value for coordinate in coordinates], motion)
     if linkage.frictions:
@@ -164,7 +182,7 @@ def _grow_linkage(
         at = place
         for joint, number in zip(planar_joints(part.sliding, part.turning), numbers, strict=False):
             at = growth.joint(joint, at, number, f"{name}_{joint.name}")
-    for joint, number in zip(planar_joints()[:2], numbers, strict=True):
+    for joint, number in zip(end, numbers, strict=True):
         place = growth.joint(joint, place, number, f"{prefix}foot_{joint.name}")
     return place
 

@@ -52,6 +52,7 @@ class Placing(Clusters):
         target: where the foot is pinned to the frame, for the inverse.
         root: of what is negative where a group cannot be assembled.
         unknowns: two of every triad, in order.
+        held: the point of the foot's link that is pinned at the target; the linkage's foot where left out.
     """
 
     def __init__(
@@ -66,8 +67,9 @@ class Placing(Clusters):
         target: Planar | None = None,
         root: Callable[[sympy.Expr], sympy.Expr] = sympy.sqrt,
         unknowns: Sequence[sympy.Symbol] = (),
+        held: Planar | None = None,
     ) -> None:
-        super().__init__(linkage, tape, bars, parameters, target)
+        super().__init__(linkage, tape, bars, parameters, target, held)
         self.order, self._signs, self._root = order, signs, root
         self.margins: list[Margin] = []
         self.shapes: list[tuple[Planar, ...]] = []

@@ -10,7 +10,7 @@ from walkgen.signature import STATUSES, Port, Signature
 from walkgen.symbolic.driven import kinematics_of
 from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import parameter_symbols
-from walkgen.symbolic.function import Finite, Function, Less, Select, Solve, Step
+from walkgen.symbolic.function import Finite, Function, Less, Residue, Select, Solve, Step
 from walkgen.symbolic.linear import solve_symmetric
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, parameters_of
@@ -22,6 +22,7 @@ _POSE = Port("T", (4, 4), "1 and m")
 _OK, _BAD_INPUT, _NO_CONVERGENCE = (sympy.Integer(STATUSES.index(name)) for name in ("OK", "BAD_INPUT", "NO_CONVERGENCE"))
 _STEPS = 24
 _CLOSE2 = sympy.Rational(1, 10**18)
+_STEPPED = "Levenberg-Marquardt with the exact Jacobian (Sugihara 2011)"
 _SOURCE = "Levenberg-Marquardt with the exact Jacobian (Sugihara 2011), from several starts"
 
 
@@ -37,6 +38,18 @@ def inverse_pose(mechanism: Mechanism, route: Route) -> Solve:
         "Joint values near q_seed that bring the foot frame to T, within the limits where that is possible; the best found where it is not."
     )
     return _solve(mechanism, route, "inverse_pose", _POSE, "wg_inverse_pose", doc)
+
+
+def inverse_pose_driven(mechanism: Mechanism, route: Route) -> Solve:
+    """`inverse_pose` of a route to the foot of a linkage, whose joints' axes do not tell where it goes: from the seed alone."""
+    seed, q = joint_port("q_seed", route.joints), joint_port("q", route.joints)
+    doc = (
+        f"Joint values near q_seed that bring the foot frame to T, by {_STEPS + 1} damped steps from the seed alone, whatever the limits: "
+        "NO_CONVERGENCE where they do not get there, with NaN where the linkage stops assembling on the way."
+    )
+    words = signature(mechanism, route.owner, "inverse_pose", [_POSE, seed], [q, _STATUS], doc, _STEPPED)
+    found = iterated(mechanism, route, _POSE, words)
+    return replace(found, closed_form=found)
 
 
 def _solve(mechanism: Mechanism, route: Route, name: str, target: Port, routine: str, doc: str) -> Solve:
@@ -60,7 +73,7 @@ def iterated(mechanism: Mechanism, route: Route, target: Port, words: Signature)
     closed = (
         Step(iterate.step(), ("q_seed", *given, "q")),
         Step(iterate.step(), ("q", *given, "q"), repeat=_STEPS),
-        Step(iterate.verdict(), ("q", *given, "status")),
+        Step(iterate.verdict(), ("q", "q_seed", *given, "status")),
     )
     return Solve(words, (), closed)
 
@@ -109,14 +122,18 @@ class _Iterate:
         return tape.function(self._words("step", replace(self._q, name="q_next")), outputs)
 
     def verdict(self) -> Function:
-        """OK where the target is met."""
+        """OK where the target is met; steps may have led to where there is no foot."""
+        seed = replace(self._q, name="q_seed")
         square = self._tape.let("error2", sympy.Add(*(part**2 for part in self._error)))
-        status = Select(Finite(square), Select(Less(square, _CLOSE2), _OK, _NO_CONVERGENCE), _BAD_INPUT)
-        return self._tape.function(self._words("verdict", _STATUS), [status])
+        given = (*symbols_of(seed), *symbols_of(self._target), *parameter_symbols(self._mechanism).values())
+        taint = self._tape.let("taint", sympy.Add(*(Residue(x) for x in given)))
+        status = Select(Finite(taint), Select(Less(square, _CLOSE2), _OK, _NO_CONVERGENCE), _BAD_INPUT)
+        return self._tape.function(self._words("verdict", _STATUS, seed), [status])
 
-    def _words(self, name: str, output: Port) -> Signature:
+    def _words(self, name: str, output: Port, *more: Port) -> Signature:
         kind = "position" if self._target is TARGET else "pose"
-        return signature(self._mechanism, self._route.owner, f"{kind}_{name}", [self._q, self._target], [output], "", _SOURCE)
+        inputs = [self._q, *more, self._target]
+        return signature(self._mechanism, self._route.owner, f"{kind}_{name}", inputs, [output], "", _SOURCE)
 
 
 def _vector(values: Sequence[sympy.Expr]) -> Vec:

@@ -150,7 +150,7 @@ def demands(linkage: Linkage, placing: Placing, virtual: Exprs) -> dict[int, Loa
         linkage: bodies and foot.
         placing: where they are.
         virtual: efforts on the tree's coordinates, from the linkage's first on: along X, along Y, about the normal of every link with
-            mass, along X and Y of the foot.
+            mass, along X and Y of the foot, and about the normal there where joints follow.
     """
     found, rest = dict[int, Load](), iter(virtual)
     for body, mass in linkage.heavy:
@@ -158,5 +158,7 @@ def demands(linkage: Linkage, placing: Placing, virtual: Exprs) -> dict[int, Loa
         found[body] = at(centre, (next(rest), next(rest))) + Load(moment=next(rest))
     body, point = linkage.foot
     foot = at(placing.point(body, placing.planar(point)), (next(rest), next(rest)))
+    if linkage.bears:
+        foot += Load(moment=next(rest))
     found[body] = found.get(body, Load()) + foot
     return found

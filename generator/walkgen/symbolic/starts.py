@@ -104,7 +104,7 @@ class Starts:
         if self._linkage.start.drives:
             yield tuple(self._number(drive) for drive in self._linkage.start.drives)
             return
-        options = [self._options(joint) for joint in self._leg.joints[len(self._leg.serial) :]]
+        options = [self._options(joint) for joint in self._leg.drives]
         ranked = sorted(product(*(range(len(own)) for own in options)), key=lambda places: (sum(places), places))
         for places in ranked[:_MOST_CANDIDATES]:
             yield tuple(own[place] for own, place in zip(options, places, strict=True))
