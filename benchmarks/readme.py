@@ -2,17 +2,21 @@
 
 import json
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import contest
 from contest import Entry, best_of
 from kinematics import RIVALS
 from leg import FUNCTIONS
 from report import RESULTS
+from timing import METRICS
 
 README = Path(__file__).parents[1] / "README.md"
 MARKS = ("<!-- figures: benchmarks/readme.py writes them -->", "<!-- end of figures -->")
 METRIC = "throughput"
+YARDSTICKS = tuple(function.name for function in contest.YARDSTICKS)
 
 
 def result(name: str) -> dict[str, Any]:
@@ -27,6 +31,8 @@ def lines() -> Iterator[str]:
     yield from _table(kinematics)
     yield ""
     yield from _conditions(kinematics)
+    yield ""
+    yield _behind([*kinematics["entries"], *result("dynamics")["entries"]])
     yield ""
     yield (
         f"`benchmarks/build_time.py`: `walkgen build specs/mero.toml`, compiler included, {build['build mero']:.1f} s; "
@@ -60,6 +66,31 @@ def _conditions(kinematics: dict[str, Any]) -> Iterator[str]:
         f"{versions}; all in one run, each with its best flags, outputs compared before timing. walkgen's inverse decides a status for "
         "every branch and wraps its angles, the others' give angles alone."
     )
+
+
+def _behind(entries: list[Entry]) -> str:
+    """Where somebody is as fast as walkgen or faster, by any measure; walkgen's own flags where they are the slower ones."""
+    found = [
+        f"{function}, {metric}: {name} {share:.2f}"
+        for function, metric in product(dict.fromkeys(entry["function"] for entry in entries), METRICS)
+        for name, share in _shares([entry for entry in entries if entry["function"] == function], metric)
+    ]
+    if not found:
+        return "In neither run is anybody ahead of walkgen, its default flags included."
+    return f"Not ahead, time over the other's in `kinematics_limits.json` and `dynamics.json`: {'; '.join(found)}."
+
+
+def _shares(entries: list[Entry], metric: str) -> Iterator[tuple[str, float]]:
+    kinds = {
+        "walkgen's default flags": [entry for entry in entries if entry["peer"] == "walkgen" and entry["form"] == "default flags"],
+        "walkgen": [entry for entry in entries if entry["peer"] == "walkgen"],
+    }
+    others = [entry for entry in entries if not entry["peer"].startswith("walkgen") and entry["peer"] not in YARDSTICKS]
+    best = best_of(others, metric)
+    for name, own in kinds.items():
+        mine = best_of(own, metric)
+        if best and mine and mine["ns"][metric] >= best["ns"][metric]:
+            yield f"{name} over {best['peer']}", mine["ns"][metric] / best["ns"][metric]
 
 
 def main() -> None:
