@@ -1,4 +1,4 @@
-"""The functions of benchmarks/dynamics.py, the varied inputs of every contestant, and the answers that Pinocchio gives to them."""
+"""The functions of benchmarks/dynamics.py, the varied inputs of every contestant, and the right answers to them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from leg import Array, Inputs, LegFunction
+from leg import Array, Inputs, LegFunction, frames
 from multibody import Robot, leg_robot, mero_robot, numbers
 
 SEED = 20240307
@@ -37,11 +37,15 @@ _NATIVE = (("configuration", 31), ("velocity", 30), ("acceleration", 30))
 """Position, quaternion and joints, depth first."""
 _PUSH = ("push", 6)
 """The foot's force as a wrench in the last joint's axes."""
+_RATES: Ports = (("q_bent", 3), ("v", 3), ("a", 3))
+"""Poses where the foot can move in every direction."""
 
 FUNCTIONS = (
     DynamicFunction("leg_inverse_dynamics", "3R leg, inverse dynamics", (3,), False, "leg", _EFFORTS, (*_EFFORTS[:3], _PUSH)),
     DynamicFunction("leg_mass_matrix", "3R leg, mass matrix", (9,), False, "leg", _LEG[:1], _LEG[:1]),
     DynamicFunction("leg_forward_dynamics", "3R leg, forward dynamics", (3,), False, "leg", _ACCELERATIONS, (*_ACCELERATIONS[:3], _PUSH)),
+    DynamicFunction("leg_bias_acceleration", "3R leg, Jdot qd", (6,), False, "leg", _LEG, _LEG),
+    DynamicFunction("leg_inverse_rates", "3R leg, inverse of velocity and acceleration", (6,), False, "leg", _RATES, _RATES),
     DynamicFunction(
         "mero_inverse_dynamics",
         "mero, inverse dynamics",
@@ -130,6 +134,9 @@ _LEG_PORTS: dict[str, Maker] = {
     "qdd": _spread(-20, 20, 3),
     "tau": _spread(-20, 20, 3),
     "f": _spread(-50, 50, 3),
+    "q_bent": _spread(*np.radians([[-60, 0, -110], [60, 60, -40]]), 3),
+    "v": _spread(-1, 1, 3),
+    "a": _spread(-5, 5, 3),
 }
 _MERO_PORTS: dict[str, Maker] = {
     "base_pose": _poses,
@@ -141,7 +148,7 @@ _MERO_PORTS: dict[str, Maker] = {
 
 
 def expected(function: DynamicFunction, rows: int) -> Array:
-    """Pinocchio's answers [rows,size], from Python, joints in the order of q."""
+    """Right answers [rows,size]: Pinocchio's, from Python, joints in the order of q; of rates, those of leg.py's matrices."""
     inputs = draw(function, rows, native=True)
     named = (dict(zip(dict(function.native), row, strict=True)) for row in zip(*inputs.ports, strict=True))
     answer = _ANSWERS[function.name]
@@ -161,6 +168,31 @@ def _leg_efforts(row: Named) -> Array:
 def _leg_accelerations(row: Named) -> Array:
     leg = leg_robot()
     return np.array(pinocchio.aba(leg.model, leg.data, row["q"], row["qd"], row["tau"], _wrenches(row)))
+
+
+def _jacobian(q: Array) -> tuple[Array, Array]:
+    """The foot's columns [3,joint] and the axes [3,joint], in the base's axes, by leg.py's matrices."""
+    chain = frames(q[None])[0]
+    axes = chain[:3, :3, 2]
+    return np.cross(axes, chain[3, :3, 3] - chain[:3, :3, 3]).T, axes.T
+
+
+def _bias(q: Array, qd: Array) -> Array:
+    """Linear and angular acceleration at constant rates: columns and axes as they are turned by the joints before them."""
+    columns, axes = _jacobian(q)
+    found = np.zeros(6)
+    for joint in range(3):
+        spin = axes[:, :joint] @ qd[:joint]
+        found[3:] += np.cross(spin, axes[:, joint]) * qd[joint]
+        found[:3] += 2 * np.cross(spin, columns[:, joint]) * qd[joint] + np.cross(axes[:, joint], columns[:, joint]) * qd[joint] ** 2
+    return found
+
+
+def _rates(row: Named) -> Array:
+    q = row["q_bent"]
+    columns, _ = _jacobian(q)
+    qd = np.linalg.solve(columns, row["v"])
+    return np.concatenate([qd, np.linalg.solve(columns, row["a"] - _bias(q, qd)[:3])])
 
 
 def _wrenches(row: Named) -> Any:
@@ -190,6 +222,8 @@ _ANSWERS: dict[str, Callable[[Named], Array]] = {
     "leg_inverse_dynamics": _leg_efforts,
     "leg_mass_matrix": lambda row: _matrix(leg_robot(), row["q"]),
     "leg_forward_dynamics": _leg_accelerations,
+    "leg_bias_acceleration": lambda row: _bias(row["q"], row["qd"]),
+    "leg_inverse_rates": _rates,
     "mero_inverse_dynamics": _mero_efforts,
     "mero_mass_matrix": _mero_matrix,
 }

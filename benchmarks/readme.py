@@ -2,17 +2,21 @@
 
 import json
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import contest
 from contest import Entry, best_of
 from kinematics import RIVALS
 from leg import FUNCTIONS
 from report import RESULTS
+from timing import METRICS
 
 README = Path(__file__).parents[1] / "README.md"
 MARKS = ("<!-- figures: benchmarks/readme.py writes them -->", "<!-- end of figures -->")
 METRIC = "throughput"
+YARDSTICKS = tuple(function.name for function in contest.YARDSTICKS)
 
 
 def result(name: str) -> dict[str, Any]:
@@ -28,12 +32,16 @@ def lines() -> Iterator[str]:
     yield ""
     yield from _conditions(kinematics)
     yield ""
+    yield _behind([*kinematics["entries"], *result("dynamics")["entries"]])
+    yield ""
     yield (
         f"`benchmarks/build_time.py`: `walkgen build specs/mero.toml`, compiler included, {build['build mero']:.1f} s; "
         f"`import walkgen.runtime` {build['import walkgen.runtime']:.2f} s. `benchmarks/operations.py`: "
         f"{counts['foot_position']['walkgen']} operations for the foot's position, {counts['foot_position_jacobian']['walkgen']} with its "
         "Jacobian, inputs and outputs counted."
     )
+    yield ""
+    yield _size({entry["name"]: entry for entry in result("size")["entries"]})
 
 
 def _table(kinematics: dict[str, Any]) -> Iterator[str]:
@@ -60,6 +68,40 @@ def _conditions(kinematics: dict[str, Any]) -> Iterator[str]:
         f"{versions}; all in one run, each with its best flags, outputs compared before timing. walkgen's inverse decides a status for "
         "every branch and wraps its angles, the others' give angles alone."
     )
+
+
+def _size(found: dict[str, Entry]) -> str:
+    own, hand, casadi = (found[name] for name in ("walkgen", "by hand", "CasADi"))
+    return (
+        f"`benchmarks/size.py`: nine functions of the leg take {own['bytes']} bytes on a Cortex-M7, {own['bytes'] - own['support']} "
+        f"without closest points and damping, CasADi's {casadi['bytes']}, by hand {hand['bytes']}; to compile, "
+        f"{own['seconds'] / casadi['seconds']:.1f} times as long as CasADi's C, batches included."
+    )
+
+
+def _behind(entries: list[Entry]) -> str:
+    """Where somebody is as fast as walkgen or faster, by any measure; walkgen's own flags where they are the slower ones."""
+    found = [
+        f"{function} ({metric}), {name}: {share:.2f} times {other}"
+        for function, metric in product(dict.fromkeys(entry["function"] for entry in entries), METRICS)
+        for name, share, other in _shares([entry for entry in entries if entry["function"] == function], metric)
+    ]
+    if not found:
+        return "In neither run is anybody ahead of walkgen, its default flags included."
+    return f"Where walkgen is not ahead, by `kinematics_limits.json` and `dynamics.json`: {'; '.join(found)}."
+
+
+def _shares(entries: list[Entry], metric: str) -> Iterator[tuple[str, float, str]]:
+    kinds = {
+        "default flags": [entry for entry in entries if entry["peer"] == "walkgen" and entry["form"] == "default flags"],
+        "any flags": [entry for entry in entries if entry["peer"] == "walkgen"],
+    }
+    others = [entry for entry in entries if not entry["peer"].startswith("walkgen") and entry["peer"] not in YARDSTICKS]
+    best = best_of(others, metric)
+    for name, own in kinds.items():
+        mine = best_of(own, metric)
+        if best and mine and mine["ns"][metric] >= best["ns"][metric]:
+            yield name, mine["ns"][metric] / best["ns"][metric], best["peer"]
 
 
 def main() -> None:

@@ -69,3 +69,38 @@ static inline void core_leg_forward_dynamics(const double *q, const double *qd, 
     out[1] = swing;
     out[2] = turn - swing;
 }
+
+static inline void core_leg_bias_acceleration(const double *q, const double *qd, double *out) {
+    double cy, sy, ct, st, cs, ss;
+    sincos(q[0], &sy, &cy);
+    sincos(q[1], &st, &ct);
+    sincos(q[1] + q[2], &ss, &cs);
+    const double turn = qd[1] + qd[2], thigh = THIGH * qd[1], shank = SHANK * turn;
+    const double outwards = -(thigh * qd[1] * ct + shank * turn * cs) - (THIGH * ct + SHANK * cs) * (qd[0] * qd[0]);
+    const double across = -2.0 * qd[0] * (thigh * st + shank * ss), leaning = qd[0] * turn;
+    out[0] = cy * outwards - sy * across;
+    out[1] = sy * outwards + cy * across;
+    out[2] = -(thigh * qd[1] * st + shank * turn * ss);
+    out[3] = leaning * cy;
+    out[4] = leaning * sy;
+    out[5] = 0.0;
+}
+
+static inline void core_leg_inverse_rates(const double *q, const double *v, const double *a, double *out) {
+    double cy, sy, ct, st, cs, ss;
+    sincos(q[0], &sy, &cy);
+    sincos(q[1], &st, &ct);
+    sincos(q[1] + q[2], &ss, &cs);
+    const double reach = THIGH * ct + SHANK * cs, inverse = 1.0 / reach, scale = 1.0 / (ct * ss - st * cs);
+    const double out_v = cy * v[0] + sy * v[1], yaw = (cy * v[1] - sy * v[0]) * inverse;
+    const double thigh = scale * (out_v * cs + v[2] * ss) * (1.0 / THIGH), shank = -scale * (out_v * ct + v[2] * st) * (1.0 / SHANK);
+    const double pull = THIGH * thigh * thigh, push = SHANK * shank * shank;
+    const double out_a = cy * a[0] + sy * a[1] + pull * ct + push * cs + reach * yaw * yaw, up = a[2] + pull * st + push * ss;
+    const double swing = scale * (out_a * cs + up * ss) * (1.0 / THIGH), turn = -scale * (out_a * ct + up * st) * (1.0 / SHANK);
+    out[0] = yaw;
+    out[1] = thigh;
+    out[2] = shank - thigh;
+    out[3] = (cy * a[1] - sy * a[0] - 2.0 * yaw * out_v) * inverse;
+    out[4] = swing;
+    out[5] = turn - swing;
+}

@@ -1,4 +1,4 @@
-"""Lagrange's equations of the leg of specs/mero_leg.toml, simplified by hand: the least that a person leaves to a generator.
+"""Lagrange's equations and rates of the leg of specs/mero_leg.toml, simplified by hand: the least that a person leaves to a generator.
 
 Pitch angles are counted from the horizontal, so that the leg is a double pendulum that a yaw carries round; the inertia left after
 regrouping is seven numbers.
@@ -82,6 +82,28 @@ class _Leg:
         cy, sy = self.algebra.cos(self.q[0]), self.algebra.sin(self.q[0])
         return cy * f[0] + sy * f[1], cy * f[1] - sy * f[0]
 
+    @property
+    def yaw(self) -> tuple[Any, Any]:
+        return self.algebra.cos(self.q[0]), self.algebra.sin(self.q[0])
+
+    @property
+    def reach(self) -> Any:
+        """The foot's distance from the yaw axis."""
+        return self.number("THIGH") * self.thigh[0] + self.number("SHANK") * self.shank[0]
+
+    def centripetal(self, swing: Any, turn: Any) -> tuple[Any, Any]:
+        """Acceleration of the foot in the leg's plane, outwards and up, at constant rates of thigh and shank."""
+        (ct, st), (cs, ss) = self.thigh, self.shank
+        thigh, shank = self.number("THIGH") * (swing * swing), self.number("SHANK") * (turn * turn)
+        return -(thigh * ct + shank * cs), -(thigh * st + shank * ss)
+
+    def pitched(self, outwards: Any, up: Any) -> tuple[Any, Any]:
+        """Rates of thigh and shank for a velocity in the leg's plane, or accelerations likewise."""
+        (ct, st), (cs, ss) = self.thigh, self.shank
+        scale = 1 / (ct * ss - st * cs)
+        thigh, shank = self.number("THIGH"), self.number("SHANK")
+        return scale * (outwards * cs + up * ss) / thigh, -scale * (outwards * ct + up * st) / shank
+
 
 def _efforts(algebra: Algebra, ports: Ports) -> Vector:
     leg, qdd = _Leg(algebra, ports["q"]), ports["qdd"]
@@ -109,8 +131,30 @@ def _accelerations(algebra: Algebra, ports: Ports) -> Vector:
     return [(tau[0] - yaw) / leg.yawed, swing, turn - swing]
 
 
+def _bias(algebra: Algebra, ports: Ports) -> Vector:
+    leg, (yaw, thigh, knee) = _Leg(algebra, ports["q"]), ports["qd"]
+    (cy, sy), (_, st), (_, ss), turn = leg.yaw, leg.thigh, leg.shank, thigh + knee
+    outwards, up = leg.centripetal(thigh, turn)
+    outwards = outwards - leg.reach * (yaw * yaw)
+    across = -2 * yaw * (leg.number("THIGH") * st * thigh + leg.number("SHANK") * ss * turn)
+    return [cy * outwards - sy * across, sy * outwards + cy * across, up, yaw * turn * cy, yaw * turn * sy, 0]
+
+
+def _rates(algebra: Algebra, ports: Ports) -> Vector:
+    leg, v, a = _Leg(algebra, ports["q_bent"]), ports["v"], ports["a"]
+    cy, sy = leg.yaw
+    outwards, inverse = cy * v[0] + sy * v[1], 1 / leg.reach
+    yaw = (cy * v[1] - sy * v[0]) * inverse
+    thigh, shank = leg.pitched(outwards, v[2])
+    held, up = leg.centripetal(thigh, shank)
+    swing, turn = leg.pitched(cy * a[0] + sy * a[1] - held + leg.reach * (yaw * yaw), a[2] - up)
+    return [yaw, thigh, shank - thigh, (cy * a[1] - sy * a[0] - 2 * yaw * outwards) * inverse, swing, turn - swing]
+
+
 CLOSED: dict[str, Callable[[Algebra, Ports], Vector]] = {
     "leg_inverse_dynamics": _efforts,
     "leg_mass_matrix": _mass_matrix,
     "leg_forward_dynamics": _accelerations,
+    "leg_bias_acceleration": _bias,
+    "leg_inverse_rates": _rates,
 }

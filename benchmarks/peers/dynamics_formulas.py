@@ -54,6 +54,31 @@ class Recursion:
                 wrenches[parent] = _both(wrenches[parent], handed)
         return *root, [wrench[1][body.axis] for body, wrench in zip(self.robot.bodies, wrenches, strict=True)]
 
+    # ---- the first foot, in the base's axes
+
+    def bias_acceleration(self, qd: Vector) -> Vector:
+        """Linear and angular acceleration at constant rates."""
+        still, foot = [0, 0, 0], self.robot.feet[0]
+        spin, rate, origin = self._motions((still, still, still), qd, [0] * len(qd))[foot.body]
+        linear = plus(origin, _field(spin, rate, self._vector(foot.place)))
+        return [*self._up(foot.body, linear), *self._up(foot.body, rate)]
+
+    def jacobian_columns(self) -> Matrix:
+        """Velocity of the foot for each joint's unit rate."""
+        foot = self.robot.feet[0]
+        columns = []
+        for index, axis in enumerate(self.axes):
+            way, body = self._vector(foot.place), foot.body
+            while body != index:
+                way, body = plus(self.places[body], times(self.rotations[body], way)), self.robot.bodies[body].parent
+            columns.append(self._up(index, cross(axis, way)))
+        return columns
+
+    def _up(self, index: int, vector: Vector) -> Vector:
+        """A vector of a body's axes in the base's."""
+        lifted, parent = times(self.rotations[index], vector), self.robot.bodies[index].parent
+        return lifted if parent < 0 else self._up(parent, lifted)
+
     def _motions(self, base: tuple[Vector, Vector, Vector], qd: Vector, qdd: Vector) -> list[tuple[Vector, Vector, Vector]]:
         """Spin, its rate and the origin's acceleration of every body, in its own axes."""
         found: list[tuple[Vector, Vector, Vector]] = []
@@ -145,6 +170,13 @@ def accelerations(matrix: Matrix, right: Vector) -> Vector:
     for row in range(size):
         answer[row] = answer[row] / rows[row][row] - reduce(lambda total, k, row=row: total + rows[row][k] * answer[k], range(row), 0)
     return answer
+
+
+def solved(columns: Matrix, right: Vector) -> Vector:
+    """x of columns x = right, three of each, by Cramer's rule."""
+    faces = [cross(columns[1], columns[2]), cross(columns[2], columns[0]), cross(columns[0], columns[1])]
+    scale = 1 / dot(columns[0], faces[0])
+    return [scale * dot(face, right) for face in faces]
 
 
 def _field(spin: Vector, rate: Vector, way: Vector) -> Vector:

@@ -6,7 +6,7 @@ from itertools import accumulate
 from motions import FUNCTIONS, DynamicFunction
 from multibody import leg_robot, mero_robot
 from peers.dynamics_closed import CLOSED
-from peers.dynamics_formulas import FORMS, Recursion, accelerations
+from peers.dynamics_formulas import FORMS, Recursion, accelerations, solved
 from peers.dynamics_vectors import Vector, cross, minus, plus, times, transposed
 from peers.formulas import Algebra
 
@@ -48,6 +48,17 @@ def _leg_accelerations(algebra: Algebra, ports: Ports, form: str) -> Vector:
     return accelerations(leg.mass_matrix(), minus(ports["tau"], bias))
 
 
+def _leg_bias_acceleration(algebra: Algebra, ports: Ports, form: str) -> Vector:
+    return Recursion(algebra, leg_robot(), ports["q"], form).bias_acceleration(ports["qd"])
+
+
+def _leg_inverse_rates(algebra: Algebra, ports: Ports, form: str) -> Vector:
+    leg = Recursion(algebra, leg_robot(), ports["q_bent"], form)
+    columns = leg.jacobian_columns()
+    qd = solved(columns, ports["v"])
+    return [*qd, *solved(columns, minus(ports["a"], leg.bias_acceleration(qd)[:3]))]
+
+
 _STILL = ([0, 0, 0], [0, 0, 0], [0, 0, 0])
 
 
@@ -76,6 +87,8 @@ _BUILDERS: dict[str, Callable[[Algebra, Ports, str], Vector]] = {
     "leg_inverse_dynamics": _leg_efforts,
     "leg_mass_matrix": _leg_mass_matrix,
     "leg_forward_dynamics": _leg_accelerations,
+    "leg_bias_acceleration": _leg_bias_acceleration,
+    "leg_inverse_rates": _leg_inverse_rates,
     "mero_inverse_dynamics": _mero_efforts,
     "mero_mass_matrix": _mero_mass_matrix,
 }

@@ -13,16 +13,27 @@ CALLS = {
     "leg_inverse_dynamics": "mero_leg_leg_inverse_dynamics",
     "leg_mass_matrix": "mero_leg_leg_mass_matrix",
     "leg_forward_dynamics": "mero_leg_leg_forward_dynamics",
+    "leg_bias_acceleration": "mero_leg_leg_foot_bias_acceleration",
     "mero_inverse_dynamics": "mero_floating_inverse_dynamics",
     "mero_mass_matrix": "mero_floating_mass_matrix",
 }
 ASKED = {
-    "mero_leg": ("inverse_dynamics", "mass_matrix", "forward_dynamics"),
+    "mero_leg": (
+        *("inverse_dynamics", "mass_matrix", "forward_dynamics"),
+        *("foot_bias_acceleration", "inverse_velocity", "inverse_acceleration"),
+    ),
     "mero": ("floating_inverse_dynamics", "floating_mass_matrix"),
 }
 
 
+_RATES = """    (void)mero_leg_leg_inverse_velocity(q_bent, v, out);
+    (void)mero_leg_leg_inverse_acceleration(q_bent, out, a, out + 3);"""
+"""Two functions, which decide a status each."""
+
+
 def _core(function: DynamicFunction) -> str:
+    if function.name not in CALLS:
+        return core(function, _RATES)
     arguments = ", ".join([*dict(function.inputs), "out"])
     return core(function, f"    {CALLS[function.name]}({arguments});")
 
@@ -30,7 +41,9 @@ def _core(function: DynamicFunction) -> str:
 def _sources(spec: str, robot: str) -> tuple[Source, ...]:
     folder = pipeline.build(write_spec(spec, ASKED[spec], OUTPUT), OUTPUT, pipeline.BuildOptions(targets=("c",))).folder
     functions = [function for function in FUNCTIONS if function.robot == robot]
-    cores = "\n".join(map(_core, functions)) + adapter(functions, lambda function: f"{CALLS[function.name]}_batch")
+    cores = "\n".join(map(_core, functions)) + adapter(
+        functions, lambda function: f"{CALLS[function.name]}_batch" if function.name in CALLS else ""
+    )
     included = hashlib.sha256("".join(path.read_text() for path in sorted(folder.glob("*.h"))).encode()).hexdigest()
     text = f"/* headers {included} */\n{(folder / f'{spec}.c').read_text()}\n{HEAD}{cores}\n"
     return (

@@ -32,6 +32,16 @@ typedef struct {
     intptr_t shape[WALKGEN_MAX_RANK];
 } walkgen_port;
 
+/* How many elements it has. */
+static inline intptr_t walkgen_size(const walkgen_port *port) {
+    intptr_t size = 1;
+    int axis;
+    for (axis = 0; axis < port->rank; axis++) {
+        size *= port->shape[axis];
+    }
+    return size;
+}
+
 /* A kernel run over rows whose core dimensions are dense; `steps` are the bytes from row to row, `dimensions` NumPy's. */
 typedef void (*walkgen_rows)(intptr_t rows, char *const *arguments, const intptr_t *steps, const intptr_t *dimensions);
 
@@ -117,6 +127,15 @@ WALKGEN_SHARED void walkgen_gather(walkgen_rows run, const walkgen_port *ports, 
     }
 }
 
+/* Whether a flag is up that NumPy would warn of; where numbers are in SSE's registers only their flags can be. */
+static inline int walkgen_is_flagged(void) {
+#if defined(__GNUC__) && defined(__x86_64__) && defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ == 0
+    return (__builtin_ia32_stmxcsr() & 0x1D) != 0;
+#else
+    return fetestexcept(FE_ALL_EXCEPT & ~FE_INEXACT) != 0;
+#endif
+}
+
 /* The body of every loop. Flags that untaken branches raised are lowered: a status, not a warning, says what failed. */
 WALKGEN_SHARED void walkgen_loop(walkgen_rows run, const walkgen_port *ports, int count, char *buffer, char *const *arguments,
                                  const intptr_t *dimensions, const intptr_t *steps) {
@@ -133,7 +152,7 @@ WALKGEN_SHARED void walkgen_loop(walkgen_rows run, const walkgen_port *ports, in
     } else {
         walkgen_gather(run, ports, count, dense, buffer, arguments, dimensions, steps);
     }
-    if (fetestexcept(FE_ALL_EXCEPT & ~FE_INEXACT)) {
+    if (walkgen_is_flagged()) {
         feclearexcept(FE_ALL_EXCEPT);
     }
 }

@@ -15,6 +15,46 @@ struct WG_NAME(walkgen_wide) {
     size_t (*batch)(const struct WG_NAME(wg_laned) *laned, size_t rows, const struct wg_array *arrays, WG_NAME(wg_alone) closest);
     const struct WG_NAME(wg_laned) *const *functions;
 };
+
+#if defined(WALKGEN_LOOPS_H)
+/* One row whose numbers lie side by side: as batch computes it, without arrays around. `status` is the place of a status among the ports. */
+WALKGEN_SHARED void WG_NAME(walkgen_wide_row)(const struct WG_NAME(wg_laned) *laned, const walkgen_port *ports, int count, int status,
+                                              WG_NAME(wg_alone) closest, char *const *a) {
+    WG_REAL in[WG_MOST_GIVEN], out[WG_MOST_FOUND], *next = in;
+    const WG_REAL *const given = laned->inputs == 1 ? (const WG_REAL *)(const void *)a[0] : in;
+    WG_REAL *const found = laned->outputs == 1 && status < 0 ? (WG_REAL *)(void *)a[laned->inputs] : out;
+    int port = given == in ? 0 : laned->inputs, away = 0;
+    for (; port < laned->inputs; port++) {
+        const WG_REAL *numbers = (const WG_REAL *)(const void *)a[port];
+        for (intptr_t left = walkgen_size(&ports[port]); left > 0; left--) {
+            *next++ = *numbers++;
+        }
+    }
+    laned->alone(given, found);
+    if (closest) {
+        next = found;
+        for (port = laned->inputs; port < status; port++) {
+            next += walkgen_size(&ports[port]);
+        }
+        for (intptr_t left = walkgen_size(&ports[status]); left > 0; left--) {
+            away |= *next++ == (WG_REAL)WALKGEN_UNREACHABLE;
+        }
+        if (away) {
+            closest(given, found);
+        }
+    }
+    next = found;
+    for (port = found == out ? laned->inputs : count; port < count; port++) {
+        for (intptr_t at = 0, size = walkgen_size(&ports[port]); at < size; at++, next++) {
+            if (port == status) {
+                ((int32_t *)(void *)a[port])[at] = (int32_t)*next;
+            } else {
+                ((WG_REAL *)(void *)a[port])[at] = *next;
+            }
+        }
+    }
+}
+#endif
 #endif
 
 #if defined(WALKGEN_LOOPS_H) && !defined(WALKGEN_WIDE_LOOPS)
@@ -35,29 +75,27 @@ static inline int walkgen_widest(void) {
 /* NumPy's rows as arrays; `status` is the place of a status among the ports. */
 static inline void walkgen_arrays(const walkgen_port *ports, int count, int status, char *const *a, const intptr_t *step, struct wg_array *arrays) {
     for (int port = 0; port < count; port++) {
-        intptr_t size = 1;
-        for (int axis = 0; axis < ports[port].rank; axis++) {
-            size *= ports[port].shape[axis];
-        }
         arrays[port].data = a[port];
         arrays[port].row = step[port];
         arrays[port].element = ports[port].item;
-        arrays[port].size = (int32_t)size;
+        arrays[port].size = (int32_t)walkgen_size(&ports[port]);
         arrays[port].kind = port == status ? WG_STATUS : WG_NUMBER;
     }
 }
 
 /* The rows of a function with lanes: by the widest set, chosen at the first call, else as every processor can. */
-#define WALKGEN_WIDE_ROWS(name, robot, number, status, closest) \
+#define WALKGEN_WIDE_ROWS(name, robot, row, number, status, closest) \
     static void name##_wide_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) { \
         struct wg_array arrays[WALKGEN_MAX_PORTS]; \
-        const int level = robot##_level(-1); \
+        const int level = robot##_level(-1), count = (int)(sizeof name##_ports / sizeof name##_ports[0]); \
         if (level == 0) { \
             name##_rows(rows, a, step, dimensions); \
-            return; \
+        } else if (rows == 1) { \
+            row(robot##_wide[level - 1]->functions[number], name##_ports, count, status, closest, a); \
+        } else { \
+            walkgen_arrays(name##_ports, count, status, a, step, arrays); \
+            (void)robot##_wide[level - 1]->batch(robot##_wide[level - 1]->functions[number], (size_t)rows, arrays, closest); \
         } \
-        walkgen_arrays(name##_ports, (int)(sizeof name##_ports / sizeof name##_ports[0]), status, a, step, arrays); \
-        (void)robot##_wide[level - 1]->batch(robot##_wide[level - 1]->functions[number], (size_t)rows, arrays, closest); \
     }
 
 /* Which set a robot uses; `most` at least 0 forbids wider ones from then on. Threads that meet here come to the same answer. */

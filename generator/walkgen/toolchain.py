@@ -26,6 +26,7 @@ FLAGS = ("-std=c99", *_EFFORT, *_VECTORS, "-ffp-contract=off", "-fno-math-errno"
 gcc's SLP vectoriser slows straight-line kernels."""
 SHARED = ("-fPIC", "-DWALKGEN_NO_BATCHES")
 """Of a library, whose loops are NumPy's."""
+_MODULE = ("-std=c11", "-O2", "-fPIC", "-shared", *(("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()))
 _RECORD = "build.json"
 _PROCESSES = 2
 
@@ -129,7 +130,7 @@ def _rebuild(folder: Path) -> str:
 
 def find_library(folder: Path, robot: str, digest: str) -> Library | None:
     """The library built earlier from exactly these sources and flags, whole, for this platform; None when there is none."""
-    for root in (folder / "_build", _cache(robot)):
+    for root in (folder / "_build", user_cache(robot)):
         for place in sorted(root.glob(f"{platform_tag()}-*")):
             if _is_whole(place, robot, digest):
                 return Library(place / library_name(robot), digest)
@@ -183,7 +184,7 @@ def _build_digest(compiler: Compiler, digest: str) -> str:
 
 def _build_root(folder: Path, robot: str) -> Path:
     """The first folder that takes files: beside the sources, the user's cache, a temporary folder of this process."""
-    for root in (folder / "_build", _cache(robot)):
+    for root in (folder / "_build", user_cache(robot)):
         try:
             root.mkdir(mode=0o700 if root != folder / "_build" else 0o777, parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=root).close()
@@ -193,9 +194,10 @@ def _build_root(folder: Path, robot: str) -> Path:
     return Path(tempfile.mkdtemp(prefix="walkgen-"))
 
 
-def _cache(robot: str) -> Path:
+def user_cache(name: str) -> Path:
+    """Where what is compiled for this user is kept, of a robot or under another name."""
     base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or "~/.cache"
-    return Path(base).expanduser() / "walkgen" / robot
+    return Path(base).expanduser() / "walkgen" / name
 
 
 def _land(library: Path, place: Path, digest: str) -> None:
@@ -235,6 +237,32 @@ def build_program(folder: Path, sources: Sequence[str], program: Path, flags: Se
         _link(compiler, _compile(compiler, folder, sources, Path(work), flags), linked, needed_again)
         linked.replace(program)
     return program
+
+
+def build_module(source: Path, name: str, tag: str, headers: Sequence[Path], root: Path) -> Path:
+    """A Python extension of one source in `root`, compiled where it is not there yet.
+
+    Args:
+        source: its only source.
+        name: the module's.
+        tag: what it is made for beside the source, such as versions of Python and NumPy.
+        headers: folders of what it includes.
+        root: the folder that keeps it.
+
+    Raises:
+        ToolchainError: WG401 no compiler, WG402 it refused the source.
+    """
+    text = "\0".join((tag, *_MODULE)).encode()
+    product = root / f"{name}-{platform_tag()}-{hashlib.sha256(text + source.read_bytes()).hexdigest()[:16]}.so"
+    if product.exists():
+        return product
+    compiler = find_compiler()
+    root.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".tmp-", dir=root, ignore_cleanup_errors=True) as work:
+        made = Path(work) / product.name
+        _insist(compiler, (*compiler.command, *_MODULE, *(f"-I{folder}" for folder in headers), str(source), "-o", str(made)), Path(work))
+        made.replace(product)
+    return product
 
 
 def _compile(compiler: Compiler, folder: Path, sources: Sequence[str], work: Path, flags: Sequence[str]) -> tuple[Path, ...]:

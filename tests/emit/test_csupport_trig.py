@@ -63,6 +63,25 @@ def test_error_on_a_million_points(trig, name):
         assert errors(name, trig(name, *columns), *columns).max() <= WORST[name]
 
 
+def long_errors(trig, name, *columns):
+    """Against long double, whose own error is a thousandth of a double's unit."""
+    exact = getattr(np, {"atan2": "arctan2"}.get(name, name))(*(column.astype(np.longdouble) for column in columns))
+    return np.abs(trig(name, *columns) - exact) / np.spacing(np.abs(exact).astype(np.float64))
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long double is no wider than double here")
+@pytest.mark.parametrize("name", ["sin", "cos", "atan2"])
+def test_error_on_ten_million_points(trig, name):
+    """The ten largest of every hundred thousand are measured again with 40 digits."""
+    for seed in range(100, 200):
+        columns = points(np.float64, 33_334, seed) if name == "atan2" else (angles(np.float64, 20_000, seed),)
+        found = long_errors(trig, name, *columns)
+        assert found.max() <= WORST[name]
+        worst = [column[np.argsort(found)[-10:]] for column in columns]
+        assert errors(name, trig(name, *worst), *worst).max() <= WORST[name]
+
+
 def float_errors(trig, name, x):
     """Against double, whose error is nothing in float's units."""
     exact = getattr(np, name)(x.astype(np.float64))

@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from tiny_robot import BACKENDS, COMPILED
 
 from walkgen.runtime import Leg, Robot
 from walkgen.runtime.calls import as_called
 from walkgen.signature import Port, Signature
 
-BACKENDS = ("c", "numpy")
 Robots = Callable[..., Robot]
 
 
@@ -158,15 +158,16 @@ def test_choices_do_not_warn(leg: Leg) -> None:
     assert np.isnan(q[0, 0])
 
 
-def test_functions_of_the_robot(robots: Robots) -> None:
-    for backend in BACKENDS:
-        robot = robots("plain", backend)
-        assert robot.foot_positions([1, 2, 3]).shape == (1, 3)
-        np.testing.assert_array_equal(robot.platform_poses(), np.eye(4)[None])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_functions_of_the_robot(robots: Robots, backend: str) -> None:
+    robot = robots("plain", backend)
+    assert robot.foot_positions([1, 2, 3]).shape == (1, 3)
+    np.testing.assert_array_equal(robot.platform_poses(), np.eye(4)[None])
 
 
-def test_compiled_functions_are_ufuncs(robots: Robots) -> None:
-    robot = robots()
+@pytest.mark.parametrize("backend", COMPILED)
+def test_compiled_functions_are_ufuncs(robots: Robots, backend: str) -> None:
+    robot = robots("plain", backend)
     function = robot.legs["left"].foot_torque
     assert isinstance(function, np.ufunc)
     assert function.signature == "(2,3),(3),()->(2)"
@@ -175,8 +176,9 @@ def test_compiled_functions_are_ufuncs(robots: Robots) -> None:
     assert robot.functions["tiny_left_foot_torque"] is function
 
 
-def test_float32_takes_the_float_loop(robots: Robots) -> None:
-    leg = robots("single").legs["left"]
+@pytest.mark.parametrize("backend", COMPILED)
+def test_float32_takes_the_float_loop(robots: Robots, backend: str) -> None:
+    leg = robots("single", backend).legs["left"]
     q = np.random.default_rng(7).normal(size=(9, 3)).astype(np.float32)
     found = leg.foot_position(q[::-2])
     assert found.dtype == np.float32
@@ -191,10 +193,10 @@ def test_float32_takes_the_float_loop(robots: Robots) -> None:
     assert tau.dtype == np.float32
 
 
-def test_float32_is_computed_in_double_without_the_float_loop(robots: Robots) -> None:
-    for backend in BACKENDS:
-        found = robots("plain", backend).legs["left"].foot_position(np.array([1, 2, 3], np.float32))
-        np.testing.assert_allclose(found, [3.0, 6.0, np.cos(3.0)], rtol=1e-15)
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_float32_is_computed_in_double_without_the_float_loop(robots: Robots, backend: str) -> None:
+    found = robots("plain", backend).legs["left"].foot_position(np.array([1, 2, 3], np.float32))
+    np.testing.assert_allclose(found, [3.0, 6.0, np.cos(3.0)], rtol=1e-15)
 
 
 def _sum(*inputs):

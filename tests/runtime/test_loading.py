@@ -96,7 +96,7 @@ def test_numpy_forced(built: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_unknown_backend(built: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("WALKGEN_BACKEND", "fortran")
-    with pytest.raises(ToolchainError, match="use c, numpy") as error:
+    with pytest.raises(ToolchainError, match="use c, direct, ufunc, numpy") as error:
         load(built)
     assert code_of(error) == "WG407"
 

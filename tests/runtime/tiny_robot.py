@@ -1,9 +1,12 @@
 """A robot small enough to check by hand: Programs written op by op, emitted as `walkgen build` would."""
 
+import sysconfig
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path, PurePosixPath
+
+import pytest
 
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_files import c_sources
@@ -16,6 +19,12 @@ from walkgen.model.mechanism import Joint, Limb, Mechanism, Motion, Parameter, P
 from walkgen.signature import Port, Signature
 from walkgen.spec.scalar import ONE, ZERO, Scalar, div, exact
 
+needs_headers = pytest.mark.skipif(
+    not Path(sysconfig.get_path("include"), "Python.h").exists(), reason="Python's headers are not installed"
+)
+COMPILED = (pytest.param("direct", marks=needs_headers), "ufunc")
+BACKENDS = (*COMPILED, "numpy")
+"""Values of WALKGEN_BACKEND that choose one way to call a function."""
 QUARTER = div(exact(11), exact(7))
 Q = Port("q", (3,), "rad")
 STATUS = Port("status", (), "1", "integer")

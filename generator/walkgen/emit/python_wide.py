@@ -25,9 +25,12 @@ class Wide:
 
 @dataclass(frozen=True)
 class WideLoop:
-    """A loop's function with lanes: its number in the table, the place of its status or -1, what serves targets out of reach."""
+    """A loop's function with lanes: what runs one row, its number in the table, the place of its status or -1, what serves targets out
+    of reach.
+    """
 
     robot: str
+    row: str
     number: int
     status: int
     closest: str
@@ -35,22 +38,25 @@ class WideLoop:
 
 def stem(code: RobotCode, precision: Precision) -> str:
     """`mero`, or `mero_f32`."""
-    return "_".join(part for part in (code.mechanism.name, precision.tag) if part)
+    return _tagged(code.mechanism.name, precision)
 
 
 def wide(code: RobotCode, lanes: tuple[Laned, ...], precision: Precision) -> Wide:
     """For the head of the loops' file."""
     closest = tuple(line for each in lanes for line in closest_lines(each, precision))
-    kind = "_".join(part for part in ("walkgen_wide", precision.tag) if part)
-    return Wide(precision.header, kind, stem(code, precision), closest)
+    return Wide(precision.header, _tagged("walkgen_wide", precision), stem(code, precision), closest)
+
+
+def _tagged(name: str, precision: Precision) -> str:
+    return "_".join(part for part in (name, precision.tag) if part)
 
 
 def wide_loops(code: RobotCode, lanes: tuple[Laned, ...], precision: Precision) -> dict[str, WideLoop]:
     """By the functions' full names."""
     tables = [each.table for each in lanes if each.owns_table]
+    robot, row = stem(code, precision), _tagged("walkgen_wide_row", precision)
     return {
-        each.signature.full_name: WideLoop(stem(code, precision), tables.index(each.table), _status(each), _closest(each, precision))
-        for each in lanes
+        each.signature.full_name: WideLoop(robot, row, tables.index(each.table), _status(each), _closest(each, precision)) for each in lanes
     }
 
 

@@ -3,7 +3,7 @@
 import ctypes
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -14,31 +14,36 @@ from walkgen.errors import Problem, ToolchainError
 from walkgen.runtime import contact, settling, stability
 from walkgen.runtime.calls import Function, Vectorised, as_called
 from walkgen.runtime.counted import Counted
+from walkgen.runtime.direct import direct, insist
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
 from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Schedule, Terrain
 from walkgen.runtime.threads import Threaded
-from walkgen.runtime.ufuncs import make_ufunc
+from walkgen.runtime.ufuncs import Loops, find_loops, make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
 _VARIABLE = "WALKGEN_BACKEND"
+_BACKENDS = ("c", "direct", "ufunc", "numpy")
+"""Compiled; with direct calls of one row, or without; NumPy code."""
 _NONE: Mapping[str, Function] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
 class _Backend:
-    """Bare functions by full name, what computes them and why that."""
+    """Bare functions by full name, what computes them and why that; the loops of those that may be called past NumPy's ufuncs."""
 
     name: str
     reason: str
     functions: Mapping[str, Function]
+    loops: Mapping[str, Loops] = field(default_factory=dict)
 
 
 def load(path: str | os.PathLike[str], *, threads: int = 1) -> Robot:
     """Load what `walkgen build` generated.
 
     The library in `_build` is used when it was made from exactly these sources, else it is compiled now; without a
-    compiler the robot falls back to `<robot>_numpy.py`. The environment variable WALKGEN_BACKEND=c or =numpy forces one.
+    compiler the robot falls back to `<robot>_numpy.py`. Calls of one row go past NumPy's ufuncs where Python's headers are. The environment
+    variable WALKGEN_BACKEND forces one: c, numpy; direct or ufunc, compiled with or without such calls.
 
     Args:
         path: the robot's folder, such as `generated/mero`.
@@ -66,14 +71,17 @@ def _threaded(backend: _Backend, manifest: Manifest, threads: int) -> _Backend:
 
 def _backend(folder: Path, manifest: Manifest) -> _Backend:
     wanted = os.environ.get(_VARIABLE, "")
-    if wanted not in {"", "c", "numpy"}:
-        raise ToolchainError(Problem("WG407", f"{_VARIABLE}={wanted} is not a backend", "use c, numpy, or unset it"))
+    if wanted not in {"", *_BACKENDS}:
+        raise ToolchainError(Problem("WG407", f"{_VARIABLE}={wanted} is not a backend", f"use {', '.join(_BACKENDS)}, or unset it"))
     if wanted == "numpy":
         return _numpy(folder, manifest, f"{_VARIABLE}=numpy")
+    if wanted == "direct":
+        insist()
     try:
-        return _compiled(folder, manifest)
+        compiled = _compiled(folder, manifest)
+        return replace(compiled, loops={}) if wanted == "ufunc" else compiled
     except ToolchainError as error:
-        if wanted == "c" or not _numpy_file(folder, manifest).exists():
+        if wanted or not _numpy_file(folder, manifest).exists():
             raise
         return _numpy(folder, manifest, "; ".join(problem.message.splitlines()[0] for problem in error.problems))
 
@@ -82,12 +90,14 @@ def _compiled(folder: Path, manifest: Manifest) -> _Backend:
     if "c" not in manifest.targets:
         raise ToolchainError(Problem("WG409", f"{manifest.robot} was built without C", 'add "c" to [generate] targets and build again'))
     library, reason = _library(folder, manifest)
-    found = {entry.signature.full_name: make_ufunc(entry.signature, library, manifest.float32) for entry in manifest.functions}
-    functions: dict[str, Function] = {name: function for name, function in found.items() if function is not None}
+    signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
+    found = {name: find_loops(signature, library, manifest.float32) for name, signature in signatures.items()}
+    loops = {name: addresses for name, addresses in found.items() if addresses}
+    functions: dict[str, Function] = {name: make_ufunc(signatures[name], library, addresses) for name, addresses in loops.items()}
     others = [entry for entry in manifest.functions if entry.signature.full_name not in functions]
     if others and _numpy_file(folder, manifest).exists():
         functions |= _vectorised(folder, manifest, others)
-    return _Backend("c", reason, functions)
+    return _Backend("c", reason, functions, loops)
 
 
 def _library(folder: Path, manifest: Manifest) -> tuple[ctypes.CDLL, str]:
@@ -156,6 +166,7 @@ def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
     bare = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
     functions = {name: as_called(function, signatures[name], defaults, single) for name, function in bare}
+    functions |= {name: direct(functions[name], signatures[name], loops) for name, loops in backend.loops.items()}
     return functions | _solves(manifest.robot, functions) | stability.named(manifest.robot, functions, signatures)
 
 

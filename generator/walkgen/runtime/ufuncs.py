@@ -16,18 +16,27 @@ _NO_IDENTITY = -1
 _REAL: dict[str, np.dtype[Any]] = {"": np.dtype(np.float64), "_f32": np.dtype(np.float32)}
 
 
-def make_ufunc(signature: Signature, library: ctypes.CDLL, float32: bool) -> ufunc | None:
-    """A generalised ufunc over the library's loops of this function; None where the library has no loop for it.
+Loops = tuple[int, int]
+"""Addresses of a function's loops in double and in float; 0 where there is none."""
+
+
+def find_loops(signature: Signature, library: ctypes.CDLL, float32: bool) -> Loops | None:
+    """The library's loops of this function; None where it lacks one."""
+    suffixes = ("", "_f32") if float32 else ("",)
+    found = [_address(library, _loop_name(signature, suffix)) for suffix in suffixes]
+    return None if 0 in found else (found[0], found[1] if float32 else 0)
+
+
+def make_ufunc(signature: Signature, library: ctypes.CDLL, addresses: Loops) -> ufunc:
+    """A generalised ufunc over these loops of the function.
 
     Single precision comes first, so that float32 input takes it; everything else is cast to double.
 
     Raises:
         ToolchainError: WG408 when NumPy's C interface is not the one expected.
     """
-    suffixes = ("_f32", "") if float32 else ("",)
-    loops = [_address(library, _loop_name(signature, suffix)) for suffix in suffixes]
-    if None in loops:
-        return None
+    suffixes = ("_f32", "") if addresses[1] else ("",)
+    loops = [address for address in reversed(addresses) if address]
     ports = signature.inputs + signature.outputs
     codes = bytes(_code(port, index >= len(signature.inputs), suffix) for suffix in suffixes for index, port in enumerate(ports))
     functions = (ctypes.c_void_p * len(loops))(*loops)
@@ -55,11 +64,11 @@ def _loop_name(signature: Signature, suffix: str) -> str:
     return f"{signature.robot}{suffix}{signature.full_name.removeprefix(signature.robot)}_loop"
 
 
-def _address(library: ctypes.CDLL, name: str) -> int | None:
+def _address(library: ctypes.CDLL, name: str) -> int:
     try:
-        return ctypes.cast(getattr(library, name), ctypes.c_void_p).value
+        return ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
     except AttributeError:
-        return None
+        return 0
 
 
 def _code(port: Port, output: bool, suffix: str) -> int:
