@@ -178,4 +178,11 @@ WALKGEN_SHARED void walkgen_loop(walkgen_rows run, const walkgen_port *ports, in
         walkgen_loop(run, table, count, (char *)buffer, arguments, dimensions, steps); \
     }
 
+/* The loop of an earlier function with the same code serves. */
+#define WALKGEN_LOOP_OF(name, same) \
+    void name##_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data); \
+    void name##_loop(char **arguments, const intptr_t *dimensions, const intptr_t *steps, void *data) { \
+        same##_loop(arguments, dimensions, steps, data); \
+    }
+
 #endif

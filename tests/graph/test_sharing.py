@@ -6,7 +6,7 @@ import sympy
 
 from walkgen.graph.lower import lower
 from walkgen.graph.program import Call, Composite
-from walkgen.graph.sharing import shared
+from walkgen.graph.sharing import repeated, shared
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.function import Function
 
@@ -63,6 +63,15 @@ def test_an_equal_leg_calls_the_first():
     kept, called = shared((first, second))
     assert kept == first
     assert called == Composite(second.signature, (), (Call(first, ("x", "y")),), ())
+
+
+def test_what_only_calls_a_public_function_repeats_it():
+    first, second = long("left", "climb"), long("right", "climb")
+    called = shared((first, second))[1]
+    assert repeated(called, {first}) == first
+    assert repeated(called, set()) is None
+    assert repeated(first, {first}) is None
+    assert repeated(calling(first, first), {first}) is None
 
 
 def test_short_functions_keep_their_text():

@@ -11,6 +11,7 @@ from walkgen.emit.c_printer import DOUBLE, FLOAT, Precision
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out
 from walkgen.emit.python_wide import WideLoop, wide, wide_loops, wide_sources
+from walkgen.graph.sharing import repeated
 from walkgen.signature import COUNTS, Port, Signature
 
 _WORD = 8
@@ -24,7 +25,7 @@ _MOST_PORTS, _HIGHEST_RANK = 32, 6
 @dataclass(frozen=True)
 class Loop:
     """One loop, ready to be laid out: entries of its port table, what makes the table of a call where shapes vary, the lines that run
-    one row. `wide` says how wider vectors serve it.
+    one row. `wide` says how wider vectors serve it, `same` names an earlier function with the same code, whose loop serves.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Loop:
     before: str
     lines: tuple[str, ...]
     wide: WideLoop | None
+    same: str
 
 
 def python_loops(code: RobotCode) -> Artifact:
@@ -44,7 +46,8 @@ def python_loops(code: RobotCode) -> Artifact:
     """
     robot = code.mechanism.name
     precisions, lanes = _precisions(code), laned(code)
-    signatures = [body.signature for body in code.functions if has_loop(body.signature)]
+    public = code.public
+    looped = [(body.signature, repeated(body, public)) for body in code.functions if has_loop(body.signature)]
     return lay_out(
         "python.c.jinja",
         f"{robot}_python.c",
@@ -52,10 +55,10 @@ def python_loops(code: RobotCode) -> Artifact:
         headers=[f"{'_'.join(part for part in (robot, precision.tag) if part)}.h" for precision in precisions],
         wide=[wide(code, lanes, precision) for precision in precisions] if lanes else [],
         loops=[
-            _loop(signature, precision, wider.get(signature.full_name))
+            _loop(signature, precision, wider.get(signature.full_name), function_name(same.signature, precision) if same else "")
             for precision in precisions
             for wider in [wide_loops(code, lanes, precision)]
-            for signature in signatures
+            for signature, same in looped
         ],
     )
 
@@ -82,12 +85,12 @@ def has_loop(signature: Signature) -> bool:
     )
 
 
-def _loop(signature: Signature, precision: Precision, wider: WideLoop | None) -> Loop:
+def _loop(signature: Signature, precision: Precision, wider: WideLoop | None, same: str) -> Loop:
     name = function_name(signature, precision)
     ports = tuple(_entries(signature, precision))
     size = sum(_bytes(port, precision) for port in signature.inputs + signature.outputs) // precision.size
     before = _sizing(signature, name, len(ports)) if signature.counts else ""
-    return Loop(name, precision.real, size, ports, before, tuple(_lines(signature, name, precision)), wider)
+    return Loop(name, precision.real, size, ports, before, tuple(_lines(signature, name, precision)), wider, same)
 
 
 def _entries(signature: Signature, precision: Precision) -> Iterator[str]:

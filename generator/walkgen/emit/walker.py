@@ -1,11 +1,12 @@
 """Turns a Program into statements and output expressions; every target's printer stands on this one walk."""
 
 import re
-from collections import Counter
-from collections.abc import Collection, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import IntEnum
+from functools import cache
 from itertools import count
 from typing import Protocol
 
@@ -123,6 +124,7 @@ def live(program: Program) -> tuple[int, ...]:
     return tuple(sorted(needed))
 
 
+@cache
 def identifier(name: str) -> str:
     """The name with everything but ASCII letters, digits and single inner underscores removed."""
     words = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:_LONGEST_NAME].rstrip("_")
@@ -165,7 +167,7 @@ class _Walk:
         ports = program.signature.inputs + program.signature.outputs
         self.groups = {_first(group): group for group in groups(program) if len(group) > 1 and _is_ready(group, program, set(needed))}
         self.taken = set(printer.reserved) | {port.name for port in ports}
-        self.numbers = count(1)
+        self.numbers: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(1))
 
     def visit(self, index: int) -> None:
         """Write one op, and right after it the cosine of the same sine."""
@@ -203,10 +205,12 @@ class _Walk:
 
     def compose(self, op: Op) -> Text:
         form = self.printer.forms[op.code]
-        operands = [self.written[argument] for argument in op.arguments]
-        texts = [bracket(operand, level) for operand, level in zip(operands, form.needs, strict=False)]
-        depth = 1 + max((operand.depth for operand in operands), default=0)
-        return Text(form.template.format(*texts), form.level, depth, max((operand.after for operand in operands), default=0))
+        texts, depth, after = [], 0, 0
+        for argument, level in zip(op.arguments, form.needs, strict=False):
+            operand = self.written[argument]
+            texts.append(bracket(operand, level))
+            depth, after = max(depth, operand.depth), max(after, operand.after)
+        return Text(form.template.format(*texts), form.level, depth + 1, after)
 
     def bind(self, index: int) -> None:
         """Make what is written of the op a statement; from now on it is known by its name."""
@@ -236,9 +240,9 @@ class _Walk:
 
     def name(self, op: Op) -> str:
         wanted = identifier(op.name) or self.angle_name(op)
-        candidates = (f"{wanted}_{number}" if number > 1 else wanted for number in count(1))
-        fallback = (f"t{number}" for number in self.numbers)
-        name = next(name for name in (candidates if wanted else fallback) if name not in self.taken)
+        numbers = self.numbers[wanted]
+        candidates = (f"{wanted}_{number}" if wanted and number > 1 else wanted or f"t{number}" for number in numbers)
+        name = next(name for name in candidates if name not in self.taken)
         self.taken.add(name)
         return name
 

@@ -89,7 +89,7 @@ class Program:
         """How often each operation occurs, by its name."""
         return Counter(op.code.value for op in self.ops)
 
-    @property
+    @cached_property
     def operation_count(self) -> int:
         """Arithmetic operations: every op but inputs and constants."""
         return sum(op.code not in (Code.INPUT, Code.CONSTANT) for op in self.ops)

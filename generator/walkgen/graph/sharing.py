@@ -1,6 +1,6 @@
 """Code that occurs twice is written once: functions of equal legs call the first of them, and so do kernels that compute the same."""
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Container, Hashable, Iterator, Sequence
 from dataclasses import replace
 
 from walkgen.graph.program import Call, Composite, Program
@@ -54,6 +54,16 @@ def _calling(composite: Composite, first: dict[Hashable, Program]) -> Composite:
 
 def _redirected(call: Call, first: dict[Hashable, Program]) -> Call:
     return call if isinstance(call.callee, str) else replace(call, callee=first[nameless(call.callee)])
+
+
+def repeated(body: Body, public: Container[Program]) -> Program | None:
+    """The public Program that a function does nothing but call, port by port; None of all others."""
+    if not isinstance(body, Composite) or len(body.calls) != 1:
+        return None
+    call = body.calls[0]
+    names = tuple(port.name for port in (*body.signature.inputs, *body.signature.outputs))
+    alone = call.guard is None and call.repeat == 1 and call.arguments == names
+    return call.callee if alone and isinstance(call.callee, Program) and call.callee in public else None
 
 
 def nameless(program: Program) -> Hashable:
