@@ -11,8 +11,8 @@ from typer.core import TyperGroup
 
 from walkgen import __version__
 from walkgen.arguments import TO_FILE, Body, Format, Output, SoleName, Specs, Stage, Verify, targets_of
+from walkgen.collector import uncollected
 from walkgen.errors import Problem, WalkgenError
-from walkgen.processes import uncollected
 from walkgen.terminal import as_json, count, deliver, print_build, print_walk, progress_of, report, write_new
 
 if TYPE_CHECKING:

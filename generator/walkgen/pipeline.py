@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from walkgen.collector import uncollected
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.casadi_files import built_functions, serialise
 from walkgen.emit.emit import emit
@@ -21,7 +22,7 @@ from walkgen.graph.program import Composite, Program
 from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Mechanism
-from walkgen.processes import both, uncollected
+from walkgen.processes import both
 from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
 from walkgen.symbolic.derive import derive, derive_limbs, derive_robot
@@ -79,7 +80,6 @@ def build(path: Path, out: Path, options: BuildOptions = BuildOptions(), progres
     return BuildReport(folder, files, len(code.functions), total, time.perf_counter() - start, library, tuple(notices))
 
 
-@uncollected()
 def generate(
     path: Path, options: BuildOptions = BuildOptions(), progress: Progress = _silent, notice: Callable[[Problem], None] = _silent
 ) -> RobotCode:

@@ -1,15 +1,13 @@
-"""How a build uses the machine: two tasks at a time, the second in a copy of this process where there can be one; no search for garbage."""
+"""Two tasks at a time: the second in a process of its own, a copy of this one, where the system makes such copies."""
 
 import ctypes
-import gc
 import multiprocessing
 import os
 import pickle
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
 First = TypeVar("First")
@@ -18,18 +16,6 @@ Arguments = ParamSpec("Arguments")
 
 _PR_SET_PDEATHSIG = 1
 """linux/prctl.h."""
-
-
-@contextmanager
-def uncollected() -> Iterator[None]:
-    """Without Python's collector of cycles: a build makes many objects and no cycles, and looking for some takes a seventh of its time."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
 
 
 def both(

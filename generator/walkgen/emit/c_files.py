@@ -139,8 +139,8 @@ def _parts(functions: Functions, rows: Rows, opening: str) -> tuple[Part, Part]:
     single = tuple(function for function, _ in functions if function.name not in rows.names)
     batches = tuple(batch for _, batch in functions if batch.name not in rows.names)
     closing = ("", "#endif") if opening else ()
-    whole = ("", NO_BATCHES), batches, ("", "#endif", *closing)
-    return Part(("", opening) if opening else (), single, ()), Part(*whole) if batches else Part((), (), closing)
+    guarded = Part(("", NO_BATCHES), batches, ("", "#endif", *closing)) if batches else Part((), (), closing)
+    return Part(("", opening) if opening else (), single, ()), guarded
 
 
 def _weights(code: RobotCode, functions: Functions, rows: Rows) -> Iterator[int]:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from walkgen.runtime.calls import Function
-from walkgen.runtime.contact_mistakes import bad_input, lost_loads
+from walkgen.runtime.mistakes import bad_stance, everywhere, lost_loads
 from walkgen.signature import STATUSES
 
 Method = Literal["least_squares", "stiffness", "vertical"]
@@ -58,10 +58,9 @@ class ContactForces:
         """
         given = {"points": points, "normals": normals, "mu": mu, "wrench": wrench, **options}
         found = self._by_method(method, dict(given), cone, torque_rows)
-        status = np.asarray(found[1])
-        if status.size and np.all(status == STATUSES.index("BAD_INPUT")):
-            raise ValueError(f"{NAME}: {bad_input(given | {'torque_rows': torque_rows})}")
-        if status.size and np.all(status == STATUSES.index("SINGULAR")):
+        if everywhere("BAD_INPUT", found[1]):
+            raise ValueError(f"{NAME}: {bad_stance(given | {'torque_rows': torque_rows})}")
+        if everywhere("SINGULAR", found[1]):
             raise ValueError(f"{NAME}: {lost_loads(points)}")
         return found
 

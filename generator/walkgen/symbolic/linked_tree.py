@@ -169,7 +169,6 @@ def _grow_linkage(
     for name, part in zip(names, parts, strict=True):
         coordinates += _at(name, placing.point(part.body, placing.planar(part.point)), growth.tape)
         coordinates.append(Coordinate(f"{name}_angle", rotor=placing.pose(part.body).rotor))
-    end = planar_joints() if linkage.bears else planar_joints()[:2]
     coordinates += _at(f"{prefix}foot", placing.point(linkage.foot[0], placing.planar(linkage.foot[1])), growth.tape)
     if linkage.bears:
         coordinates.append(Coordinate(f"{prefix}foot_angle", rotor=placing.pose(linkage.foot[0]).rotor))
@@ -182,7 +181,7 @@ def _grow_linkage(
         at = place
         for joint, number in zip(planar_joints(part.sliding, part.turning), numbers, strict=False):
             at = growth.joint(joint, at, number, f"{name}_{joint.name}")
-    for joint, number in zip(end, numbers, strict=True):
+    for joint, number in zip(planar_joints() if linkage.bears else planar_joints()[:2], numbers, strict=True):
         place = growth.joint(joint, place, number, f"{prefix}foot_{joint.name}")
     return place
 

@@ -1,10 +1,12 @@
-"""What is wrong where a contact solve has no answer to give: which input, of which foot, and how to mend it."""
+"""What is wrong where a solve has no answer to give: which input, of which foot, and how to mend it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+
+from walkgen.signature import STATUSES
 
 _UNIT = 1e-9
 _SHORT = 1e-9
@@ -24,7 +26,13 @@ _ENDLESS = frozenset({"mu", "n_max"})
 """What may be infinite, to some methods."""
 
 
-def bad_input(given: Mapping[str, Any]) -> str:
+def everywhere(name: str, status: Any) -> bool:
+    """Whether every row, of one row or more, has the status of this name."""
+    found = np.asarray(status)
+    return bool(found.size and np.all(found == STATUSES.index(name)))
+
+
+def bad_stance(given: Mapping[str, Any]) -> str:
     """The first thing that is wrong with the first row of a batch whose rows are all bad input.
 
     Args:
@@ -91,3 +99,40 @@ def lost_loads(points: Any) -> str:
         return "normals leave the feet no hold against some load; grasp_map tells which"
     line = axes[0] if axes[0][np.argmax(np.abs(axes[0]))] > 0.0 else -axes[0]
     return f"{len(stance)} feet on a line carry no moment about it, along {_shown(line)} {where}; set down a foot beside it"
+
+
+def bad_balance(given: Mapping[str, Any]) -> str:
+    """The first thing that is wrong with an input of a function of static stability, as far as it shows in every row.
+
+    Args:
+        given: its inputs by name.
+    """
+    arrays = {name: np.asarray(value, float) for name, value in given.items() if value is not None}
+    for name, array in arrays.items():
+        if name != "mu" and not np.isfinite(array).all():
+            return f"{name} has NaN or an infinite number"
+        wrong, cure = _BALANCE.get(name, (lambda _: np.array(False), ""))
+        if np.any(wrong(array)):
+            return f"{name} is {np.array2string(array, threshold=12)}; {cure}"
+    return "the inputs do not fit each other: direction along gravity, no gravity or mass anywhere, or a tilt that turn takes beyond pi"
+
+
+def _is_no_direction(normals: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(normals, axis=-1)
+    return np.asarray((np.abs(length - 1.0) > _UNIT) & (length > 0.0))
+
+
+_BALANCE: Mapping[str, tuple[Callable[[np.ndarray], Any], str]] = MappingProxyType(
+    {
+        "mu": (lambda mu: ~(mu >= 0.0), "coefficients of friction are not negative"),
+        "direction": (lambda way: ~way.any(axis=-1), "give a direction of travel that is not along gravity"),
+        "normals": (_is_no_direction, "give unit vectors away from the ground, or zeros for up"),
+        "mass": (lambda mass: mass < 0.0, "masses are not negative; 0 is the robot's own"),
+        "tolerance": (lambda size: ~(size > 0.0), "give how far the polygon may be from the region, above 0 m"),
+        "kappa": (lambda kappa: ~(kappa > 0.0), "tipping_acceleration gives it, above 0 1/s^2"),
+        "tilt": (lambda tilt: np.abs(tilt) >= np.pi, "tilts from upright are below pi"),
+        "turn": (lambda turn: turn < 0.0, "a fall turns on, by 0 and more, by more for a speed"),
+        "time": (lambda time: time < 0.0, "times are not negative"),
+        "length": (lambda length: length < 0.0, "lengths are not negative"),
+    }
+)
