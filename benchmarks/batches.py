@@ -27,7 +27,7 @@ from walkgen.runtime import load
 
 OUTPUT = HERE.parent / "_build" / "batches"
 ROWS = {"in cache": 512, "a million rows": 1_000_000}
-FAST = tuple(flag for flag in toolchain.FLAGS if flag not in {"-O2", "-std=c99"})
+COMMON = tuple(flag for flag in toolchain.FLAGS if flag != "-std=c99")
 BUILDS = {
     "C library, row by row": ("-O3", "-march=native", "-DWALKGEN_LIBM"),
     "row by row": ("-O3", "-march=native", "-DWALKGEN_NO_BLOCKS"),
@@ -62,7 +62,7 @@ def folder() -> Any:
 def library(place: Any, source: str, flags: Sequence[str]) -> ctypes.CDLL:
     """One C file under some flags."""
     text = (place / source).read_text()
-    build = compile_one(Source("walkgen", source, _exported(text), includes=(place,), flags=FAST), (*FAST, *flags))
+    build = compile_one(Source("walkgen", source, _exported(text), includes=(place,), flags=COMMON), (*COMMON, *flags))
     if build.message:
         raise SystemExit(build.message)
     return ctypes.CDLL(str(build.library))
@@ -163,7 +163,7 @@ def main() -> None:
     place, core = folder(), pin_core()
     entries, python = compiled(place, options.repetitions), from_python(place, options.repetitions)
     show(entries, python)
-    builds = {name: [*FAST, *flags] for name, flags in BUILDS.items()}
+    builds = {name: [*COMMON, *flags] for name, flags in BUILDS.items()}
     settings = {"settings": {**vars(options), "core": core, "asked_with_avx512": ASKED}, "builds": builds, "compilers": versions()}
     path = write("batches", {**settings, "packages": packages(("numpy",)), "entries": entries, "from_python": python})
     print(f"written: {path.relative_to(HERE.parents[1])}")

@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
 from walkgen import __version__
-from walkgen.toolchain import which
+from walkgen.compilers import which
 
 _REQUIREMENT = re.compile(r"(?P<name>[A-Za-z0-9._-]+)(?P<range>[^;]*)(;.*extra == ['\"](?P<extra>\w+)['\"])?")
 

@@ -1,13 +1,10 @@
-"""Finds a C compiler and makes a library or a program of generated sources; standard library only, because the runtime compiles too."""
+"""Makes a library or a program of generated sources; standard library only, because the runtime compiles too."""
 
 import hashlib
-import importlib.util
 import json
 import os
 import re
-import shlex
 import shutil
-import subprocess
 import sys
 import sysconfig
 import tempfile
@@ -16,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from walkgen.compilers import Compiler, find_compiler, insist
 from walkgen.errors import Problem, ToolchainError
 
 _EFFORT = ("-O1", "-fstrict-aliasing", "-fipa-cp", "-foptimize-sibling-calls", "-freorder-blocks", "-fpeephole2")
@@ -29,15 +27,6 @@ SHARED = ("-fPIC", "-DWALKGEN_NO_BATCHES")
 _MODULE = ("-std=c11", "-O2", "-fPIC", "-shared", *(("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()))
 _RECORD = "build.json"
 _PROCESSES = 2
-
-
-@dataclass(frozen=True)
-class Compiler:
-    """A C compiler that runs: how it was asked for, the command, and the first line it says of itself."""
-
-    label: str
-    command: tuple[str, ...]
-    version: str
 
 
 @dataclass(frozen=True)
@@ -56,47 +45,6 @@ def platform_tag() -> str:
 def library_name(robot: str) -> str:
     """File name of the robot's shared library on this system."""
     return {"win32": f"{robot}.dll", "darwin": f"lib{robot}.dylib"}.get(sys.platform, f"lib{robot}.so")
-
-
-def candidates() -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Where a compiler is looked for, in order: $CC alone when set, else cc, gcc, clang, the ziglang wheel."""
-    chosen = shlex.split(os.environ.get("CC", ""))
-    if chosen:
-        return (("$CC", tuple(chosen)),)
-    wheel = (("ziglang", (sys.executable, "-m", "ziglang", "cc")),) if importlib.util.find_spec("ziglang") else ()
-    return (*((name, (name,)) for name in ("cc", "gcc", "clang")), *wheel)
-
-
-def which() -> tuple[Compiler, ...]:
-    """Every compiler that answers, in order of preference; the first is the one used."""
-    return tuple(compiler for label, command in candidates() if (compiler := _probe(label, command)))
-
-
-def find_compiler() -> Compiler:
-    """The first compiler that answers.
-
-    Raises:
-        ToolchainError: WG401 when none does.
-    """
-    for label, command in candidates():
-        compiler = _probe(label, command)
-        if compiler:
-            return compiler
-    tried = ", ".join(shlex.join(command) if label == "$CC" else label for label, command in candidates())
-    cure = "install gcc or clang, set CC to a C compiler, or: pip install 'walkgen[zig]'"
-    raise ToolchainError(Problem("WG401", f"no C compiler answers (tried {tried})", cure))
-
-
-def _probe(label: str, command: tuple[str, ...]) -> Compiler | None:
-    program = shutil.which(command[0])
-    if program is None:
-        return None
-    try:
-        answer = _run((program, *command[1:], "--version"), Path.cwd(), seconds=60)
-    except (OSError, subprocess.TimeoutExpired):
-        return None
-    lines = answer.stdout.strip().splitlines()
-    return Compiler(label, (program, *command[1:]), lines[0]) if answer.returncode == 0 and lines else None
 
 
 def source_digest(folder: Path, sources: Sequence[str]) -> str:
@@ -260,7 +208,7 @@ def build_module(source: Path, name: str, tag: str, headers: Sequence[Path], roo
     root.mkdir(mode=0o700, parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".tmp-", dir=root, ignore_cleanup_errors=True) as work:
         made = Path(work) / product.name
-        _insist(compiler, (*compiler.command, *_MODULE, *(f"-I{folder}" for folder in headers), str(source), "-o", str(made)), Path(work))
+        insist(compiler, (*compiler.command, *_MODULE, *(f"-I{folder}" for folder in headers), str(source), "-o", str(made)), Path(work))
         made.replace(product)
     return product
 
@@ -270,7 +218,7 @@ def _compile(compiler: Compiler, folder: Path, sources: Sequence[str], work: Pat
     suited = _suited(compiler, flags)
     commands = [(*compiler.command, *suited, *chosen, "-c", source, "-o", str(product)) for source, chosen, product in units]
     with ThreadPoolExecutor(_PROCESSES) as pool:
-        tuple(pool.map(lambda command: _insist(compiler, command, folder), commands))
+        tuple(pool.map(lambda command: insist(compiler, command, folder), commands))
     return tuple(product for _, _, product in units)
 
 
@@ -291,24 +239,4 @@ def _units(folder: Path, source: str, work: Path) -> Iterator[tuple[str, tuple[s
 
 def _link(compiler: Compiler, objects: Sequence[Path], product: Path, flags: Sequence[str]) -> None:
     mathematics = () if sys.platform == "win32" else ("-lm",)
-    _insist(compiler, (*compiler.command, *flags, *map(str, objects), "-o", str(product), *mathematics), product.parent)
-
-
-def _insist(compiler: Compiler, command: Sequence[str], folder: Path) -> None:
-    try:
-        answer = _run(command, folder)
-    except OSError as error:
-        message = f"{compiler.command[0]} cannot be run: {error.strerror}"
-        raise ToolchainError(Problem("WG402", message, "walkgen doctor shows the compilers")) from error
-    if answer.returncode != 0:
-        said = (answer.stderr or answer.stdout).strip()[-4000:]
-        message = f"{compiler.version} refused the sources in {folder}:\n$ {shlex.join(command)}\n{said}"
-        raise ToolchainError(Problem("WG402", message, "walkgen doctor shows the compilers; CC=... chooses another"))
-
-
-def _run(command: Sequence[str], folder: Path, seconds: float | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a command in `folder` with English messages, its output kept."""
-    environment = {**os.environ, "LC_ALL": "C"}
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", errors="replace", timeout=seconds, check=False
-    )
+    insist(compiler, (*compiler.command, *flags, *map(str, objects), "-o", str(product), *mathematics), product.parent)

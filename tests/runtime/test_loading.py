@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from tiny_robot import Tiny, write
 
-from walkgen import toolchain
+from walkgen import compilers, toolchain
 from walkgen.errors import ToolchainError
 from walkgen.runtime import Robot, load
 
@@ -38,7 +38,7 @@ def no_compiler(folders: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch)
     folders("plain")  # compiled while there is a compiler
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setenv("PATH", "")
-    monkeypatch.setattr(toolchain.importlib.util, "find_spec", lambda _: None)
+    monkeypatch.setattr(compilers.importlib.util, "find_spec", lambda _: None)
 
 
 def test_compiles_once_then_finds(fresh: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from walkgen import toolchain
+from walkgen import compilers, toolchain
 from walkgen.errors import ToolchainError
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wcast-qual", "-Werror")
@@ -17,26 +17,26 @@ WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wcas
 
 def test_cc_is_taken_with_its_flags(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "gcc -DCHOSEN=1")
-    compiler = toolchain.find_compiler()
+    compiler = compilers.find_compiler()
     assert compiler.label == "$CC"
     assert compiler.command == (shutil.which("gcc"), "-DCHOSEN=1")
-    assert toolchain.which() == (compiler,)
+    assert compilers.which() == (compiler,)
 
 
 @pytest.mark.parametrize("command", ["no-such-compiler", "false"])
 def test_cc_that_does_not_answer(monkeypatch: pytest.MonkeyPatch, command: str) -> None:
     monkeypatch.setenv("CC", command)
     with pytest.raises(ToolchainError, match=f"tried {command}") as error:
-        toolchain.find_compiler()
+        compilers.find_compiler()
     assert error.value.problems[0].code == "WG401"
 
 
 def test_order_without_cc(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("CC", raising=False)
-    labels = [label for label, _ in toolchain.candidates()]
+    labels = [label for label, _ in compilers.candidates()]
     assert labels[:3] == ["cc", "gcc", "clang"]
     assert labels[3:] == (["ziglang"] if importlib.util.find_spec("ziglang") else [])
-    assert toolchain.which()[0] == toolchain.find_compiler()
+    assert compilers.which()[0] == compilers.find_compiler()
 
 
 def test_flags_and_sources_name_the_build(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
