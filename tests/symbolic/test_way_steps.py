@@ -6,7 +6,7 @@ import numpy as np
 import sympy
 
 from walkgen.signature import Port
-from walkgen.symbolic.way_steps import REPEATS, Way
+from walkgen.symbolic.way_steps import Way
 
 NAMED = {
     "Select": np.where,
@@ -50,7 +50,7 @@ def by_numpy(function):
 
 def test_no_way_leads_beyond_a_dead_point():
     way = Way("bot", "leg", "wavy", Port("given", (3,)), 2, lambda given, unknowns, tape: Wavy(tape, tuple(given), tuple(unknowns)))
-    begin, advance, random = by_numpy(way.begin()), by_numpy(way.advance()), np.random.default_rng(1)
+    begin, advance, random = by_numpy(way.begin), by_numpy(way.advance), np.random.default_rng(1)
     size, number = random.uniform(1.05, 6, (400, 1)), 10 ** random.uniform(0, 2, (400, 1))
     turn = np.arccos(-1 / size)
     last = (turn + size * np.sin(turn)) / number
@@ -58,7 +58,7 @@ def test_no_way_leads_beyond_a_dead_point():
     aim, start = (z, size, number), (0 * z, size, number, 0 * z, 0 * z)
     with np.errstate(all="ignore"):
         state = begin(*start)
-        for _ in range(REPEATS):
+        for _ in range(way.steps("aim", "start", "state")[1].repeat):
             state = advance(*aim, *start, *state)
     gone, x = state[0], state[3]
     before, beyond = z < last * (1 - 1e-3), z > last * (1 + 1e-3)

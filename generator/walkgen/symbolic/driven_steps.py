@@ -6,16 +6,11 @@ import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port
-from walkgen.symbolic.branches import BAD_INPUT, OK, UNREACHABLE
-from walkgen.symbolic.choices import both, less
 from walkgen.symbolic.closure import assembled_port, closing_at, point_port, unknowns_port
-from walkgen.symbolic.function import Finite, Function, LessEqual, Residue, Select, Step
+from walkgen.symbolic.function import Function, Select, Step
 from walkgen.symbolic.starts import found_start
 from walkgen.symbolic.tape import Tape, symbols_of
-from walkgen.symbolic.way_steps import REPEATS, Way
-
-_CLOSED = sympy.Rational(1, 10**24)
-"""Of the residuals' squares."""
+from walkgen.symbolic.way_steps import Way
 
 
 def way_ports(mechanism: Mechanism, leg: Limb) -> tuple[Port, Port]:
@@ -29,8 +24,7 @@ def closed_by_steps(mechanism: Mechanism, leg: Limb, given: str) -> tuple[Step, 
     begins, state = (port.name for port in way_ports(mechanism, leg))
     return (
         Step(_started(mechanism, leg), (begins,)),
-        Step(_begin(mechanism, leg), (begins, state)),
-        Step(_advance(mechanism, leg), (given, begins, state, state), repeat=REPEATS),
+        *_way(mechanism, leg).steps(given, begins, state),
         Step(_finish(mechanism, leg), (given, state, unknowns_port(leg).name, assembled_port(leg).name)),
     )
 
@@ -49,25 +43,12 @@ def _started(mechanism: Mechanism, leg: Limb) -> Function:
 
 
 @cache
-def _begin(mechanism: Mechanism, leg: Limb) -> Function:
-    return _way(mechanism, leg).begin()
-
-
-@cache
-def _advance(mechanism: Mechanism, leg: Limb) -> Function:
-    return _way(mechanism, leg).advance()
-
-
-@cache
 def _finish(mechanism: Mechanism, leg: Limb) -> Function:
     """given, state -> the unknowns and the status."""
     way, tape = _way(mechanism, leg), Tape()
-    (gone, unknowns), wanted = way.gone, symbols_of(way.aim)
-    found = closing_at(mechanism, leg, wanted, unknowns, tape)
-    missed = tape.let("missed", sympy.Add(*(residual**2 for residual in found.residuals)))
-    closes = both(less(missed, _CLOSED), LessEqual(1, gone))
-    taint = tape.let("taint", sympy.Add(*(Residue(symbol) for symbol in wanted)))
-    status = Select(Finite(taint), Select(closes, OK, UNREACHABLE), BAD_INPUT)
+    _, unknowns = way.gone
+    found = closing_at(mechanism, leg, symbols_of(way.aim), unknowns, tape)
+    closes, missed, status = way.verdict(found, tape)
     nothing = tape.let("nothing", sympy.sqrt(-1 - missed**2))  # NaN
     words = way.words("finish", (way.aim, way.state), (unknowns_port(leg), assembled_port(leg)))
     return tape.function(words, [*(Select(closes, unknown, nothing) for unknown in unknowns), status])

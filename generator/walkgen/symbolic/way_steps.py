@@ -6,19 +6,21 @@ again with a quarter of the part. At the end of the way all steps are Newton's, 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import sympy
 
 from walkgen.signature import Port, Signature
-from walkgen.symbolic.choices import less
+from walkgen.symbolic.branches import BAD_INPUT, OK, UNREACHABLE
+from walkgen.symbolic.choices import both, less
 from walkgen.symbolic.closure import Closing
 from walkgen.symbolic.closure_steps import determinants, newton_step
-from walkgen.symbolic.function import Both, Either, Function, Indicator, Less, Opposite, Same, Select
+from walkgen.symbolic.function import Both, Either, Finite, Function, Indicator, Less, LessEqual, Opposite, Residue, Same, Select, Step
 from walkgen.symbolic.tape import Tape, symbols_of
 
 Exprs = Sequence[sympy.Expr]
 
-REPEATS = 256
+_REPEATS = 256
 """A way without obstacles takes 128 of them."""
 _PARTS = 64
 _SHORT = sympy.Rational(1, 16)
@@ -26,6 +28,8 @@ _SHORT = sympy.Rational(1, 16)
 _NOTHING = sympy.Rational(1, 10**20)
 """Of one that rounding leaves, squared."""
 _TINY = sympy.Rational(1, 10**40)
+_CLOSED = sympy.Rational(1, 10**24)
+"""Of the residuals' squares."""
 _LEAST, _MOST = sympy.Rational(2, 5), sympy.Rational(5, 2)
 """How much a determinant may change in a step, as in walkgen_triads.h."""
 
@@ -73,10 +77,27 @@ class Way:
         ends = zip(symbols_of(self.start)[: self.aim.size], symbols_of(self.aim), strict=True)
         return [tape.let("at", first + part * (last - first)) for first, last in ends]
 
+    def steps(self, aim: str, start: str, state: str) -> tuple[Step, Step]:
+        """From the start all the way to the aim, as far as it leads; ports by their names."""
+        return Step(self.begin, (start, state)), Step(self.advance, (aim, start, state, state), repeat=_REPEATS)
+
+    def verdict(self, found: Closing, tape: Tape) -> tuple[sympy.Basic, sympy.Expr, sympy.Expr]:
+        """Whether the end of the way closes the linkage, by how much it does not (of residuals the squares), the status.
+
+        Args:
+            found: the closure at the aim, for the unknowns at the way's end.
+            tape: where the intermediates go.
+        """
+        missed = tape.let("missed", sympy.Add(*(residual**2 for residual in found.residuals)))
+        closes = both(less(missed, _CLOSED), LessEqual(1, self.gone[0]))
+        taint = tape.let("taint", sympy.Add(*(Residue(symbol) for symbol in symbols_of(self.aim))))
+        return closes, missed, Select(Finite(taint), Select(closes, OK, UNREACHABLE), BAD_INPUT)
+
     def words(self, name: str, inputs: tuple[Port, ...], outputs: tuple[Port, ...]) -> Signature:
         """Of a kernel."""
         return Signature(self.robot, self.leg, f"{self.name}_{name}", inputs, outputs, "", "")
 
+    @cached_property
     def begin(self) -> Function:
         """start -> the state there."""
         tape, symbols = Tape(), symbols_of(self.start)
@@ -85,6 +106,7 @@ class Way:
         values = [sympy.S.Zero, sympy.Rational(1, _PARTS), sympy.S.Zero, *unknowns, *unknowns, *found]
         return tape.function(self.words("begin", (self.start,), (self.state,)), values)
 
+    @cached_property
     def advance(self) -> Function:
         """aim, start, state -> the next state: after the first or the second Newton step of a part, or back with a quarter of it."""
         tape, (gone, part, square, *rest) = Tape(), symbols_of(self.state)
