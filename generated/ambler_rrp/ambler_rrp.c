@@ -1031,8 +1031,8 @@ static void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT rows, 
     const double angle_shoulder_elbow_2 = rows[3] + rows[4];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder, sin_shoulder_elbow_2,
         cos_shoulder_elbow_2, sin_shoulder_2, cos_shoulder_2;
-    WG_SINCOS_4(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, rows[0], sin_shoulder, cos_shoulder,
-        angle_shoulder_elbow_2, sin_shoulder_elbow_2, cos_shoulder_elbow_2, rows[3], sin_shoulder_2,
+    WG_MANY_SINCOS_4(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, rows[0], sin_shoulder,
+        cos_shoulder, angle_shoulder_elbow_2, sin_shoulder_elbow_2, cos_shoulder_elbow_2, rows[3], sin_shoulder_2,
         cos_shoulder_2);
     const double extend_shift_z = rows[2] + 0.5;
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
@@ -1054,7 +1054,7 @@ static void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT rows, 
     const double angle_shoulder_elbow_4 = rows[9] + rows[10];
     double sin_shoulder_elbow_3, cos_shoulder_elbow_3, sin_shoulder_3, cos_shoulder_3, sin_shoulder_elbow_4,
         cos_shoulder_elbow_4, sin_shoulder_4, cos_shoulder_4;
-    WG_SINCOS_4(angle_shoulder_elbow_3, sin_shoulder_elbow_3, cos_shoulder_elbow_3, rows[6], sin_shoulder_3,
+    WG_MANY_SINCOS_4(angle_shoulder_elbow_3, sin_shoulder_elbow_3, cos_shoulder_elbow_3, rows[6], sin_shoulder_3,
         cos_shoulder_3, angle_shoulder_elbow_4, sin_shoulder_elbow_4, cos_shoulder_elbow_4, rows[9], sin_shoulder_4,
         cos_shoulder_4);
     const double extend_shift_z_3 = rows[8] + 0.5;

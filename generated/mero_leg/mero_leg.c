@@ -1223,8 +1223,8 @@ static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, co
     double *WG_RESTRICT distance) {
     const double angle_thigh_shank = rows[1] + rows[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw_2, cos_yaw_2;
-    WG_SINCOS_4(rows[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, rows[1], sin_thigh,
-        cos_thigh, rows[3], sin_yaw_2, cos_yaw_2);
+    WG_MANY_SINCOS_4(rows[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, rows[1],
+        sin_thigh, cos_thigh, rows[3], sin_yaw_2, cos_yaw_2);
     const double shank_to_tip_x = cos_thigh_shank*0.4;
     const double shank_to_tip_y = sin_thigh_shank*0.4;
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
@@ -1238,7 +1238,7 @@ static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, co
     const double angle_thigh_shank_3 = rows[7] + rows[8];
     double sin_thigh_shank_2, cos_thigh_shank_2, sin_thigh_2, cos_thigh_2, sin_yaw_3, cos_yaw_3, sin_thigh_shank_3,
         cos_thigh_shank_3;
-    WG_SINCOS_4(angle_thigh_shank_2, sin_thigh_shank_2, cos_thigh_shank_2, rows[4], sin_thigh_2, cos_thigh_2,
+    WG_MANY_SINCOS_4(angle_thigh_shank_2, sin_thigh_shank_2, cos_thigh_shank_2, rows[4], sin_thigh_2, cos_thigh_2,
         rows[6], sin_yaw_3, cos_yaw_3, angle_thigh_shank_3, sin_thigh_shank_3, cos_thigh_shank_3);
     const double shank_to_tip_x_2 = 0.4*cos_thigh_shank_2;
     const double shank_to_tip_y_2 = 0.4*sin_thigh_shank_2;
@@ -1254,7 +1254,7 @@ static void mero_leg_leg_row_distances_kernel(const double *WG_RESTRICT rows, co
     const double angle_thigh_shank_4 = rows[10] + rows[11];
     double sin_thigh_3, cos_thigh_3, sin_yaw_4, cos_yaw_4, sin_thigh_shank_4, cos_thigh_shank_4, sin_thigh_4,
         cos_thigh_4;
-    WG_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, rows[9], sin_yaw_4, cos_yaw_4, angle_thigh_shank_4,
+    WG_MANY_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, rows[9], sin_yaw_4, cos_yaw_4, angle_thigh_shank_4,
         sin_thigh_shank_4, cos_thigh_shank_4, rows[10], sin_thigh_4, cos_thigh_4);
     const double thigh_to_tip_x_3 = WG_FMA(0.35, cos_thigh_3, shank_to_tip_x_3);
     const double thigh_to_tip_y_3 = WG_FMA(0.35, sin_thigh_3, shank_to_tip_y_3);

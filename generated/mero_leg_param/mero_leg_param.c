@@ -2126,8 +2126,8 @@ static void mero_leg_param_leg_row_distances_kernel(const double *WG_RESTRICT ro
     const double *WG_RESTRICT param, double *WG_RESTRICT distance) {
     const double angle_thigh_shank = rows[1] + rows[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw_2, cos_yaw_2;
-    WG_SINCOS_4(rows[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, rows[1], sin_thigh,
-        cos_thigh, rows[3], sin_yaw_2, cos_yaw_2);
+    WG_MANY_SINCOS_4(rows[0], sin_yaw, cos_yaw, angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, rows[1],
+        sin_thigh, cos_thigh, rows[3], sin_yaw_2, cos_yaw_2);
     const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
     const double shank_to_tip_y = WG_FMA(-param[0], sin_thigh_shank, param[1]*cos_thigh_shank);
     const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
@@ -2141,7 +2141,7 @@ static void mero_leg_param_leg_row_distances_kernel(const double *WG_RESTRICT ro
     const double angle_thigh_shank_3 = rows[7] + rows[8];
     double sin_thigh_shank_2, cos_thigh_shank_2, sin_thigh_2, cos_thigh_2, sin_yaw_3, cos_yaw_3, sin_thigh_shank_3,
         cos_thigh_shank_3;
-    WG_SINCOS_4(angle_thigh_shank_2, sin_thigh_shank_2, cos_thigh_shank_2, rows[4], sin_thigh_2, cos_thigh_2,
+    WG_MANY_SINCOS_4(angle_thigh_shank_2, sin_thigh_shank_2, cos_thigh_shank_2, rows[4], sin_thigh_2, cos_thigh_2,
         rows[6], sin_yaw_3, cos_yaw_3, angle_thigh_shank_3, sin_thigh_shank_3, cos_thigh_shank_3);
     const double shank_to_tip_x_2 = WG_FMA(param[1], sin_thigh_shank_2, param[0]*cos_thigh_shank_2);
     const double shank_to_tip_y_2 = WG_FMA(-param[0], sin_thigh_shank_2, param[1]*cos_thigh_shank_2);
@@ -2157,7 +2157,7 @@ static void mero_leg_param_leg_row_distances_kernel(const double *WG_RESTRICT ro
     const double angle_thigh_shank_4 = rows[10] + rows[11];
     double sin_thigh_3, cos_thigh_3, sin_yaw_4, cos_yaw_4, sin_thigh_shank_4, cos_thigh_shank_4, sin_thigh_4,
         cos_thigh_4;
-    WG_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, rows[9], sin_yaw_4, cos_yaw_4, angle_thigh_shank_4,
+    WG_MANY_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, rows[9], sin_yaw_4, cos_yaw_4, angle_thigh_shank_4,
         sin_thigh_shank_4, cos_thigh_shank_4, rows[10], sin_thigh_4, cos_thigh_4);
     const double thigh_to_tip_x_3 = WG_FMA(0.35, cos_thigh_3, shank_to_tip_x_3);
     const double thigh_to_tip_y_3 = WG_FMA(-0.35, sin_thigh_3, shank_to_tip_y_3);

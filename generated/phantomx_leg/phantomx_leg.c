@@ -1304,8 +1304,8 @@ static void phantomx_leg_right_front_row_distances_kernel(const double *WG_RESTR
     const double turned_coxa_2 = rows[3] + 0.7853981633974483;
     double sin_turned_coxa, cos_turned_coxa, sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh,
         sin_turned_coxa_2, cos_turned_coxa_2;
-    WG_SINCOS_4(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia,
-        rows[1], sin_thigh, cos_thigh, turned_coxa_2, sin_turned_coxa_2, cos_turned_coxa_2);
+    WG_MANY_SINCOS_4(turned_coxa, sin_turned_coxa, cos_turned_coxa, angle_thigh_tibia, sin_thigh_tibia,
+        cos_thigh_tibia, rows[1], sin_thigh, cos_thigh, turned_coxa_2, sin_turned_coxa_2, cos_turned_coxa_2);
     const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
     const double thigh_to_tip_link_y = WG_FMA(-sin_thigh, 0.0145, cos_thigh*0.0645);
     const double thigh_to_tip_x = WG_FMA(-cos_thigh_tibia, 0.13, thigh_to_tip_link_x);
@@ -1323,7 +1323,7 @@ static void phantomx_leg_right_front_row_distances_kernel(const double *WG_RESTR
     const double angle_thigh_tibia_3 = rows[7] - rows[8];
     double sin_thigh_tibia_2, cos_thigh_tibia_2, sin_thigh_2, cos_thigh_2, sin_turned_coxa_3, cos_turned_coxa_3,
         sin_thigh_tibia_3, cos_thigh_tibia_3;
-    WG_SINCOS_4(angle_thigh_tibia_2, sin_thigh_tibia_2, cos_thigh_tibia_2, rows[4], sin_thigh_2, cos_thigh_2,
+    WG_MANY_SINCOS_4(angle_thigh_tibia_2, sin_thigh_tibia_2, cos_thigh_tibia_2, rows[4], sin_thigh_2, cos_thigh_2,
         turned_coxa_3, sin_turned_coxa_3, cos_turned_coxa_3, angle_thigh_tibia_3, sin_thigh_tibia_3,
         cos_thigh_tibia_3);
     const double thigh_to_tip_link_x_2 = WG_FMA(0.0645, sin_thigh_2, 0.0145*cos_thigh_2);
@@ -1342,7 +1342,7 @@ static void phantomx_leg_right_front_row_distances_kernel(const double *WG_RESTR
     const double angle_thigh_tibia_4 = rows[10] - rows[11];
     double sin_thigh_3, cos_thigh_3, sin_turned_coxa_4, cos_turned_coxa_4, sin_thigh_tibia_4, cos_thigh_tibia_4,
         sin_thigh_4, cos_thigh_4;
-    WG_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, turned_coxa_4, sin_turned_coxa_4, cos_turned_coxa_4,
+    WG_MANY_SINCOS_4(rows[7], sin_thigh_3, cos_thigh_3, turned_coxa_4, sin_turned_coxa_4, cos_turned_coxa_4,
         angle_thigh_tibia_4, sin_thigh_tibia_4, cos_thigh_tibia_4, rows[10], sin_thigh_4, cos_thigh_4);
     const double thigh_to_tip_link_x_3 = WG_FMA(0.0645, sin_thigh_3, 0.0145*cos_thigh_3);
     const double thigh_to_tip_link_y_3 = WG_FMA(-0.0145, sin_thigh_3, 0.0645*cos_thigh_3);

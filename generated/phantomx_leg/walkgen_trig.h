@@ -68,6 +68,16 @@ WG_INLINE WG_REAL WG_NAME(wg_cos)(WG_REAL x) {
     return WG_LIKELY(WG_ABS(x) <= WG_FARTHEST) ? cosine : WG_LIBM(cos)(x);
 }
 
+/* Both, in one call. */
+struct WG_NAME(wg_turn) {
+    WG_REAL sine, cosine;
+};
+
+WG_CALLED struct WG_NAME(wg_turn) WG_NAME(wg_sincos_called)(WG_REAL x) {
+    const struct WG_NAME(wg_turn) turn = {WG_NAME(wg_sin)(x), WG_NAME(wg_cos)(x)};
+    return turn;
+}
+
 /* The angle of (x, y). */
 WG_INLINE WG_REAL WG_NAME(wg_atan2)(WG_REAL y, WG_REAL x) {
     WG_REAL extent;

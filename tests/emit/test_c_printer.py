@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from c_bench import CPLUSPLUS, STRICT, Builder, code, compile_object, execute, needs_gcc, needs_gplusplus, undefined, write
 
-from walkgen.emit.c_printer import DOUBLE, FLOAT
+from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter
 from walkgen.graph.program import Code, Program
 from walkgen.signature import Port
 
@@ -214,3 +214,8 @@ def test_float_literal_never_underflows_or_overflows_silently():
 def test_not_a_number_and_infinity_have_names():
     assert DOUBLE.literal(Decimal("NaN")) == "WG_NAN"
     assert DOUBLE.literal(Decimal("-Infinity")) == "-WG_INFINITY"
+
+
+def test_a_function_of_more_angles_than_one_vector_holds_may_call_their_sines():
+    printer = CPrinter(DOUBLE, fma=True)
+    assert (printer.together(4)[Code.SIN], printer.together(5)[Code.SIN]) == ("WG_SINCOS_{0}", "WG_MANY_SINCOS_{0}")

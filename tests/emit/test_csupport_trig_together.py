@@ -20,7 +20,7 @@ def _arguments(count: int, pattern: str) -> str:
 
 
 def _loop(count: int, kind: str, real: str, suffix: str) -> str:
-    pattern = {"SINCOS": "x[{0}], found[{0}], found[{1}]", "ATAN2": "x[{0}], x[{1}], found[{0}]"}[kind]
+    pattern = "x[{0}], x[{1}], found[{0}]" if kind == "ATAN2" else "x[{0}], found[{0}], found[{1}]"
     name, text = f"{kind.lower()}_{count}{suffix}", _arguments(count, pattern)
     head = f"ENTRY void {name}(int rows, const {real} *x, {real} *found)"
     body = f"for (int row = 0; row < rows; ++row, x += {2 * count}, found += {2 * count}) {{ WG_{kind}_{count}({text}); }}"
@@ -28,7 +28,7 @@ def _loop(count: int, kind: str, real: str, suffix: str) -> str:
 
 
 def _both(real: str, header: str, suffix: str) -> str:
-    loops = "".join(_loop(count, kind, real, suffix) for count in COUNTS for kind in ("SINCOS", "ATAN2"))
+    loops = "".join(_loop(count, kind, real, suffix) for count in COUNTS for kind in ("SINCOS", "MANY_SINCOS", "ATAN2"))
     single = f"ENTRY void sin_1{suffix}(int rows, const {real} *x, {real} *found)"
     single += " { for (int i = 0; i < rows; ++i) found[i] = WG_SIN(x[i]); }\n"
     single += single.replace("sin_1", "cos_1").replace("WG_SIN", "WG_COS")
@@ -78,7 +78,7 @@ def special(real):
 
 def apart(library, kind, count, x):
     """The same by the functions of one angle."""
-    if kind == "sincos":
+    if kind != "atan2":
         angle = x.reshape(-1, 2, count)[:, 0]
         return [called(library, f"{name}_1", angle.size, angle.ravel()).reshape(angle.shape) for name in ("sin", "cos")]
     across, along = x.reshape(-1, 2, count).swapaxes(0, 1)
@@ -87,8 +87,10 @@ def apart(library, kind, count, x):
 
 def compared(library, real):
     """Bits of all together and of each alone."""
+    turns = np.concatenate([angles(real, 2400, 1), special(real)])
     given = {
-        "sincos": np.concatenate([angles(real, 2400, 1), special(real)]),
+        "sincos": turns,
+        "many_sincos": turns,
         "atan2": np.concatenate([*points(real, 2400, 2), special(real)]),
     }
     for kind, values in given.items():
@@ -142,3 +144,10 @@ def test_vectors_are_used_where_they_gain(tmp_path, flags, wide):
     body = text[text.index("\nsincos_3:") : text.index(".size\tsincos_3,")]
     assert bool(re.search(r"vfmadd\w+pd\s.*%ymm", body)) == wide
     assert "call" not in re.sub(r"call\s+\w*(?:sin|cos)\w*(?:@PLT)?", "", body)
+
+
+def test_a_function_of_many_angles_calls_where_each_comes_alone(tmp_path):
+    path = compile_c(tmp_path, SOURCE, "together.s", "-std=c99", "-O2", "-fno-math-errno", "-fno-trapping-math", "-S", *STRICT)
+    text = path.read_text()
+    body = text[text.index("\nmany_sincos_4:") : text.index(".size\tmany_sincos_4,")]
+    assert len(re.findall(r"(?:call|bl)\s+wg_sincos_called", body)) == 4

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from decimal import Context, Decimal
 
 from walkgen.emit.walker import Form, Level, Text
+from walkgen.graph.passes import TOGETHER
 from walkgen.graph.program import Code
 from walkgen.signature import Port
 
@@ -112,10 +113,9 @@ class CPrinter:
         calls = {code: Form(f"{name}{suffix}({{0}})") for code, name in _LIBM.items()}
         return _OPERATORS | calls | (_FUSED if self.fma else _APART)
 
-    @property
-    def together(self) -> Mapping[Code, str]:
-        """Macros of walkgen_math.h."""
-        return {Code.SIN: "WG_SINCOS_{0}", Code.ATAN2: "WG_ATAN2_{0}"}
+    def together(self, angles: int) -> Mapping[Code, str]:
+        """Macros of walkgen_together.h."""
+        return {Code.SIN: "WG_SINCOS_{0}" if angles <= TOGETHER else "WG_MANY_SINCOS_{0}", Code.ATAN2: "WG_ATAN2_{0}"}
 
     @property
     def reserved(self) -> frozenset[str]:

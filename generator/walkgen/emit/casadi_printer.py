@@ -58,9 +58,9 @@ class CasadiPrinter:
         """How each operation is written."""
         return _FORMS
 
-    @property
-    def together(self) -> Mapping[Code, str]:
+    def together(self, angles: int) -> Mapping[Code, str]:
         """Nothing."""
+        del angles
         return {}
 
     @property

@@ -59,9 +59,9 @@ class NumpyPrinter:
         """How each operation is written."""
         return _FORMS
 
-    @property
-    def together(self) -> Mapping[Code, str]:
+    def together(self, angles: int) -> Mapping[Code, str]:
         """Nothing."""
+        del angles
         return {}
 
     @property

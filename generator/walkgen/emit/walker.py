@@ -93,9 +93,12 @@ class Printer(Protocol):
     def reserved(self) -> frozenset[str]:
         """Names that a local value must not take; the ports' names are added by the walk."""
 
-    @property
-    def together(self) -> Mapping[Code, str]:
-        """What sets several sines and cosines (`SIN`), or arctangents, in one statement; `{0}` is their number. Empty: nothing does."""
+    def together(self, angles: int) -> Mapping[Code, str]:
+        """What sets several sines and cosines (`SIN`), or arctangents, in one statement; `{0}` is their number. Empty: nothing does.
+
+        Args:
+            angles: of how many the whole Program has sine or cosine.
+        """
 
     def constant(self, value: Decimal) -> Text:
         """A literal of the target's precision; UNARY where it carries a sign."""
@@ -165,7 +168,9 @@ class _Walk:
             self.uses.update(program.ops[index].arguments)
         self.pairs = {(op.code, op.arguments): index for index in needed if (op := program.ops[index]).code in _PAIRED}
         ports = program.signature.inputs + program.signature.outputs
-        self.groups = {_first(group): group for group in groups(program) if len(group) > 1 and _is_ready(group, program, set(needed))}
+        found = groups(program)
+        self.groups = {_first(group): group for group in found if len(group) > 1 and _is_ready(group, program, set(needed))}
+        self.together = printer.together(sum(len(group) for group in found if _family(program.ops[_first(group)].code) is Code.SIN))
         self.taken = set(printer.reserved) | {port.name for port in ports}
         self.numbers: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(1))
 
@@ -174,7 +179,7 @@ class _Walk:
         if index in self.written:
             return
         op = self.program.ops[index]
-        if index in self.groups and _family(op.code) in self.printer.together:
+        if index in self.groups and _family(op.code) in self.together:
             self.bind_together(self.groups[index])
             return
         self.written[index] = self.expression(op)
@@ -235,7 +240,7 @@ class _Walk:
                 idle += [name] if member is None else []
                 if member is not None:
                     self.written[member] = Text(name, after=len(self.statements) + 1)
-        text = f"{self.printer.together[family].format(len(group))}({', '.join(texts)})"
+        text = f"{self.together[family].format(len(group))}({', '.join(texts)})"
         self.statements.append(Statement(names[0], text, names=tuple(names), idle=tuple(idle)))
 
     def name(self, op: Op) -> str:

@@ -5,6 +5,9 @@
 #undef WG_SINCOS_2
 #undef WG_SINCOS_3
 #undef WG_SINCOS_4
+#undef WG_MANY_SINCOS_2
+#undef WG_MANY_SINCOS_3
+#undef WG_MANY_SINCOS_4
 #undef WG_ATAN2_2
 #undef WG_ATAN2_3
 #undef WG_ATAN2_4
@@ -61,4 +64,38 @@
 #define WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_EACH_1(y2, x2, r2)
 #define WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
     WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_EACH_2(y2, x2, r2, y3, x3, r3)
+#endif
+
+/* The same for a function of many angles: where each comes alone, it is called, or such functions would be little but sines. */
+#if defined(WALKGEN_LIBM) || defined(WALKGEN_VECTORS) || defined(WALKGEN_ROWS)
+#define WG_MANY_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_2(a0, s0, c0, a1, s1, c1)
+#define WG_MANY_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
+#define WG_MANY_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#else
+#define WG_MANY_SINCOS_2(a0, s0, c0, a1, s1, c1) \
+    do { \
+        WG_CALLED_SINCOS(a0, s0, c0) \
+        WG_CALLED_SINCOS(a1, s1, c1) \
+    } while (0)
+#define WG_MANY_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
+    do { \
+        WG_CALLED_SINCOS(a0, s0, c0) \
+        WG_CALLED_SINCOS(a1, s1, c1) \
+        WG_CALLED_SINCOS(a2, s2, c2) \
+    } while (0)
+#define WG_MANY_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    do { \
+        WG_CALLED_SINCOS(a0, s0, c0) \
+        WG_CALLED_SINCOS(a1, s1, c1) \
+        WG_CALLED_SINCOS(a2, s2, c2) \
+        WG_CALLED_SINCOS(a3, s3, c3) \
+    } while (0)
+#endif
+
+#if !defined(WG_CALLED_SINCOS)
+#define WG_CALLED_SINCOS(a, s, c) \
+    { \
+        const struct WG_NAME(wg_turn) wg_turn = WG_NAME(wg_sincos_called)(a); \
+        s = wg_turn.sine, c = wg_turn.cosine; \
+    }
 #endif
