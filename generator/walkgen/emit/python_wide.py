@@ -25,12 +25,12 @@ class Wide:
 
 @dataclass(frozen=True)
 class WideLoop:
-    """A loop's function with lanes: what runs one row, its number in the table, the place of its status or -1, what serves targets out
+    """A loop's function with lanes: what runs its rows, its number in the table, the place of its status or -1, what serves targets out
     of reach.
     """
 
     robot: str
-    row: str
+    run: str
     number: int
     status: int
     closest: str
@@ -54,9 +54,9 @@ def _tagged(name: str, precision: Precision) -> str:
 def wide_loops(code: RobotCode, lanes: tuple[Laned, ...], precision: Precision) -> dict[str, WideLoop]:
     """By the functions' full names."""
     tables = [each.table for each in lanes if each.owns_table]
-    robot, row = stem(code, precision), _tagged("walkgen_wide_row", precision)
+    robot, run = stem(code, precision), _tagged("walkgen_wide_rows", precision)
     return {
-        each.signature.full_name: WideLoop(robot, row, tables.index(each.table), _status(each), _closest(each, precision)) for each in lanes
+        each.signature.full_name: WideLoop(robot, run, tables.index(each.table), _status(each), _closest(each, precision)) for each in lanes
     }
 
 

@@ -1,6 +1,7 @@
 """sympy's last line: Functions become Programs, every value numbered, operands ordered by their numbers."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from decimal import Decimal
 from functools import lru_cache
 from typing import Any
@@ -45,7 +46,13 @@ def lower(derivation: Derivation, fma: bool = True) -> Program | Composite:
 
 @lru_cache(maxsize=64)
 def program(function: Function, fma: bool) -> Program:
-    """One Function as a Program; steps that many functions share are lowered once."""
+    """One Function as a Program; steps that many functions share are lowered once, and what equal legs have alike."""
+    unnamed = replace(function.signature, robot="", owner="", name="", doc="", source="")
+    return replace(_program(replace(function, signature=unnamed), fma), signature=function.signature)
+
+
+@lru_cache(maxsize=512)
+def _program(function: Function, fma: bool) -> Program:
     numbering = Numbering(function.signature)
     lowering = _Lowering(numbering, function)
     outputs = tuple(lowering.number(output) for output in function.outputs)

@@ -20,6 +20,7 @@ from walkgen.symbolic.gait import gait_functions
 from walkgen.symbolic.held_inverse import held_inverse
 from walkgen.symbolic.inverse import inverse, inverse_branch
 from walkgen.symbolic.leg_functions import DYNAMICS, SPRUNG, LegFunctions
+from walkgen.symbolic.likeness import of_legs
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
 from walkgen.symbolic.linkage_functions import LINKAGE, linkage_function
 from walkgen.symbolic.linkage_inverse import linkage_inverse
@@ -88,15 +89,18 @@ def _wanted(names: tuple[str, ...]) -> Wanted:
 
 
 def _of_limbs(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
-    for leg in mechanism.legs:
-        yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
-        yield from _leg_inverse(mechanism, leg, wanted)
-        yield from _loaded(mechanism, leg, wanted)
+    yield from of_legs(mechanism.legs, lambda leg: _of_leg(mechanism, leg, wanted))
     for limb in mechanism.chains:
         yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
     for route in routes(mechanism):
         yield from _path(mechanism, route, FOOT, wanted)
         yield from _path_inverse(mechanism, route, wanted)
+
+
+def _of_leg(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
+    yield from _path(mechanism, Route(leg.name, (leg,)), FOOT, wanted)
+    yield from _leg_inverse(mechanism, leg, wanted)
+    yield from _loaded(mechanism, leg, wanted)
 
 
 def _of_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
