@@ -95,7 +95,7 @@
 #if !defined(WG_CALLED_SINCOS)
 #define WG_CALLED_SINCOS(a, s, c) \
     { \
-        const struct WG_NAME(wg_turn) wg_turn = WG_NAME(wg_sincos_called)(a); \
-        s = wg_turn.sine, c = wg_turn.cosine; \
+        const struct WG_NAME(wg_sine_cosine) wg_found = WG_NAME(wg_sincos_called)(a); \
+        s = wg_found.sine, c = wg_found.cosine; \
     }
 #endif

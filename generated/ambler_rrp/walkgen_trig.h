@@ -69,12 +69,12 @@ WG_INLINE WG_REAL WG_NAME(wg_cos)(WG_REAL x) {
 }
 
 /* Both, in one call. */
-struct WG_NAME(wg_turn) {
+struct WG_NAME(wg_sine_cosine) {
     WG_REAL sine, cosine;
 };
 
-WG_CALLED struct WG_NAME(wg_turn) WG_NAME(wg_sincos_called)(WG_REAL x) {
-    const struct WG_NAME(wg_turn) turn = {WG_NAME(wg_sin)(x), WG_NAME(wg_cos)(x)};
+WG_CALLED struct WG_NAME(wg_sine_cosine) WG_NAME(wg_sincos_called)(WG_REAL x) {
+    const struct WG_NAME(wg_sine_cosine) turn = {WG_NAME(wg_sin)(x), WG_NAME(wg_cos)(x)};
     return turn;
 }
 

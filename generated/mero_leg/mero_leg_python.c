@@ -32,7 +32,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_position) {
         mero_leg_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position, mero_leg, walkgen_wide_row, 0, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position, mero_leg, walkgen_wide_rows, 0, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_position, wide_rows, double, 6, 2)
 
 static const walkgen_port mero_leg_leg_foot_rotation_ports[] = {
@@ -45,7 +45,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_rotation) {
         mero_leg_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_rotation, mero_leg, walkgen_wide_row, 1, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_rotation, mero_leg, walkgen_wide_rows, 1, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_rotation, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_foot_pose_ports[] = {
@@ -58,7 +58,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_pose) {
         mero_leg_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_pose, mero_leg, walkgen_wide_row, 2, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_pose, mero_leg, walkgen_wide_rows, 2, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_pose, wide_rows, double, 19, 2)
 
 static const walkgen_port mero_leg_leg_foot_jacobian_ports[] = {
@@ -71,7 +71,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_jacobian) {
         mero_leg_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_jacobian, mero_leg, walkgen_wide_row, 3, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_jacobian, mero_leg, walkgen_wide_rows, 3, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_jacobian, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_foot_position_jacobian_ports[] = {
@@ -88,7 +88,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_position_jacobian) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position_jacobian, mero_leg, walkgen_wide_row, 4, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position_jacobian, mero_leg, walkgen_wide_rows, 4, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_position_jacobian, wide_rows, double, 15, 3)
 
 static const walkgen_port mero_leg_leg_foot_spatial_jacobian_ports[] = {
@@ -101,7 +101,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_spatial_jacobian) {
         mero_leg_leg_foot_spatial_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_spatial_jacobian, mero_leg, walkgen_wide_row, 5, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_spatial_jacobian, mero_leg, walkgen_wide_rows, 5, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_spatial_jacobian, wide_rows, double, 21, 2)
 
 static const walkgen_port mero_leg_leg_foot_hessian_ports[] = {
@@ -114,7 +114,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_hessian) {
         mero_leg_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_hessian, mero_leg, walkgen_wide_row, 6, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_hessian, mero_leg, walkgen_wide_rows, 6, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_hessian, wide_rows, double, 30, 2)
 
 static const walkgen_port mero_leg_leg_foot_velocity_ports[] = {
@@ -128,7 +128,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_velocity) {
         mero_leg_leg_foot_velocity(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_velocity, mero_leg, walkgen_wide_row, 7, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_velocity, mero_leg, walkgen_wide_rows, 7, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_velocity, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_foot_acceleration_ports[] = {
@@ -147,7 +147,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_acceleration) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_acceleration, mero_leg, walkgen_wide_row, 8, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_acceleration, mero_leg, walkgen_wide_rows, 8, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_acceleration, wide_rows, double, 12, 4)
 
 static const walkgen_port mero_leg_leg_foot_bias_acceleration_ports[] = {
@@ -164,7 +164,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_bias_acceleration) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_bias_acceleration, mero_leg, walkgen_wide_row, 9, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_bias_acceleration, mero_leg, walkgen_wide_rows, 9, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_bias_acceleration, wide_rows, double, 12, 3)
 
 static const walkgen_port mero_leg_leg_foot_torque_ports[] = {
@@ -178,7 +178,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_torque) {
         mero_leg_leg_foot_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_torque, mero_leg, walkgen_wide_row, 10, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_torque, mero_leg, walkgen_wide_rows, 10, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_torque, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_joint_frames_ports[] = {
@@ -204,7 +204,7 @@ WALKGEN_ROWS(mero_leg_leg_inverse) {
         (void)mero_leg_leg_inverse(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_inverse, mero_leg, walkgen_wide_row, 11, 2, mero_leg_leg_inverse_closest)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse, mero_leg, walkgen_wide_rows, 11, 2, mero_leg_leg_inverse_closest)
 WALKGEN_LOOP(mero_leg_leg_inverse, wide_rows, double, 19, 3)
 
 static const walkgen_port mero_leg_leg_inverse_branch_ports[] = {
@@ -276,7 +276,7 @@ WALKGEN_ROWS(mero_leg_leg_within_limits) {
         *WALKGEN_PORT(int32_t, 1) = mero_leg_leg_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_within_limits, mero_leg, walkgen_wide_row, 12, 1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_within_limits, mero_leg, walkgen_wide_rows, 12, 1, NULL)
 WALKGEN_LOOP(mero_leg_leg_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_velocity_ports[] = {
@@ -333,7 +333,7 @@ WALKGEN_ROWS(mero_leg_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_dynamics, mero_leg, walkgen_wide_row, 13, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_dynamics, mero_leg, walkgen_wide_rows, 13, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_forward_dynamics_ports[] = {
@@ -354,7 +354,7 @@ WALKGEN_ROWS(mero_leg_leg_forward_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_forward_dynamics, mero_leg, walkgen_wide_row, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_forward_dynamics, mero_leg, walkgen_wide_rows, 14, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_mass_matrix_ports[] = {
@@ -367,7 +367,7 @@ WALKGEN_ROWS(mero_leg_leg_mass_matrix) {
         mero_leg_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_mass_matrix, mero_leg, walkgen_wide_row, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_mass_matrix, mero_leg, walkgen_wide_rows, 15, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_bias_ports[] = {
@@ -381,7 +381,7 @@ WALKGEN_ROWS(mero_leg_leg_bias) {
         mero_leg_leg_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_bias, mero_leg, walkgen_wide_row, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_bias, mero_leg, walkgen_wide_rows, 16, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_gravity_torque_ports[] = {
@@ -394,7 +394,7 @@ WALKGEN_ROWS(mero_leg_leg_gravity_torque) {
         mero_leg_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_gravity_torque, mero_leg, walkgen_wide_row, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_gravity_torque, mero_leg, walkgen_wide_rows, 17, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port mero_leg_leg_coriolis_matrix_ports[] = {
@@ -408,7 +408,7 @@ WALKGEN_ROWS(mero_leg_leg_coriolis_matrix) {
         mero_leg_leg_coriolis_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_coriolis_matrix, mero_leg, walkgen_wide_row, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_coriolis_matrix, mero_leg, walkgen_wide_rows, 18, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port mero_leg_leg_kinetic_energy_ports[] = {
@@ -422,7 +422,7 @@ WALKGEN_ROWS(mero_leg_leg_kinetic_energy) {
         mero_leg_leg_kinetic_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_kinetic_energy, mero_leg, walkgen_wide_row, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_kinetic_energy, mero_leg, walkgen_wide_rows, 19, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_leg_potential_energy_ports[] = {
@@ -435,7 +435,7 @@ WALKGEN_ROWS(mero_leg_leg_potential_energy) {
         mero_leg_leg_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_potential_energy, mero_leg, walkgen_wide_row, 20, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_potential_energy, mero_leg, walkgen_wide_rows, 20, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_dynamics_derivatives_ports[] = {

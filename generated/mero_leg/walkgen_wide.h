@@ -3,6 +3,20 @@
  */
 #include "walkgen_batch.h"
 
+#if defined(WALKGEN_LOOPS_H) && !defined(WALKGEN_WIDE_ARRAYS)
+#define WALKGEN_WIDE_ARRAYS
+/* NumPy's rows as arrays. */
+static inline void walkgen_arrays(const walkgen_port *ports, int count, int status, char *const *a, const intptr_t *step, struct wg_array *arrays) {
+    for (int port = 0; port < count; port++) {
+        arrays[port].data = a[port];
+        arrays[port].row = step[port];
+        arrays[port].element = ports[port].item;
+        arrays[port].size = (int32_t)walkgen_size(&ports[port]);
+        arrays[port].kind = port == status ? WG_STATUS : WG_NUMBER;
+    }
+}
+#endif
+
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_WIDE_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_WIDE_F32))
 #if WG_REAL_BITS == 64
 #define WALKGEN_WIDE_F64
@@ -54,6 +68,18 @@ WALKGEN_SHARED void WG_NAME(walkgen_wide_row)(const struct WG_NAME(wg_laned) *la
         }
     }
 }
+
+/* Rows by one set of instructions. */
+WALKGEN_SHARED void WG_NAME(walkgen_wide_rows)(const struct WG_NAME(walkgen_wide) *set, int number, const walkgen_port *ports, int count,
+                                               int status, WG_NAME(wg_alone) closest, intptr_t rows, char *const *a, const intptr_t *step) {
+    struct wg_array arrays[WALKGEN_MAX_PORTS];
+    if (rows == 1) {
+        WG_NAME(walkgen_wide_row)(set->functions[number], ports, count, status, closest, a);
+    } else {
+        walkgen_arrays(ports, count, status, a, step, arrays);
+        (void)set->batch(set->functions[number], (size_t)rows, arrays, closest);
+    }
+}
 #endif
 #endif
 
@@ -72,29 +98,15 @@ static inline int walkgen_widest(void) {
 #endif
 }
 
-/* NumPy's rows as arrays; `status` is the place of a status among the ports. */
-static inline void walkgen_arrays(const walkgen_port *ports, int count, int status, char *const *a, const intptr_t *step, struct wg_array *arrays) {
-    for (int port = 0; port < count; port++) {
-        arrays[port].data = a[port];
-        arrays[port].row = step[port];
-        arrays[port].element = ports[port].item;
-        arrays[port].size = (int32_t)walkgen_size(&ports[port]);
-        arrays[port].kind = port == status ? WG_STATUS : WG_NUMBER;
-    }
-}
-
-/* The rows of a function with lanes: by the widest set, chosen at the first call, else as every processor can. */
-#define WALKGEN_WIDE_ROWS(name, robot, row, number, status, closest) \
+/* The rows of a function with lanes: by the widest set, chosen at the first call, which `run` knows (walkgen_wide_rows), else as every
+ * processor can. */
+#define WALKGEN_WIDE_ROWS(name, robot, run, number, status, closest) \
     static void name##_wide_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) { \
-        struct wg_array arrays[WALKGEN_MAX_PORTS]; \
         const int level = robot##_level(-1), count = (int)(sizeof name##_ports / sizeof name##_ports[0]); \
         if (level == 0) { \
             name##_rows(rows, a, step, dimensions); \
-        } else if (rows == 1) { \
-            row(robot##_wide[level - 1]->functions[number], name##_ports, count, status, closest, a); \
         } else { \
-            walkgen_arrays(name##_ports, count, status, a, step, arrays); \
-            (void)robot##_wide[level - 1]->batch(robot##_wide[level - 1]->functions[number], (size_t)rows, arrays, closest); \
+            run(robot##_wide[level - 1], number, name##_ports, count, status, closest, rows, a, step); \
         } \
     }
 

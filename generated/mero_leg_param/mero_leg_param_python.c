@@ -28,7 +28,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position) {
         mero_leg_param_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position, mero_leg_param, walkgen_wide_row, 0, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position, mero_leg_param, walkgen_wide_rows, 0, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position, wide_rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_d_param_ports[] = {
@@ -45,7 +45,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_d_param, mero_leg_param, walkgen_wide_row, 1, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_d_param, mero_leg_param, walkgen_wide_rows, 1, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position_d_param, wide_rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_ports[] = {
@@ -59,7 +59,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_rotation) {
         mero_leg_param_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation, mero_leg_param, walkgen_wide_row, 2, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation, mero_leg_param, walkgen_wide_rows, 2, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_rotation, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_d_param_ports[] = {
@@ -76,7 +76,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_rotation_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation_d_param, mero_leg_param, walkgen_wide_row, 3, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation_d_param, mero_leg_param, walkgen_wide_rows, 3, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_rotation_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_ports[] = {
@@ -90,7 +90,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_pose) {
         mero_leg_param_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose, mero_leg_param, walkgen_wide_row, 4, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose, mero_leg_param, walkgen_wide_rows, 4, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_pose, wide_rows, double, 21, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_d_param_ports[] = {
@@ -107,7 +107,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_pose_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose_d_param, mero_leg_param, walkgen_wide_row, 5, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose_d_param, mero_leg_param, walkgen_wide_rows, 5, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_pose_d_param, wide_rows, double, 37, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_ports[] = {
@@ -121,7 +121,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian) {
         mero_leg_param_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian, mero_leg_param, walkgen_wide_row, 6, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian, mero_leg_param, walkgen_wide_rows, 6, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_d_param_ports[] = {
@@ -138,7 +138,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian_d_param, mero_leg_param, walkgen_wide_row, 7, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian_d_param, mero_leg_param, walkgen_wide_rows, 7, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_ports[] = {
@@ -157,7 +157,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian, mero_leg_param, walkgen_wide_row, 8, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian, mero_leg_param, walkgen_wide_rows, 8, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian, wide_rows, double, 17, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_d_param_ports[] = {
@@ -176,7 +176,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param, mero_leg_param, walkgen_wide_row, 9, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param, mero_leg_param, walkgen_wide_rows, 9, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian_d_param, wide_rows, double, 29, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_ports[] = {
@@ -193,7 +193,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_spatial_jacobian) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_spatial_jacobian, mero_leg_param, walkgen_wide_row, 10, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_spatial_jacobian, mero_leg_param, walkgen_wide_rows, 10, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_d_param_ports[] = {
@@ -223,7 +223,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_hessian) {
         mero_leg_param_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_hessian, mero_leg_param, walkgen_wide_row, 11, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_hessian, mero_leg_param, walkgen_wide_rows, 11, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_hessian, wide_rows, double, 32, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_hessian_d_param_ports[] = {
@@ -258,7 +258,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_velocity) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity, mero_leg_param, walkgen_wide_row, 12, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity, mero_leg_param, walkgen_wide_rows, 12, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_velocity, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_velocity_d_param_ports[] = {
@@ -277,7 +277,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_velocity_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity_d_param, mero_leg_param, walkgen_wide_row, 13, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity_d_param, mero_leg_param, walkgen_wide_rows, 13, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_velocity_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_ports[] = {
@@ -298,7 +298,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration, mero_leg_param, walkgen_wide_row, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration, mero_leg_param, walkgen_wide_rows, 14, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration, wide_rows, double, 14, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_d_param_ports[] = {
@@ -319,7 +319,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration_d_param) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration_d_param, mero_leg_param, walkgen_wide_row, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration_d_param, mero_leg_param, walkgen_wide_rows, 15, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration_d_param, wide_rows, double, 17, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_ports[] = {
@@ -338,7 +338,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration, mero_leg_param, walkgen_wide_row, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration, mero_leg_param, walkgen_wide_rows, 16, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_d_param_ports[] = {
@@ -357,7 +357,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param, mero_leg_param, walkgen_wide_row, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param, mero_leg_param, walkgen_wide_rows, 17, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration_d_param, wide_rows, double, 20, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_ports[] = {
@@ -376,7 +376,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_torque) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque, mero_leg_param, walkgen_wide_row, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque, mero_leg_param, walkgen_wide_rows, 18, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_torque, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_d_param_ports[] = {
@@ -395,7 +395,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_torque_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque_d_param, mero_leg_param, walkgen_wide_row, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque_d_param, mero_leg_param, walkgen_wide_rows, 19, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_torque_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_joint_frames_ports[] = {
@@ -529,7 +529,7 @@ WALKGEN_ROWS(mero_leg_param_leg_within_limits) {
             WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits, mero_leg_param, walkgen_wide_row, 20, 2, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits, mero_leg_param, walkgen_wide_rows, 20, 2, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_within_limits, wide_rows, double, 6, 3)
 
 static const walkgen_port mero_leg_param_leg_within_limits_d_param_ports[] = {
@@ -546,7 +546,7 @@ WALKGEN_ROWS(mero_leg_param_leg_within_limits_d_param) {
             WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits_d_param, mero_leg_param, walkgen_wide_row, 21, 2, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits_d_param, mero_leg_param, walkgen_wide_rows, 21, 2, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_within_limits_d_param, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_velocity_ports[] = {
@@ -609,7 +609,7 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics, mero_leg_param, walkgen_wide_row, 22, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics, mero_leg_param, walkgen_wide_rows, 22, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = {
@@ -632,7 +632,7 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_d_param) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics_d_param, mero_leg_param, walkgen_wide_row, 23, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics_d_param, mero_leg_param, walkgen_wide_rows, 23, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_d_param, wide_rows, double, 20, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
@@ -655,7 +655,7 @@ WALKGEN_ROWS(mero_leg_param_leg_forward_dynamics) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_forward_dynamics, mero_leg_param, walkgen_wide_row, 24, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_forward_dynamics, mero_leg_param, walkgen_wide_rows, 24, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = {
@@ -691,7 +691,7 @@ WALKGEN_ROWS(mero_leg_param_leg_mass_matrix) {
         mero_leg_param_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix, mero_leg_param, walkgen_wide_row, 25, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix, mero_leg_param, walkgen_wide_rows, 25, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_mass_matrix, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
@@ -708,7 +708,7 @@ WALKGEN_ROWS(mero_leg_param_leg_mass_matrix_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix_d_param, mero_leg_param, walkgen_wide_row, 26, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix_d_param, mero_leg_param, walkgen_wide_rows, 26, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_mass_matrix_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_bias_ports[] = {
@@ -727,7 +727,7 @@ WALKGEN_ROWS(mero_leg_param_leg_bias) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias, mero_leg_param, walkgen_wide_row, 27, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias, mero_leg_param, walkgen_wide_rows, 27, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_bias, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
@@ -746,7 +746,7 @@ WALKGEN_ROWS(mero_leg_param_leg_bias_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias_d_param, mero_leg_param, walkgen_wide_row, 28, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias_d_param, mero_leg_param, walkgen_wide_rows, 28, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_bias_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
@@ -760,7 +760,7 @@ WALKGEN_ROWS(mero_leg_param_leg_gravity_torque) {
         mero_leg_param_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque, mero_leg_param, walkgen_wide_row, 29, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque, mero_leg_param, walkgen_wide_rows, 29, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_gravity_torque, wide_rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
@@ -777,7 +777,7 @@ WALKGEN_ROWS(mero_leg_param_leg_gravity_torque_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque_d_param, mero_leg_param, walkgen_wide_row, 30, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque_d_param, mero_leg_param, walkgen_wide_rows, 30, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_gravity_torque_d_param, wide_rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
@@ -796,7 +796,7 @@ WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix, mero_leg_param, walkgen_wide_row, 31, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix, mero_leg_param, walkgen_wide_rows, 31, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix, wide_rows, double, 17, 4)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
@@ -815,7 +815,7 @@ WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix_d_param, mero_leg_param, walkgen_wide_row, 32, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix_d_param, mero_leg_param, walkgen_wide_rows, 32, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix_d_param, wide_rows, double, 26, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
@@ -834,7 +834,7 @@ WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy, mero_leg_param, walkgen_wide_row, 33, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy, mero_leg_param, walkgen_wide_rows, 33, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy, wide_rows, double, 9, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
@@ -853,7 +853,7 @@ WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy_d_param, mero_leg_param, walkgen_wide_row, 34, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy_d_param, mero_leg_param, walkgen_wide_rows, 34, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy_d_param, wide_rows, double, 10, 4)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
@@ -870,7 +870,7 @@ WALKGEN_ROWS(mero_leg_param_leg_potential_energy) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy, mero_leg_param, walkgen_wide_row, 35, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy, mero_leg_param, walkgen_wide_rows, 35, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_potential_energy, wide_rows, double, 6, 3)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = {
@@ -887,7 +887,7 @@ WALKGEN_ROWS(mero_leg_param_leg_potential_energy_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy_d_param, mero_leg_param, walkgen_wide_row, 36, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy_d_param, mero_leg_param, walkgen_wide_rows, 36, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_potential_energy_d_param, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[] = {

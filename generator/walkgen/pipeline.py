@@ -1,10 +1,12 @@
 """The architecture as code: read -> assemble -> derive -> lower -> emit -> compile, each stage's product a frozen noun."""
 
 import hashlib
+import os
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from walkgen.collector import uncollected
@@ -22,15 +24,14 @@ from walkgen.graph.program import Composite, Program
 from walkgen.graph.sharing import shared
 from walkgen.model.assemble import assemble
 from walkgen.model.mechanism import Mechanism
-from walkgen.processes import both
+from walkgen.processes import shared_out
 from walkgen.spec.read import read
 from walkgen.spec.schema import RobotSpec
-from walkgen.symbolic.derive import derive, derive_limbs, derive_robot
+from walkgen.symbolic.derive import Section, derive, sections
 from walkgen.symbolic.function import Derivation
 from walkgen.toolchain import Library, build_library, find_library
 
 Progress = Callable[[str], None]
-Derive = Callable[[Mechanism, tuple[str, ...]], Iterable[Derivation]]
 
 
 @dataclass(frozen=True)
@@ -106,22 +107,26 @@ def _digest(path: Path, spec: RobotSpec) -> str:
 
 
 def _bodies(spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress) -> tuple[Program | Composite, ...]:
-    """Programs of the limbs' functions, then of the robot's, which take as long: two processes share them."""
-    of_limbs, of_robot = both(
-        lambda: _lowered(derive_limbs, spec, mechanism, options, progress), _lowered, derive_robot, spec, mechanism, options
-    )
-    return (*of_limbs, *of_robot)
-
-
-def _lowered(
-    derived: Derive, spec: RobotSpec, mechanism: Mechanism, options: BuildOptions, progress: Progress = _silent
-) -> tuple[Program | Composite, ...]:
+    """Programs of all functions; two processes share the sections."""
+    told = _here(progress)
     derivatives = spec.generate.derivatives and bool(mechanism.parameters)
+    derived = sections(mechanism, options.functions or _names(spec))
+    found = shared_out([partial(_lowered, section, derivatives, options.fma, told) for section in derived])
+    return tuple(body for bodies in found for body in bodies)
+
+
+def _here(progress: Progress) -> Progress:
+    """Progress that other processes keep to themselves."""
+    here = os.getpid()
+    return lambda step: progress(step) if os.getpid() == here else None
+
+
+def _lowered(section: Section, derivatives: bool, fma: bool, progress: Progress) -> tuple[Program | Composite, ...]:
     found: list[Program | Composite] = []
-    for derivation in derived(mechanism, options.functions or _names(spec)):
+    for derivation in section():
         progress(derivation.signature.full_name)
-        body = lower(derivation, options.fma)
-        by_parameters = _by_parameters(body, lower(derivation, fma=False), options.fma) if derivatives else None
+        body = lower(derivation, fma)
+        by_parameters = _by_parameters(body, lower(derivation, fma=False), fma) if derivatives else None
         found += [body] if by_parameters is None else [body, by_parameters]
     return tuple(found)
 

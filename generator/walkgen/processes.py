@@ -1,44 +1,73 @@
-"""Two tasks at a time: the second in a process of its own, a copy of this one, where the system makes such copies."""
+"""Tasks shared out among two processes: the second is a copy of this one, where the system makes such copies."""
 
 import ctypes
 import multiprocessing
 import os
-import pickle
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from typing import Any, ParamSpec, TypeVar
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, TypeVar
 
-First = TypeVar("First")
-Second = TypeVar("Second")
-Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
 _PR_SET_PDEATHSIG = 1
 """linux/prctl.h."""
 
 
-def both(
-    first: Callable[[], First], second: Callable[Arguments, Second], *arguments: Arguments.args, **named: Arguments.kwargs
-) -> tuple[First, Second]:
-    """What both tasks return; what either raises is raised here.
+def shared_out(tasks: Sequence[Callable[[], Result]]) -> tuple[Result, ...]:
+    """What the tasks return, in their order; what one raises is raised here.
+
+    Each process takes the next task when it has done one: long ones had better come first.
 
     Args:
-        first: worked out here.
-        second: worked out beside it; this function, its arguments and its result must be such as pickle knows.
-        arguments: of the second task.
-        named: of the second task too.
+        tasks: what they return must be such as pickle knows. A task sees what it shares with others as it is now, or as they left it.
     """
-    if not _copies():
-        return first(), second(*arguments, **named)
-    with ProcessPoolExecutor(1, multiprocessing.get_context("fork"), _ends_with_its_parent) as beside:
-        other = beside.submit(_called, pickle.dumps((second, arguments, named)))  # whole before the first task touches what they share
-        return first(), other.result()
+    if len(tasks) < 2 or not _copies():
+        return tuple(task() for task in tasks)
+    context = multiprocessing.get_context("fork")
+    work = _Work(tasks, context.Value("i", 0))
+    with ProcessPoolExecutor(1, context, _begin, (work,)) as beside:
+        other = beside.submit(_rest)
+        found = work.done()
+        found.update(other.result())
+    return tuple(found[number] for number in range(len(tasks)))
 
 
-def _called(task: bytes) -> Any:
-    function, arguments, named = pickle.loads(task)  # noqa: S301 (written by this process)
-    return function(*arguments, **named)
+@dataclass(frozen=True)
+class _Work(Generic[Result]):
+    """Tasks, and how many are taken; `copied` is what a process was made with."""
+
+    tasks: Sequence[Callable[[], Result]]
+    taken: Any
+    copied: ClassVar["_Work[Any]"]
+
+    def done(self) -> dict[int, Result]:
+        """What this process does of them, by their numbers; none is taken any more once one has failed."""
+        try:
+            return {number: self.tasks[number]() for number in self._numbers()}
+        except BaseException:
+            self.taken.value = len(self.tasks)
+            raise
+
+    def _numbers(self) -> Iterator[int]:
+        while (number := self._next()) < len(self.tasks):
+            yield number
+
+    def _next(self) -> int:
+        with self.taken.get_lock():
+            self.taken.value += 1
+            return int(self.taken.value) - 1
+
+
+def _begin(work: "_Work[Any]") -> None:
+    _ends_with_its_parent()
+    _Work.copied = work
+
+
+def _rest() -> dict[int, Any]:
+    return _Work.copied.done()
 
 
 def _ends_with_its_parent() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from walkgen.pipeline import mechanism_of
 from walkgen.symbolic import likeness
-from walkgen.symbolic.derive import derive_limbs
+from walkgen.symbolic.derive import derive
 
 SPECS = Path(__file__).parents[2] / "specs"
 NAMES = ("foot_position", "inverse_near", "inverse_velocity", "inverse_distance", "inverse_dynamics", "reactions")
@@ -19,12 +19,12 @@ def test_a_leg_derived_from_its_equal_is_the_leg_derived_alone(spec, monkeypatch
     leg = mechanism.legs[0]
     mechanism = replace(mechanism, platforms=(*mechanism.platforms, mechanism.platforms[0]))
     other = replace(leg, name="other", platform=len(mechanism.platforms) - 1)
-    alone = tuple(derive_limbs(replace(mechanism, legs=(other,)), NAMES))
+    alone = tuple(derive(replace(mechanism, legs=(other,)), NAMES))
     assert any(function.signature.owner == "other" for function in alone)
 
     derived = []
     monkeypatch.setattr(likeness, "_owned", lambda function, owner, owned=likeness._owned: derived.append(owner) or owned(function, owner))
-    both = tuple(derive_limbs(replace(mechanism, legs=(leg, other)), NAMES))
+    both = tuple(derive(replace(mechanism, legs=(leg, other)), NAMES))
     assert len(derived) == len(alone)
     assert both[len(alone) :] == alone
 
@@ -43,4 +43,4 @@ def test_a_leg_that_differs_or_has_unknowns_of_its_name_is_derived_for_itself(sp
     leg = mechanism.legs[0]
     other = changed(leg)
     monkeypatch.setattr(likeness, "_owned", lambda *_: pytest.fail("taken from another leg"))
-    assert len(tuple(derive_limbs(replace(mechanism, legs=(leg, other)), NAMES))) > 0
+    assert len(tuple(derive(replace(mechanism, legs=(leg, other)), NAMES))) > 0

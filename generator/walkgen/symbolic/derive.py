@@ -1,6 +1,7 @@
 """derive: every function asked for, leg by leg, chain by chain, route by route, then the robot's own, the ground's and the gaits'."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 
 from walkgen.model.classify import CURVE, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
@@ -66,35 +67,30 @@ YIELDING: dict[str, Callable[[Mechanism, Limb], Derivation | None]] = {
 """Of legs whose links have sections, at a sole where they have one."""
 
 Wanted = Callable[[str], bool]
+Section = Callable[[], Iterator[Derivation]]
 
 
 def derive(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
     """Derive the named functions, all when no names are given; a name serves every leg, chain or route that has it."""
-    yield from derive_limbs(mechanism, names)
-    yield from derive_robot(mechanism, names)
+    for section in sections(mechanism, names):
+        yield from section()
 
 
-def derive_limbs(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
-    """The named functions of legs, chains and routes."""
-    return (closed(mechanism, derivation) for derivation in _of_limbs(mechanism, _wanted(names)))
+def sections(mechanism: Mechanism, names: tuple[str, ...] = ()) -> tuple[Section, ...]:
+    """The same in parts that have nothing to do with each other, in order."""
+    return tuple(partial(_closed, mechanism, part, _wanted(names)) for part in _SECTIONS)
 
 
-def derive_robot(mechanism: Mechanism, names: tuple[str, ...] = ()) -> Iterator[Derivation]:
-    """The named functions of the whole robot, its ground and its gaits."""
-    return (closed(mechanism, derivation) for derivation in _of_robot(mechanism, _wanted(names)))
+def _closed(mechanism: Mechanism, part: Callable[[Mechanism, Wanted], Iterable[Derivation]], wanted: Wanted) -> Iterator[Derivation]:
+    return (closed(mechanism, derivation) for derivation in part(mechanism, wanted))
 
 
 def _wanted(names: tuple[str, ...]) -> Wanted:
     return lambda name: not names or name in names
 
 
-def _of_limbs(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
-    yield from of_legs(mechanism.legs, lambda leg: _of_leg(mechanism, leg, wanted))
-    for limb in mechanism.chains:
-        yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
-    for route in routes(mechanism):
-        yield from _path(mechanism, route, FOOT, wanted)
-        yield from _path_inverse(mechanism, route, wanted)
+def _of_legs(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    return of_legs(mechanism.legs, lambda leg: _of_leg(mechanism, leg, wanted))
 
 
 def _of_leg(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
@@ -103,30 +99,55 @@ def _of_leg(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivat
     yield from _loaded(mechanism, leg, wanted)
 
 
+def _of_paths(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    """Chains and routes."""
+    for limb in mechanism.chains:
+        yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
+    for route in routes(mechanism):
+        yield from _path(mechanism, route, FOOT, wanted)
+        yield from _path_inverse(mechanism, route, wanted)
+
+
 def _of_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
-    yield from _whole_robot(mechanism, wanted)
+    """All limbs together."""
+    yield from _built(RobotFunctions(mechanism).functions(), wanted)
+    if all(leg.curved_sole is None for leg in mechanism.legs):
+        yield from _built(adapt_functions(mechanism), wanted)
+
+
+def _of_dynamics(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    floating = FloatingFunctions(mechanism)
+    yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
+    if mechanism.terrain and wanted("settle"):
+        surface = TerrainFunctions(mechanism, mechanism.terrain).surface()
+        yield from _existing([settle(mechanism, RobotFunctions(mechanism).foot_positions(), floating.weight(), surface)])
+
+
+def _of_contact(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    return _built(contact_functions(mechanism) | stance_functions(mechanism), wanted)
+
+
+def _of_compliance(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    return _built(StanceCompliance(mechanism).functions() | chain_reactions(mechanism), wanted)
+
+
+def _of_stability(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    return _built(StabilityFunctions(mechanism, FloatingFunctions(mechanism).mass).functions(), wanted)
+
+
+def _of_walks(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
+    """Ground and gaits."""
     if mechanism.terrain:
         ground = TerrainFunctions(mechanism, mechanism.terrain)
         yield from (ground.function(name) for name in TERRAIN_FUNCTIONS if wanted(name))
     yield from (build() for name, build in gait_functions(mechanism) if wanted(name))
 
 
-def _whole_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
-    """Functions of all limbs together, and of feet in contact."""
-    robot = RobotFunctions(mechanism)
-    yield from (build() for name, build in robot.functions().items() if wanted(name))
-    stood = contact_functions(mechanism) | stance_functions(mechanism)
-    pointed = all(leg.curved_sole is None for leg in mechanism.legs)
-    if pointed:
-        yield from (build() for name, build in adapt_functions(mechanism).items() if wanted(name))
-    stood |= StanceCompliance(mechanism).functions() | chain_reactions(mechanism)
-    floating = FloatingFunctions(mechanism)
-    yield from _dynamics(floating.function, ROBOT_DYNAMICS, wanted)
-    if mechanism.terrain and wanted("settle"):
-        surface = TerrainFunctions(mechanism, mechanism.terrain).surface()
-        yield from _existing([settle(mechanism, robot.foot_positions(), floating.weight(), surface)])
-    stood |= StabilityFunctions(mechanism, floating.mass).functions()
-    yield from (build() for name, build in stood.items() if wanted(name))
+_SECTIONS = (_of_legs, _of_paths, _of_robot, _of_dynamics, _of_contact, _of_compliance, _of_stability, _of_walks)
+
+
+def _built(builders: Mapping[str, Callable[[], Derivation]], wanted: Wanted) -> Iterator[Derivation]:
+    return (build() for name, build in builders.items() if wanted(name))
 
 
 def _loaded(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
