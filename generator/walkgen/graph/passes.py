@@ -26,7 +26,8 @@ def pruned(program: Program) -> Program:
 
 
 def _renumbered(op: Op, position: dict[int, int]) -> Op:
-    return op._replace(arguments=tuple([position[number] for number in op.arguments])) if op.arguments else op
+    code, arguments, element, value, name = op
+    return Op(code, tuple([position[number] for number in arguments]), element, value, name) if arguments else op
 
 
 def fused(program: Program) -> Program:

@@ -70,5 +70,5 @@ def nameless(program: Program) -> Hashable:
     """Everything of a Program but names: equal where code can be shared."""
     signature = program.signature
     ports = tuple((port.shape, port.kind) for port in (*signature.inputs, *signature.outputs))
-    nameless = tuple(op._replace(name="") for op in program.ops)
+    nameless = tuple(op[:-1] for op in program.ops)
     return len(signature.inputs), ports, nameless, program.outputs

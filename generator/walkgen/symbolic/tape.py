@@ -38,12 +38,14 @@ class Tape:
         """The expression under a name; numbers and (negated) symbols stay as they are."""
         if expression.is_number:
             return constant(expression)
-        if expression.is_Symbol or (expression.is_Mul and (-expression).is_Symbol):
+        if expression.is_Symbol or _is_negated_symbol(expression):
             return expression
         if (known := self._known.get(expression)) is not None:
             return known
-        if expression.could_extract_minus_sign():
+        if (excess := _negative_excess(expression)) > 0:
             return -self.let(name, -expression)
+        if excess == 0 and (opposite := self._known.get(-expression)) is not None:
+            return -opposite
         self._uses[name] += 1
         symbol = sympy.Symbol(name if self._uses[name] == 1 else f"{name}_{self._uses[name]}")
         self._entries.append((symbol, expression))
@@ -98,6 +100,24 @@ def constant(number: sympy.Expr) -> sympy.Expr:
     if nearest is not None and abs(value - nearest) < _NEGLIGIBLE:
         return nearest
     return value
+
+
+def _is_negated_symbol(expression: sympy.Expr) -> bool:
+    return bool(
+        expression.is_Mul and len(expression.args) == 2 and expression.args[0] is sympy.S.NegativeOne and expression.args[1].is_Symbol
+    )
+
+
+def _negative_excess(expression: sympy.Expr) -> int:
+    """How many more terms of a sum are negative than are not: a sum goes by the name of the one with fewer, the first one at a tie."""
+    if not expression.is_Add:
+        return 1 if _is_negative(expression) else -1
+    return sum(1 if _is_negative(term) else -1 for term in expression.args)
+
+
+def _is_negative(term: sympy.Expr) -> bool:
+    number = term.args[0] if term.is_Mul else term
+    return bool(number.is_Number and number < 0)
 
 
 ZERO_VECTOR: Vec = (sympy.S.Zero, sympy.S.Zero, sympy.S.Zero)
