@@ -19,6 +19,8 @@ FLAT = -0.5 * np.pi
 """A foot's angle (rad)."""
 _ROLL = 0.7
 """How far, of what the toe's curve allows."""
+_STEADY = 0.9
+"""Of the way that a platform goes in half a support of a steady walk."""
 _KNEE = 1
 _LOOKS = 721
 Rows = np.ndarray
@@ -68,8 +70,9 @@ def _joints(leg: Leg, foot: int, footholds: Footholds, body: Callable[[Rows], Mo
     axes = motion.rotation[0]
     here, there = (footholds.points[foot, number[:, foot] + step] @ axes for step in (0, 1))
     stands = support[:, foot] | stays
-    angle, end = _planned(np.where(stays, 0.0, u), duty, gait.period, _limit(leg), footholds.trajectory.heel_off)
-    last = _on_toe(leg, np.array([[end], [0.0], [0.0]]))[0, 0]
+    end = np.where(_steady(foot, footholds, body, axes[:, 0])[number[:, foot]], FLAT + _ROLL * (_limit(leg) - FLAT), FLAT)
+    angle = _planned(np.where(stays, 0.0, u), duty, gait.period, end, footholds.trajectory.heel_off)
+    last = _on_toe(leg, np.array([end, 0.0 * end, 0.0 * end]))[0]
     share = np.clip((u - duty) / (1.0 - duty), 0.0, 1.0)
     over = last - [0.0, _height(leg)]
     moving = _carried(share, 1.0 / ((1.0 - duty) * gait.period), footholds.trajectory.lift, here[:, [0, 2]] + over, there[:, [0, 2]])
@@ -92,21 +95,34 @@ def _spread(part: Rows) -> Rows:
     return np.stack([part[:, 0], np.zeros(len(part)), part[:, 1]], -1)[:, None]
 
 
-def _planned(u: Rows, duty: float, period: float, limit: float, heel_off: float) -> tuple[Rows, float]:
-    """The foot's angle with rate and acceleration [3,t], and where its roll ends."""
-    end = FLAT + _ROLL * (limit - FLAT)
+def _steady(foot: int, footholds: Footholds, body: Callable[[Rows], Motion], forward: Rows) -> Rows:
+    """Of every support of a foot [m]: whether the platform gets about as far ahead of it as in a steady walk.
+
+    Else, next to a walk's ends, the load is not yet ahead of the toe when the heel would be off the ground: the foot is lifted flat.
+    """
+    gait, count = footholds.trajectory.gait, footholds.points.shape[1]
+    half = 0.5 * gait.duty_factor[foot] * gait.period
+    middle = (footholds.first + np.arange(count) + gait.phase[foot]) * gait.period + half
+    ahead = (body(middle + half).position - body(middle).position) @ forward
+    steady: Rows = ahead > _STEADY * gait.speed * half
+    return steady
+
+
+def _planned(u: Rows, duty: float, period: float, end: Rows, heel_off: float) -> Rows:
+    """The foot's angle with rate and acceleration [3,t], by where its roll ends [t]."""
     rest = np.zeros_like(u)
     start, off = heel_off * duty, duty
-    rolling = _eased((u - start) / (off - start), (off - start) * period, FLAT, end)
-    turning = _eased((u - off) / (1.0 - off), (1.0 - off) * period, end, FLAT)
     flat = np.array([FLAT + rest, rest, rest])
-    return np.where(u < start, flat, np.where(u < off, rolling, turning)), end
+    rolling = _eased((u - start) / (off - start), (off - start) * period, flat[0], end)
+    turning = _eased((u - off) / (1.0 - off), (1.0 - off) * period, end, flat[0])
+    return np.where(u < start, flat, np.where(u < off, rolling, turning))
 
 
-def _eased(share: Rows, span: float, start: float, end: float) -> Rows:
+def _eased(share: Rows, span: float, start: Rows, end: Rows) -> Rows:
     """From rest to rest, with rate and acceleration [3,t]."""
     there = np.clip(share, 0.0, 1.0)
-    moving = gait_step(there, np.full(len(there), 1.0 / span), 0.0, np.full(3, start), np.full(3, end))
+    first, last = (np.stack([angle] * 3, -1) for angle in (start, end))
+    moving = gait_step(there, np.full(len(there), 1.0 / span), 0.0, first, last)
     return np.array([part[:, 0] for part in moving])
 
 
