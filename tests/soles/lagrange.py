@@ -20,7 +20,7 @@ def _turned(angle, vector):
 
 @cache
 def equations():
-    """(q, qd, qdd, lever, the ground's slope) -> d/dt dL/dqd - dL/dq [5], the place of the foot's point at `lever` by q [2, 5], dE/dt."""
+    """(q, qd, qdd, lever, slope) -> d/dt dL/dqd - dL/dq [5], the place of the foot's point at `lever` by q [2, 5], dE/dt, E."""
     q, qd, qdd, lever, slope = _symbols("q"), _symbols("qd"), _symbols("qdd"), sympy.symbols("r:2"), sympy.Symbol("slope")
     hip = sympy.Matrix(q[:2])
     knee = hip + _turned(q[2], (sympy.Rational(str(THIGH)), 0))
@@ -37,7 +37,7 @@ def equations():
     point = (ankle + _turned(q[4], lever)).jacobian(q)
     energy = sympy.Matrix([kinetic + potential])
     power = energy.jacobian(q) * sympy.Matrix(qd) + energy.jacobian(qd) * sympy.Matrix(qdd)
-    return tuple(sympy.lambdify((q, qd, qdd, lever, slope), part, "numpy") for part in (left, point, power))
+    return tuple(sympy.lambdify((q, qd, qdd, lever, slope), part, "numpy") for part in (left, point, power, energy))
 
 
 def state(hip, angles):
@@ -48,7 +48,7 @@ def state(hip, angles):
 def residual(hip, angles, found, slope=0.0):
     """Largest error of the five equations, and the size of what they are sums of."""
     torque, load, _, _, ground, centre, _, _ = found
-    left, point, _ = equations()
+    left, point, *_ = equations()
     q, qd, qdd = state(hip, angles)
     knee = hip[0] + THIGH * np.array([np.cos(q[2]), np.sin(q[2])])
     ankle = knee + SHANK * np.array([np.cos(q[3]), np.sin(q[3])])
@@ -64,6 +64,11 @@ def residual(hip, angles, found, slope=0.0):
 def energy_rate(hip, angles, slope=0.0):
     """d(T + V)/dt."""
     return float(equations()[2](*state(hip, angles), (0.0, 0.0), slope)[0, 0])
+
+
+def energy(hip, angles, slope=0.0):
+    """T + V."""
+    return float(equations()[3](*state(hip, angles), (0.0, 0.0), slope)[0, 0])
 
 
 def input_power(hip, angles, found):

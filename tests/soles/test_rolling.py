@@ -121,6 +121,29 @@ def test_motions_that_forward_kinematics_makes(toe, backend):
             assert np.abs(slope - value[near, order + 1]).max() < 2e-5 * size
 
 
+@pytest.mark.parametrize("which", ["toe", "heel"])
+def test_the_posture_is_the_one_that_the_flat_foot_is_led_to(built, which):
+    """By a dense look along the curve: the first root, before the shank passes the contact point; else there is none."""
+    made = built(leg_text())
+    end = np.radians(75 if which == "toe" else 60)
+    hip, thigh, edge, contact, _ = random_states(made, (0.0, end), ROWS, 23, which)
+    found, *_, status = getattr(made.c.legs["leg"], f"{which}_motion")(hip, thigh, edge)
+    at = np.linspace(0.0, end, 4001)
+    knee = hip[:, 0] + THIGH * direction(thigh[:, 0])
+    for row in range(ROWS):
+        away = np.linalg.norm(foot_forward(made, at, edge[row], which)[3][:, 0] - knee[row], axis=1) - SHANK
+        towards = np.sign(away[0]) * np.diff(away) < 0
+        turn = len(at) - 1 if towards.all() else int(np.argmin(towards))
+        crossed = np.sign(away[0]) * away[: turn + 1] < 0
+        assert (status[row] == 0) == crossed.any()
+        if status[row] == 0:
+            assert abs(found[row, 0] - at[int(np.argmax(crossed))]) < 2 * at[1]
+        else:
+            assert status[row] in (1, 3)
+            assert contact[row] > at[turn]
+    assert (status == 0).mean() > (0.98 if which == "toe" else 0.6)
+
+
 def along(hip, thigh, time):
     """Both a little later, at constant accelerations."""
     moved, turned = hip.copy(), thigh.copy()
@@ -148,6 +171,36 @@ def test_hand_over_from_flat_to_rolling_is_smooth(built, which):
     assert np.abs(point - [edge, 0.0]).max() < 1e-12
     assert np.abs(ankle[:, 0] - [0.18, DEPTH]).max() < 1e-12
     assert np.abs(margins[:, 0]).max() < 1e-12
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_when_phases_change(built, backend):
+    """A hip that goes on over a held thigh: margins come to 0 where it begins to roll and where its curve ends, not before."""
+    leg = next(iter(getattr(built(leg_text()), backend).legs.values()))
+    start, ankle = np.array([0.34, 0.80]), 0.18
+    thigh = leg.flat_position(start, ankle, 1)[0][0]
+    times = np.linspace(-0.01, 1.2, 4841)
+    hip = np.zeros((len(times), 3, 2))
+    hip[:, 0], hip[:, 1] = start + times[:, None] * [0.4, 0.0], [0.4, 0.0]
+    swing = np.tile([thigh, 0.0, 0.0], (len(times), 1))
+    contact, angles, _, _, margins, status = leg.toe_motion(hip, swing, ankle + FRONT)
+    rolls = status == 0
+    first, last = np.flatnonzero(rolls)[[0, -1]]
+    assert rolls[first : last + 1].all()
+    assert times[first] == pytest.approx(0.0, abs=1.1 * (times[1] - times[0]))
+    assert (status[~rolls] == 1).all()
+    phase, *_, stood = leg.stance_position(hip[:, 0], swing[:, 0], ankle)
+    assert (phase[first + 1 : last + 1] == 1).all()
+    assert (stood[last + 1 :] != 0).all()
+    # margins say when: the line through the last two leads to 0 within a step
+    step = times[1] - times[0]
+    for side, (one, two) in ((0, (first + 1, first)), (1, (last - 1, last))):
+        slope = (margins[two, side] - margins[one, side]) / abs(two - one)
+        assert 0.0 <= margins[two, side] < 1.01 * abs(slope)
+    assert (np.diff(contact[rolls, 0]) > 0).all()
+    slopes = (contact[first + 2 : last + 1, 0] - contact[first : last - 1, 0]) / (2 * step)
+    assert np.abs(slopes - contact[first + 1 : last, 1])[5:].max() < 1e-3 * np.abs(contact[rolls, 1]).max()
+    assert (angles[rolls, 0, 2] <= -np.pi / 2).all()
 
 
 @pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])
