@@ -20,6 +20,10 @@ _ROOM = 4.0
 _LEAST_SHARE = 0.02
 _SLACK = 1.1
 """Room between a largest value and what it is the largest of, as a search begins: without any, first steps lead nowhere."""
+_LEAST_BULGE = 1e-3
+"""By how much the foot turns over the whole of a curve, as slowly as anywhere (rad); a straight one is no sole."""
+_LEAST_ROOM = 1e-6
+"""What is left of the curve's range at the end of the roll."""
 Limit = Callable[[Reals], Values]
 
 
@@ -106,6 +110,8 @@ class SoleProblem:
         knee = table.number("knee")
         yield Constraint("knee", self._beyond(self._all_of("knee"), 0.0 if knee is None else knee, 1.0))
         yield Constraint("forward", self._beyond(self._all_of("contact_rate"), 0.0, 1.0))
+        yield Constraint("end", self._beyond(self._last_of("room"), _LEAST_ROOM, 1.0))
+        yield Constraint("convex", self._beyond(self._bulge, _LEAST_BULGE, 1.0))
 
     def _between(self, limits: tuple[float, float], value: Limit) -> Limit:
         low, high = limits
@@ -126,6 +132,9 @@ class SoleProblem:
 
     def _flat_length(self, x: Reals) -> Values:
         return self.roll.flat_length(x[: self.count])
+
+    def _bulge(self, x: Reals) -> Values:
+        return self.roll.bulge(x[: self.count])
 
     def _all_of(self, quantity: str) -> Limit:
         return lambda x: self._course(x).of(quantity)

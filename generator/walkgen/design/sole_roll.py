@@ -3,7 +3,7 @@
 The contact parameter is found by Newton's method at every instant; slopes follow it by the theorem of implicit functions.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,13 +31,17 @@ from walkgen.symbolic.tape import Tape
 _MODE = "stance_forces_load"
 _BEYOND = 3.0
 """How far beyond its end, in lengths of its range, the curve is followed while a search is on its way."""
+_SHARES = np.linspace(0.0, 1.0, 65)
+"""Of the curve's range, where it must bulge."""
 _DIGITS = 50
 Exprs = Sequence[sympy.Expr]
 QUANTITIES = (
     *("foot_angle", "foot_rate", "foot_acceleration", "hip_moment", "knee_moment", "ankle_moment"),
-    *("contact", "contact_rate", "curvature", "extension", "knee"),
+    *("contact", "contact_rate", "curvature", "extension", "knee", "room"),
 )
-"""Of every instant: rad and s, N m, the curve's parameter, 1/m, lengths of the straight leg, rad by which the knee is bent."""
+"""Of every instant: rad and s, N m, the curve's parameter, 1/m, lengths of the straight leg, rad by which the knee is bent, and how much
+of the curve is left, in its range.
+"""
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,11 @@ class SoleRoll:
         """Of the flat part (m)."""
         length, *slopes = self._functions.flat(*self._parameters(x))
         return Values(np.array([float(length)]), np.array([[float(slope) for slope in slopes]]))
+
+    def bulge(self, x: Reals) -> Values:
+        """By how much the foot would turn over the range as fast as at places along the curve (rad); more than 0 where convex."""
+        found = np.stack([np.broadcast_to(entry, _SHARES.shape) for entry in self._functions.bulge(_SHARES, *self._parameters(x))])
+        return Values(found[0], found[1:].T)
 
     def outline(self, x: Reals) -> Reals:
         """Points of the sole from the rear edge to the curve's end, in the foot's axes [n, 2]: forward and up (m)."""
@@ -155,6 +164,7 @@ class _Functions:
         self._bounds = compiled(tape, parameters, curve.bounds)
         length = own.edge("toe") - own.edge("heel")
         self.flat = compiled(tape, parameters, [length, *(entry for row in partial_tangents(tape, [length], variables) for entry in row)])
+        self.bulge = _bulge(rolling, variables, parameters)
         self._points = compiled(tape, (self._contact, *parameters), [*curve.point])
         self._edges = compiled(tape, parameters, [own.height, own.edge("heel")])
         self._count = len(names)
@@ -206,12 +216,24 @@ class _Functions:
         (first, second, third, *_), _ = StanceForces(own).values(tape, _MODE, inputs)
         away = [tape.let("extent", moving.ankle[axis] - hip[axis]) for axis in (0, 1)]
         extension = sympy.sqrt(away[0] ** 2 + away[1] ** 2) / (own.leg.thigh + own.leg.shank)
-        curve = moving.curve
+        curve, (start, stop) = moving.curve, moving.curve.bounds
         bend = -curve.ahead * curve.turning / curve.speed
         return [
             *(moving.angles[2], moving.angles[5], moving.angles[8], first, second, third),
             *(moving.contact[0], moving.contact[1], bend, extension, moving.angles[0] - moving.angles[1]),
+            (stop - moving.contact[0]) / (stop - start),
         ]
+
+
+def _bulge(rolling: RollingStance, variables: Sequence[tuple[str, sympy.Symbol]], parameters: Exprs) -> Callable[..., Sequence[Reals]]:
+    """How fast the foot turns over its toe, with slopes by the variables, by the share of the curve's range and all parameters."""
+    tape, share = Tape(), sympy.Symbol("share")
+    start, end = rolling.curve("toe", sympy.S.Zero, tape).bounds
+    curve = rolling.curve("toe", tape.let("place", start + share * (end - start)), tape)
+    turning = tape.let("bulge", -curve.ahead * curve.turning * (end - start))
+    return compiled(
+        tape, (share, *parameters), [turning, *(entry for row in partial_tangents(tape, [turning], variables) for entry in row)]
+    )
 
 
 def _quintic(tape: Tape, t: sympy.Expr, span: float, start: Exprs, end: Exprs) -> Exprs:
