@@ -2,8 +2,10 @@
 
 import pytest
 from rolling_robots import CURVES, LEG
+from typer.testing import CliRunner
 
 from symbolic.dynamic_legs import written
+from walkgen.cli import app
 from walkgen.errors import SpecError
 from walkgen.pipeline import BuildOptions, generate
 from walkgen.spec.read import read
@@ -80,6 +82,35 @@ def test_refused_with_place_and_cure(tmp_path, name):
     assert problems, caught.value
     assert any(says in f"{problem.message} {problem.cure}" for problem in problems), caught.value
     assert all(problem.place is not None for problem in problems)
+
+
+@pytest.mark.parametrize(
+    "toe",
+    [
+        "{ polynomial = [nan], end = 0.05 }",
+        "{ points = [" + ", ".join(f"[{0.09 - 1e-5 * i**2:g}, {0.12 + 0.01 * i:g}]" for i in range(1, 40)) + "] }",
+        '{ x = "0.09 - abs(lambda)", y = "0.12 + lambda", end = 0.1 }',
+    ],
+    ids=("no number", "too many points", "no function"),
+)
+def test_a_curve_that_is_given_badly_is_not_missing(tmp_path, toe):
+    with pytest.raises(SpecError) as caught:
+        read(written(tmp_path, LEG.replace(TOE, f"toe = {toe}")))
+    assert "WG111" not in {problem.code for problem in caught.value.problems}
+
+
+@pytest.mark.parametrize("name", ["not regular", "not tangent", "hollow", "no curve"])
+def test_from_the_command_line(tmp_path, name):
+    """Exit code 2, the file, the line, the cure; no traceback."""
+    code, old, new, says = BAD[name]
+    path = written(tmp_path, LEG.replace(old, new, 1))
+    for command in ("check", "build", "gait"):
+        result = CliRunner().invoke(app, [command, str(path)])
+        assert result.exit_code == 2
+        assert f"{path.name}:" in result.output
+        assert code in result.output
+        assert says in result.output
+        assert "Traceback" not in result.output
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,8 @@ def _given(path: Path, curve: DirectrixSpec, spec: RobotSpec) -> Iterator[Findin
     if len(forms) != 1:
         cure = "write x and y in lambda with end, or polynomial with end, or ellipse, or points"
         message = f"the curve is given by {' and '.join(forms)}" if forms else "the curve is not given"
-        yield Finding("WG124" if forms else "WG111", (*path, forms[-1]) if forms else path, message, cure)
+        at, tried = (*path, forms[-1]) if forms else path, tuple((*path, form) for form in (*FORMS, "y"))
+        yield Finding("WG124" if forms else "WG111", at, message, cure, because=tried)
         return
     form = forms[0]
     needed = {"x": ("x", "y", "end"), "polynomial": ("end",)}.get(form, ())
