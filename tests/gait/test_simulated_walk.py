@@ -8,6 +8,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from walkgen.gait.chains import best_poses
+from walkgen.gait.course import Pace, course
 from walkgen.gait.ground import Described, Grid, Relief, Slope
 from walkgen.gait.simulate import Options, simulate
 from walkgen.gait.spline import Spline
@@ -282,3 +283,12 @@ def test_a_grids_normals_are_those_of_its_heights():
 def test_no_walk_without_instants(robot, trajectory, cycles, rate):
     with pytest.raises(ValueError, match="are needed"):
         simulate(robot, trajectory, Slope(), Options(cycles=cycles, rate=rate))
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.4, 2.0])
+def test_the_platform_is_parallel_to_a_slope_that_it_crosses(heading):
+    """At any heading, its x in the vertical plane of the course."""
+    angle, stance = 0.2, np.array([[0.3, 0.2, -0.5], [0.3, -0.2, -0.5], [-0.3, 0.1, -0.5]])
+    motion = course(Slope(angle), stance, 0.3, 0.6, heading).at(Pace(0.1, 6.0).at(np.linspace(0.0, 6.0, 5)))
+    assert np.abs(motion.rotation[:, :, 2] - [-np.sin(angle), 0.0, np.cos(angle)]).max() < 1e-12
+    assert np.abs(motion.rotation[:, :, 0] @ [-np.sin(heading), np.cos(heading), 0.0]).max() < 1e-12

@@ -156,9 +156,10 @@ def _upright(plane: np.ndarray, heading: float) -> np.ndarray:
     """Frames [m,3,3] with z normal to the planes and x in them, over the heading."""
     normal = np.stack([-plane[:, 0], -plane[:, 1], np.ones(len(plane))], axis=-1)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-    across = np.cross(normal, [math.cos(heading), math.sin(heading), 0.0])
-    across /= np.linalg.norm(across, axis=-1, keepdims=True)
-    return np.stack([np.cross(across, normal), across, normal], axis=-1)
+    c, s = math.cos(heading), math.sin(heading)
+    rise = c * plane[:, 0] + s * plane[:, 1]
+    along = np.stack([np.full_like(rise, c), np.full_like(rise, s), rise], axis=-1) / np.hypot(1.0, rise)[:, None]
+    return np.stack([along, np.cross(normal, along), normal], axis=-1)
 
 
 def _angles(rotation: np.ndarray, heading: float) -> np.ndarray:
