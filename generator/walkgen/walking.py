@@ -18,6 +18,7 @@ from walkgen.gait.drawing import Linked, drawing
 from walkgen.gait.driven import own_stance
 from walkgen.gait.footholds import Footholds
 from walkgen.gait.ground import Described, Ground, Slope
+from walkgen.gait.leaning import leaned
 from walkgen.gait.pattern import Gait
 from walkgen.gait.reach import shortfalls
 from walkgen.gait.rolling_ground import hindrances
@@ -83,8 +84,10 @@ def walked(path: Path, wanted: Wanted = _AS_THE_SPEC_SAYS, progress: Progress = 
     if options.body != "level" and not hasattr(robot, "com"):
         message = f"{path}: a {options.body} body moves the centre of mass, and the robot has no mass"
         raise SpecError(Problem("WG620", message, "give its platforms and links masses, or take --body level"))
-    _refuse_unreachable(robot, trajectory, ground, options)
     _refuse_uneven(robot, trajectory, ground, options)
+    if isinstance(trajectory, Trajectory):
+        trajectory = leaned(robot, trajectory, ground, options)
+    _refuse_unreachable(robot, trajectory, ground, options)
     progress("walk")
     return Walked(robot, simulate(robot, trajectory, ground, options), ground, options.units, linked_of(mechanism))
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from walkgen.gait.ground import Relief, Slope
+from walkgen.gait.leaning import leaned
 from walkgen.gait.pattern import Gait
 from walkgen.gait.simulate import Options, simulate
 from walkgen.gait.sole_outline import section
@@ -158,16 +159,31 @@ def test_from_rest_to_rest(biped):
     assert (angles < -0.9).sum() >= 5
 
 
-def test_a_slope_is_walked_like_level_ground(biped):
-    """Feet that stand further back keep the centre of mass over them; any heading; soles flat on the plane or rolling on it."""
-    for angle, heading in ((0.05, 0.0), (0.0, 0.7), (-0.05, 0.0)):
-        stance = tuple((x - 0.7 * np.tan(angle), y, z) for x, y, z in STANCE)
-        found = simulate(biped, Trajectory(GAIT, stance, 0.06, HEEL_OFF), Slope(angle), Options(cycles=1, rate=50.0, heading=heading))
-        assert found.feasible, found.faults
-        assert found.slip < 1e-12
-        normal = np.array([-np.sin(angle), 0.0, np.cos(angle)])
-        assert np.abs(found.feet[found.stance] @ normal).max() < 1e-12
-        assert np.abs((found.standing.points @ normal)[found.standing.support]).max() < 1e-12
+@pytest.mark.parametrize(("degrees", "heading"), [(10.0, 0.0), (3.0, 0.2), (0.0, 0.7), (-5.0, 0.0), (5.0, np.pi)])
+def test_a_slope_is_walked_like_level_ground(biped, degrees, heading):
+    """Feet further down keep the load over them; any heading; soles flat on the plane or rolling on it."""
+    ground, options = Slope(np.radians(degrees)), Options(cycles=1, rate=50.0, heading=heading)
+    found = simulate(biped, leaned(biped, AHEAD, ground, options), ground, options)
+    assert found.feasible, found.faults
+    assert found.slip < 1e-12
+    normal = np.array([-np.sin(np.radians(degrees)), 0.0, np.cos(np.radians(degrees))])
+    assert np.abs(found.feet[found.stance] @ normal).max() < 1e-12
+    assert np.abs((found.standing.points @ normal)[found.standing.support]).max() < 1e-12
+    level = simulate(biped, AHEAD, options=options)
+    shares = [float(np.mean(load_ahead(walk)[:-1])) for walk in (found, level)]
+    assert shares[0] == pytest.approx(shares[1], abs=2e-5)
+
+
+def load_ahead(walk):
+    """By how much the vertical through the centre of mass meets the ground's plane ahead of the feet's places in the walk [t] (m)."""
+    rotation, origin = walk.base_pose[:, :3, :3], walk.base_pose[:, :3, 3]
+    com, up = np.einsum("tij,ti->tj", rotation, walk.com - origin), rotation[:, 2]
+    x, _, z = np.mean(walk.trajectory.stance, axis=0)
+    return com[:, 0] - x - (com[:, 2] - z) * up[:, 0] / up[:, 2]
+
+
+def test_level_ground_moves_no_stance(biped):
+    assert leaned(biped, AHEAD, Slope(), Options()) is AHEAD
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ WALKS = [
     ("quadruped", Wanted(gait="set_right")),
     ("garrec", Wanted(give=0.002)),
     ("anthropomorphic_biped", Wanted()),
+    *(("anthropomorphic_biped", Wanted(terrain=f"slope:{degrees}")) for degrees in (8, -6)),
     ("anthropomorphic_biped", Wanted(from_rest=True, cycles=4, heading=20.0)),
 ]
 

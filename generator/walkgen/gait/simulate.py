@@ -183,12 +183,12 @@ def state(robot: Robot, plan: Plan, adapt: bool, times: np.ndarray) -> State:
 def _on_their_way(
     robot: Robot, motion: Motion, feet: FootMotion, support: np.ndarray, which: tuple[list[int], list[int]], q: np.ndarray
 ) -> FootMotion:
-    """The feet: in transfer those with a path of their own where it takes them, those that roll where they touch, but sideways."""
+    """The feet: in transfer those with a path of their own where it takes them, those that roll too; in support these but sideways."""
     position, (led, rolls) = feet.position.copy(), which
     own = motion.position[:, None] + motion.outward(robot.foot_positions(q))
     position[:, led] = np.where(support[:, led, None], position[:, led], own[:, led])
     across = motion.rotation[:, None, :, 1]
-    beside = ((feet.position - own) * across).sum(axis=-1, keepdims=True) * across
+    beside = np.where(support, ((feet.position - own) * across).sum(axis=-1), 0.0)[..., None] * across
     position[:, rolls] = np.where(np.isfinite(own[:, rolls]), (own + beside)[:, rolls], position[:, rolls])
     return feet._replace(position=position)
 
