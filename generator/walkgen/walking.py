@@ -23,6 +23,7 @@ from walkgen.gait.pattern import Gait
 from walkgen.gait.reach import shortfalls
 from walkgen.gait.rolling_ground import hindrances
 from walkgen.gait.simulate import Options, instants, planned, simulate
+from walkgen.gait.standing import crowd
 from walkgen.gait.steps import Steps
 from walkgen.gait.table import table
 from walkgen.gait.trajectory import Trajectory
@@ -84,7 +85,7 @@ def walked(path: Path, wanted: Wanted = _AS_THE_SPEC_SAYS, progress: Progress = 
     if options.body != "level" and not hasattr(robot, "com"):
         message = f"{path}: a {options.body} body moves the centre of mass, and the robot has no mass"
         raise SpecError(Problem("WG620", message, "give its platforms and links masses, or take --body level"))
-    _refuse_uneven(robot, trajectory, ground, options)
+    _refuse_soles(robot, trajectory, ground, options)
     if isinstance(trajectory, Trajectory):
         trajectory = leaned(robot, trajectory, ground, options)
     _refuse_unreachable(robot, trajectory, ground, options)
@@ -154,12 +155,14 @@ def _refuse_unreachable(robot: Robot, trajectory: Trajectory | Steps, ground: Gr
         raise SpecError(*problems)
 
 
-def _refuse_uneven(robot: Robot, trajectory: Trajectory | Steps, ground: Ground, options: Options) -> None:
-    """No ground on which soles cannot roll, and no platform that their legs cannot follow."""
-    plan = planned(trajectory, ground, options)
+def _refuse_soles(robot: Robot, trajectory: Trajectory | Steps, ground: Ground, options: Options) -> None:
+    """No ground on which soles cannot roll, no platform that their legs cannot follow, no more corners at once than have room."""
+    plan, times = planned(trajectory, ground, options), instants(trajectory, options)
+    if crowded := crowd(robot, plan.footholds.motion(times)[1], times):
+        raise SpecError(Problem("WG624", crowded, "let fewer feet with soles stand at once, or give a curved sole no width: two corners"))
     if not isinstance(plan.footholds, Footholds):
         return
-    found = tuple(hindrances(robot, plan.footholds, plan.body, ground, instants(trajectory, options)))
+    found = tuple(hindrances(robot, plan.footholds, plan.body, ground, times))
     if found:
         raise SpecError(
             *(Problem("WG623", message, "take --terrain flat or slope:DEGREES, and legs along the platform") for message in found)

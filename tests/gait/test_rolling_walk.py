@@ -1,6 +1,7 @@
 """A biped whose feet stand flat and roll over their toes: soles on the ground without slipping, smooth joints, a load that is carried."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from walkgen.gait.leaning import leaned
 from walkgen.gait.pattern import Gait
 from walkgen.gait.simulate import Options, simulate
 from walkgen.gait.sole_outline import section
+from walkgen.gait.standing import crowd
 from walkgen.gait.trajectory import Trajectory
 
 SPEC = Path(__file__).parents[2] / "specs" / "anthropomorphic_biped.toml"
@@ -222,3 +224,17 @@ def test_outline_of_a_sole(biped):
     assert np.abs(((y[heel] - REAR) / 0.04) ** 2 + ((x[heel] - 0.04) / 0.05) ** 2 - 1).max() < 1e-9
     assert (np.diff(y) > 0).all()
     assert y.min() == pytest.approx(REAR - 0.04 * np.sin(np.radians(60)), abs=2e-3)
+
+
+def test_corners_that_support_at_once(biped):
+    """What counts is how many there are at an instant, not how many there are in all."""
+    legs = {
+        str(number): SimpleNamespace(functions={"sole_points"}, joints=(), sole_points=lambda _: np.zeros((4, 3))) for number in range(6)
+    }
+    robot, times = SimpleNamespace(legs=legs, contact_points=None), np.array([0.0, 0.5])
+    tripod = np.array([[True, False] * 3, [False, True] * 3])
+    assert crowd(robot, tripod, times) == ""
+    both = np.array([[True, False] * 3, [True] * 5 + [False]])
+    assert crowd(robot, both, times) == "5 feet stand on 20 corners at t = 0.5 s; contact forces have room for 16"
+    assert crowd(SimpleNamespace(legs=legs), both, times) == ""  # built without corners all feet are points
+    assert crowd(biped, np.ones((2, 2), bool), times) == ""

@@ -22,6 +22,7 @@ from walkgen.gait.power import Power
 from walkgen.gait.rates import rates
 from walkgen.gait.rolling import is_rolling, rolled
 from walkgen.gait.rolling_ground import hindrances
+from walkgen.gait.standing import crowd
 from walkgen.gait.steps import Standing, Steps, place_steps
 from walkgen.gait.trajectory import FootMotion, Trajectory
 from walkgen.gait.walk import Walk
@@ -105,7 +106,8 @@ def simulate(robot: Robot, trajectory: Trajectory | Steps, ground: Ground = _LEV
 
     Raises:
         ValueError: no cycle, or a rate that is not more than 0; a list of events for legs with paths of their own, or one that leaves a
-            body no time; soles that roll on what is no plane, or under a platform that turns or shifts.
+            body no time; soles that roll on what is no plane, or under a platform that turns or shifts; more corners of soles that
+            support at once than contact forces have room for.
     """
     if options.cycles < 1 or not options.rate > 0.0:
         raise ValueError(f"{options.cycles} cycles at {options.rate:g} instants a second: one and more than 0 are needed")
@@ -120,9 +122,11 @@ def simulate(robot: Robot, trajectory: Trajectory | Steps, ground: Ground = _LEV
     if isinstance(plan.footholds, Footholds):
         for hindrance in hindrances(robot, plan.footholds, plan.body, ground, instants(trajectory, options)):
             raise ValueError(hindrance)
+    times = instants(trajectory, options)
+    if crowded := crowd(robot, plan.footholds.motion(times)[1], times):
+        raise ValueError(crowded)
     if options.body != "level":
         plan = _balanced(robot, plan, options, options.body)
-    times = instants(trajectory, options)
     return _walk(robot, plan, ground, options, times)
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkgen.gait.motion import Motion
-from walkgen.runtime.robot import Leg, Robot
+from walkgen.runtime.robot import Robot
 from walkgen.runtime.solves.contact import MAX_FEET
 
 _TOUCHING = 1e-6
@@ -36,8 +36,7 @@ class Standing(NamedTuple):
 def standing(robot: Robot, motion: Motion, q: np.ndarray, feet: np.ndarray, normals: np.ndarray, support: np.ndarray) -> Standing:
     """Of a walk: soles count with their corners where they lie on the ground, else with their foot point.
 
-    A sole that rolls touches the ground on a line, whose ends it has twice. Feet are points, too, where all soles together have more
-    corners than contact forces have room for.
+    A sole that rolls touches the ground on a line, whose ends it has twice.
 
     Args:
         robot: with `contact_points` where its soles are to count.
@@ -47,8 +46,8 @@ def standing(robot: Robot, motion: Motion, q: np.ndarray, feet: np.ndarray, norm
         normals: of the ground there [t,k,3].
         support: whether each supports [t,k].
     """
-    counts = [_corners(leg) for leg in robot.legs.values()]
-    if max(counts) == 1 or sum(counts) > MAX_FEET or not hasattr(robot, "contact_points"):
+    counts = _corners(robot)
+    if max(counts) == 1:
         return Standing(feet, normals, np.arange(feet.shape[1]), support)
     leg = np.repeat(np.arange(len(counts)), counts)
     points = motion.position[:, None] + motion.outward(robot.contact_points(q))
@@ -57,5 +56,26 @@ def standing(robot: Robot, motion: Motion, q: np.ndarray, feet: np.ndarray, norm
     return Standing(np.where(tilted[:, leg, None], feet[:, leg], points), normals[:, leg], leg, support[:, leg])
 
 
-def _corners(leg: Leg) -> int:
-    return len(leg.sole_points(np.zeros(len(leg.joints)))) if "sole_points" in leg.functions else 1
+def crowd(robot: Robot, support: np.ndarray, times: np.ndarray) -> str:
+    """What there is to say of a walk in which more points support the robot at once than contact forces have room for; else nothing.
+
+    Args:
+        robot: that walks.
+        support: which legs support [t,k].
+        times: when [t] (s).
+    """
+    counts = support @ np.array(_corners(robot))
+    row = int(np.argmax(counts))
+    if counts[row] <= MAX_FEET:
+        return ""
+    return (
+        f"{int(support[row].sum())} feet stand on {counts[row]} corners at t = {times[row]:.4g} s; contact forces have room for {MAX_FEET}"
+    )
+
+
+def _corners(robot: Robot) -> list[int]:
+    """How many points each leg stands on."""
+    if not hasattr(robot, "contact_points"):
+        return [1] * len(robot.legs)
+    legs = robot.legs.values()
+    return [len(leg.sole_points(np.zeros(len(leg.joints)))) if "sole_points" in leg.functions else 1 for leg in legs]
