@@ -124,8 +124,12 @@ def drawn(page):
     """The lines of a page by name: x and y of each, in order."""
     start = page.index("[", page.index("Plotly.newPlot("))
     traces, _ = json.JSONDecoder().raw_decode(page[start:])
-    numbers = [[np.frombuffer(base64.b64decode(trace[axis]["bdata"]), trace[axis]["dtype"]) for axis in "xy"] for trace in traces]
+    numbers = [[_numbers(trace[axis]) for axis in "xy"] for trace in traces]
     return [(trace["name"], *both) for trace, both in zip(traces, numbers, strict=True)]
+
+
+def _numbers(entry):
+    return np.array(entry) if isinstance(entry, list) else np.frombuffer(base64.b64decode(entry["bdata"]), entry["dtype"])
 
 
 def test_plots_show_the_sole_the_acceleration_and_the_moments(roll, tmp_path):
@@ -133,7 +137,7 @@ def test_plots_show_the_sole_the_acceleration_and_the_moments(roll, tmp_path):
     found = SoleDesigned(roll, points[1], points[0], tuple(points))
     lines = drawn(next(files(SPEC, found, None, tmp_path / "a.html", None))[1])
     for words, point in (("found", points[0]), ("as in the spec", points[1])):
-        (forward, up), (times, turning) = (line[1:] for line in lines if line[0] == words)
+        (forward, up), (times, turning) = (line[1:] for line in lines if line[0] == words and len(line[1]) > 1)
         assert np.abs(turning - point.course.of("foot_acceleration").values).max() == 0.0
         assert (times[0], times[-1]) == (0.0, 0.25)
         front, depth = point.x[3], point.x[2]

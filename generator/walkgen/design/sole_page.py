@@ -19,7 +19,7 @@ _AXES = (("forward (m)", "up (m)"), ("s", "rad/s^2"), ("s", "N m"))
 def sole_page(found: SoleDesigned) -> str:
     """HTML with the library that draws it inside."""
     title = escape(f"{found.roll.spec.robot.name}: sole {found.roll.name}")
-    figure = make_subplots(rows=2, cols=2, subplot_titles=_TITLES)
+    figure = make_subplots(rows=2, cols=2, subplot_titles=_TITLES, vertical_spacing=0.14)
     for colour, words, point in zip(COLOURS, ("as in the spec", "found"), (found.given, found.found), strict=False):
         forward, up = found.roll.outline(point.x).T
         course = point.course
@@ -32,6 +32,8 @@ def sole_page(found: SoleDesigned) -> str:
     peaks = np.array([[point.peak(name) for name in PEAKS] for point in found.front])
     texts = ["<br>".join(f"{name} = {value:.5g}" for name, value in zip(found.roll.names, point.x, strict=True)) for point in found.front]
     figure.add_trace(go.Scatter(x=peaks[:, 0], y=peaks[:, 1], text=texts, mode="lines+markers", name="front"), row=2, col=2)
+    figure.add_trace(_dot(*(found.given.peak(name) for name in PEAKS), "as in the spec", COLOURS[0]), row=2, col=2)
+    figure.add_trace(_dot(0.0, 0.0, "ankle", "#333"), row=1, col=1)
     largest = [f"largest {name} ({UNITS[name]})" for name in PEAKS]
     for place, (x, y) in enumerate((*_AXES, (largest[0], largest[1]))):
         figure.update_xaxes(title_text=x, row=place // 2 + 1, col=place % 2 + 1)
@@ -43,4 +45,8 @@ def sole_page(found: SoleDesigned) -> str:
 
 
 def _line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, told: bool = True, dash: str = "solid") -> go.Scatter:
-    return go.Scatter(x=x, y=y, name=name, line={"color": colour, "dash": dash}, showlegend=told)
+    return go.Scatter(x=x, y=y, name=name, line={"color": colour, "dash": dash, "simplify": False}, showlegend=told)
+
+
+def _dot(x: float, y: float, name: str, colour: str) -> go.Scatter:
+    return go.Scatter(x=[x], y=[y], name=name, mode="markers", marker={"color": colour, "size": 9}, showlegend=False, hovertext=name)

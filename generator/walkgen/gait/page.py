@@ -22,6 +22,8 @@ robot.on('plotly_animatingframe', function (event) {
   }
 });
 """
+_CAMERA = {"eye": {"x": 1.0, "y": -2.0, "z": 0.9}, "center": {"x": 0.0, "y": 0.0, "z": -0.1}}
+"""From the right, so far away that a long walk is in sight."""
 _HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="generator" content="walkgen"><title>{title}</title>
 <link rel="icon" href="data:,">
@@ -74,10 +76,18 @@ def _moving(walk: Walk, drawn: Drawing, frame: int) -> list[go.Scatter3d]:
     com = walk.com[row]
     feet = np.nan_to_num(walk.feet[row])
     colours = [_BLUE if down else _ORANGE for down in walk.stance[row]]
+    chained = bool(np.isfinite(drawn.chains[frame]).any())
     below = np.array([com, [com[0], com[1], feet[:, 2].mean()]])
     return [
         _line(drawn.platforms[frame], mode="lines", line={"color": "#333", "width": 8}, name="platforms"),
-        _line(drawn.chains[frame], mode="lines+markers", line={"color": _GREY, "width": 7}, marker={"size": 3}, name="chains"),
+        _line(
+            drawn.chains[frame],
+            mode="lines+markers",
+            line={"color": _GREY, "width": 7},
+            marker={"size": 3},
+            name="chains",
+            showlegend=chained,
+        ),
         _line(drawn.legs[frame], mode="lines+markers", line={"color": _GREY, "width": 5}, marker={"size": 3, "color": "#333"}, name="legs"),
         _line(drawn.soles[frame], mode="lines", line={"color": _GREY, "width": 3}, name="soles"),
         _line(feet, mode="markers", marker={"size": 6, "color": colours}, name="feet"),
@@ -99,7 +109,7 @@ def _animation(walk: Walk, drawn: Drawing) -> go.Figure:
         go.Surface(
             x=x, y=y, z=z, showscale=False, opacity=0.55, colorscale=[[0, "#cfc8b8"], [1, "#e8e4da"]], hoverinfo="skip", name="ground"
         ),
-        _line(walk.holds.point, mode="markers", marker={"size": 3, "color": _GREEN, "symbol": "x"}, name="footholds"),
+        _line(walk.holds.point, mode="markers", marker={"size": 3, "color": _GREEN}, name="footholds"),
         _line(walk.com, mode="lines", line={"color": _RED, "width": 1}, name="way of the centre of mass"),
     ]
     names = [f"{at:.4g}" for at in drawn.times]
@@ -107,9 +117,9 @@ def _animation(walk: Walk, drawn: Drawing) -> go.Figure:
     frames = [go.Frame(data=_moving(walk, drawn, number), name=name, traces=places) for number, name in enumerate(names)]
     figure = go.Figure(data=[*moving, *still], frames=frames)
     figure.update_layout(
-        height=620,
-        margin={"l": 0, "r": 0, "t": 0, "b": 50},
-        scene={"aspectmode": "data", "xaxis_title": "x (m)", "yaxis_title": "y (m)", "zaxis_title": "z (m)"},
+        height=650,
+        margin={"l": 0, "r": 0, "t": 0, "b": 110},
+        scene={"aspectmode": "data", "camera": _CAMERA, "xaxis_title": "x (m)", "yaxis_title": "y (m)", "zaxis_title": "z (m)"},
         legend={"x": 0.0, "y": 1.0, "bgcolor": "rgba(255, 255, 255, 0.7)"},
         updatemenus=[_buttons()],
         sliders=[_slider(names)],

@@ -54,9 +54,10 @@ _NEEDS = {
         (*_STABILITY, "tipping_acceleration", "tipping_time", "tipping_tilt", "tipping_speed_limit"), "it stands on fewer than two points"
     ),
     "adapt": "it takes connecting chains with joints, and legs of exactly three joints in series, which follow by their closed form: not "
-    "legs with linkages, which have inverse_near; legs of more joints have freedom of their own, those of fewer miss targets",
+    "legs with linkages, which have inverse_near; legs of more joints have freedom of their own, those of fewer miss targets, and so do "
+    "those on curved soles, which move in planes and put their feet flat",
     "adapt_velocity": "it takes connecting chains with joints, and legs of exactly three q: those of more have freedom of their own, "
-    "those of fewer do not move their feet every way",
+    "those of fewer, and those on curved soles, do not move their feet every way",
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
     **dict.fromkeys(("sole_points", "sole_normal"), "it stands on a point: its design may have a sole or a curved_sole"),
     "ground_pressure": "it stands on no rectangle: sole in its design is one",
