@@ -6,6 +6,7 @@ from rolling_robots import CURVES, LEG, called, leg_text, robot_of
 from test_foot_point import PAIR, YAW
 
 from oracles.beam_frame import frame
+from walkgen.selftest import run
 
 COMPLIANCES = ("foot_compliance", "sole_compliance", "sole_points", "foot_position", "joint_frames", "joint_angles", "foot_rotation")
 RATES = ("inverse_velocity", "inverse_acceleration", "foot_jacobian", "foot_acceleration", "toe_motion", "toe_rolling", "joint_angles")
@@ -88,7 +89,17 @@ def test_rates_of_a_leg_in_a_plane_are_singular(built, backend):
     assert (jacobian @ qd)[[0, 2]] == pytest.approx([0.3, -0.2], abs=0.02)
 
 
-INVERSES = ("inverse", "inverse_branch", "inverse_near", "foot_position", "link_angles", "joint_angles", "joint_frames", "sole_points")
+INVERSES = (
+    "inverse",
+    "inverse_branch",
+    "inverse_near",
+    "inverse_distance",
+    "foot_position",
+    "link_angles",
+    "joint_angles",
+    "joint_frames",
+    "sole_points",
+)
 SHIFTED = "foot = { xyz = [0.01, 0.02, 0.03], rpy_deg = [0, 0, 10] }"
 
 
@@ -102,11 +113,16 @@ def placed_text(slope="0.0"):
     return f"{text}{PAIR}\n[generate]\nfunctions = [{wanted}]\ntargets = ['c', 'numpy', 'casadi']\n"
 
 
-def flat_places(leg, rows, seed):
-    """Joint values with a flat foot, and where that touches the ground."""
+def flat_joints(leg, rows, seed):
+    """q of hip, knee and ankle with a flat foot."""
     random = np.random.default_rng(seed)
     thigh, knee = random.uniform(-2.2, -0.9, rows), random.uniform(0.05, 1.8, rows) * random.choice([-1, 1], rows)
-    q = leg.joint_angles(np.stack([thigh, thigh + knee, np.full(rows, -np.pi / 2)], -1))
+    return leg.joint_angles(np.stack([thigh, thigh + knee, np.full(rows, -np.pi / 2)], -1))
+
+
+def flat_places(leg, rows, seed):
+    """Joint values with a flat foot, and where that touches the ground."""
+    q = flat_joints(leg, rows, seed)
     return q, leg.foot_position(q)
 
 
@@ -160,3 +176,99 @@ def test_statuses_of_the_inverse(built, backend):
     assert states[1] in (0, 6)  # a straight knee is one posture, but for rounding
     _, state = called(made, backend, "inverse_branch", p[0], 2)
     assert state == 2
+
+
+YAWED = (
+    YAW.replace("alpha_deg = 90\nd = 0.0", "alpha_deg = 90\nd = 0.07")
+    .replace("a = 0.0", "a = 0.05")
+    .replace("d = 0.07", "d = 0.07\ntheta_deg = 20")
+)
+
+
+def yawing_text(mount="rpy_deg = [0, 0, 30]"):
+    """Legs that yaw before the hip, off their axes in every way; the right one mirrored."""
+    wanted = ", ".join(f'"{name}"' for name in (*INVERSES, "contact_line"))
+    text = LEG.replace('[[leg_designs.leg.joints]]\nname = "hip"', YAWED, 1).replace(FOOT, SHIFTED)
+    text = text.replace("mount = { rpy_deg = [90, 0, 0] }", f"mount = {{ xyz = [0.1, 0.1, -0.05], {mount} }}")
+    return text.replace('name = "anthropomorphic_leg"', 'name = "yawing"') + (
+        f"{PAIR}\n[generate]\nfunctions = [{wanted}]\ntargets = ['c', 'numpy', 'casadi']\n"
+    )
+
+
+def yawed_places(leg, rows, seed):
+    """Joint values with a flat foot and any yaw, and where that touches the ground."""
+    q = np.concatenate([np.random.default_rng(seed + 1).uniform(-3, 3, (rows, 1)), flat_joints(leg, rows, seed)], axis=1)
+    return q, leg.foot_position(q)
+
+
+MOUNTS = ["rpy_deg = [0, 0, 30]", pytest.param("rpy_deg = [180, 0, 30]", marks=pytest.mark.nightly)]
+
+
+@pytest.mark.parametrize("mount", MOUNTS)
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_a_leg_that_yaws_puts_its_foot_flat_as_well(built, backend, mount):
+    """Four postures: ahead of the yaw axis and behind it, with both knees; forward kinematics makes one, all others reach."""
+    robot = robot_of(built(yawing_text(mount)), backend)
+    for leg in robot.legs.values():
+        assert leg.inverse_class == "flat sole"
+        assert leg.branch_names == ("ahead_knee_plus", "ahead_knee_minus", "behind_knee_plus", "behind_knee_minus")
+        q, p = yawed_places(leg, 300, 5)
+        found, status = leg.inverse(p)
+        assert np.isin(status, (0, 1)).all()
+        turned = np.angle(np.exp(1j * (found - q[:, None])))
+        assert np.abs(turned).max(axis=2).min(axis=1).max() < 1e-9
+        reached = status == 0
+        assert reached.any(axis=1).all()
+        assert reached[:, 2:].mean() > 0.3
+        assert np.abs(found).max() <= np.pi
+        places = leg.foot_position(found)
+        assert np.abs(places - p[:, None])[reached].max() < 1e-13
+        assert np.abs(np.exp(1j * leg.link_angles(found)[..., 2]) + 1j).max() < 1e-14
+        assert np.ptp(leg.sole_points(found)[..., 2], axis=-1).max() < 1e-13
+        missed = np.linalg.norm(places - p[:, None], axis=-1)
+        assert np.abs(leg.inverse_distance(p) - missed).max() < 1e-12
+        for branch in range(4):
+            one, state = leg.inverse_branch(p, branch)
+            assert (state == status[:, branch]).all()
+            assert np.abs(one - found[:, branch]).max() < 1e-13
+        near, state = leg.inverse_near(p, q)
+        assert (state == 0).all()
+        assert np.abs(np.angle(np.exp(1j * (near - q)))).max() < 1e-9
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])
+def test_statuses_of_the_inverse_of_a_leg_that_yaws(built, backend):
+    made = built(yawing_text())
+    leg = made.c.legs["leg"]
+    q, p = yawed_places(leg, 20, 8)
+    for row in range(3):
+        rows, states = called(made, backend, "inverse", p[row])
+        assert np.abs(np.angle(np.exp(1j * (rows - q[row])))).max(axis=1).min() < 1e-9
+        assert (states[:2] == 0).all() or (states[2:] == 0).all()
+    axis = leg.joint_frames(np.zeros(4))[0, :3, 3]
+    above = np.array([axis[0], axis[1], p[0][2]])  # nearer to the axis than the plane ever is
+    rows, states = called(made, backend, "inverse", above)
+    assert (states == 1).all()
+    (missed,) = called(made, backend, "inverse_distance", above)
+    assert missed == pytest.approx(np.linalg.norm(leg.foot_position(rows) - above, axis=1), abs=1e-12)
+    rows, states = called(made, backend, "inverse", p[0] * [1.0, np.nan, 1.0])
+    assert (states == 2).all()
+    assert np.isnan(rows).any(axis=1).all()
+    assert np.isnan(called(made, backend, "inverse_distance", p[0] * [1.0, np.inf, 1.0])[0]).all()
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_distances_of_the_flat_foot(built, backend):
+    """Those of the rows of the inverse, wherever the target is."""
+    leg = robot_of(built(placed_text()), backend).legs["leg"]
+    p = np.random.default_rng(4).uniform(-1.2, 1.2, (300, 3))
+    rows, _ = leg.inverse(p)
+    missed = np.linalg.norm(leg.foot_position(rows) - p[:, None], axis=-1)
+    assert np.abs(leg.inverse_distance(p) - missed).max() < 1e-12
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("text", [placed_text, yawing_text])
+def test_self_test_of_inverses(built, capfd, text):
+    assert run(built(text()).folder) == 0
+    assert ", 0 failed" in capfd.readouterr().out

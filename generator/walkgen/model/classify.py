@@ -18,6 +18,7 @@ from walkgen.spec.branches import (
     linkage_choices,
     linkage_hindrance,
 )
+from walkgen.spec.scalar import ZERO, evaluate
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ LINKAGE = "linkage"
 CURVE = "coupler curve"
 FLAT_SOLE = "flat sole"
 _KNEES = ("knee_plus", "knee_minus")
+_YAWED_KNEES = ("ahead_knee_plus", "ahead_knee_minus", "behind_knee_plus", "behind_knee_minus")
 _YAW_BRANCHES = ("rho_plus_knee_plus", "rho_plus_knee_minus", "rho_minus_knee_plus", "rho_minus_knee_minus")
 _NEGLIGIBLE = CONTEXT.mpf(10) ** -40
 _STRETCHES = (Fraction(1), Fraction(13, 11), Fraction(7, 9))
@@ -54,7 +56,7 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     if leg.linkage is not None:
         return linkage_class(mechanism, leg, leg.linkage)
     if leg.curved_sole is not None:
-        return _rolling_class(leg)
+        return _rolling_class(mechanism, leg)
     kinds = "".join(joint.kind[0].upper() for joint in leg.joints)
     if len(kinds) > BRANCHED_JOINTS:
         return InverseClass("", (), f"{len(kinds)} joints leave the foot position redundant: solved by iteration from a seed")
@@ -67,11 +69,29 @@ def inverse_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
     return InverseClass(f"general {kinds}", names, f"{hindrance}; {_METHODS[slots]}")
 
 
-def _rolling_class(leg: Limb) -> InverseClass:
-    if len(leg.joints) > BRANCHED_JOINTS:
-        reason = "the foot rolls on a curved sole: hip, knee and ankle follow from flat_position, stance_position, *_motion"
-        return InverseClass("", (), reason)
-    return InverseClass(FLAT_SOLE, leg.branches or _KNEES, "the foot is put flat, so that hip and knee follow from the cosine rule")
+def _rolling_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
+    """Hip, knee and ankle by themselves, or after a joint that turns their plane about the vertical."""
+    reason = "the foot is put flat, so that hip and knee follow from the cosine rule"
+    if len(leg.joints) == BRANCHED_JOINTS:
+        return InverseClass(FLAT_SOLE, leg.branches or _KNEES, reason)
+    if len(leg.joints) == BRANCHED_JOINTS + 1 and _yaws(mechanism, leg):
+        return InverseClass(FLAT_SOLE, leg.branches or _YAWED_KNEES, f"{reason}, and {leg.joints[0].name} turns their plane to the target")
+    reason = "the foot rolls on a curved sole: hip, knee and ankle follow from flat_position, stance_position, *_motion"
+    return InverseClass("", (), reason)
+
+
+def _yaws(mechanism: Mechanism, leg: Limb) -> bool:
+    """Whether the first joint turns about the vertical, over ground that is level."""
+    sole, first = leg.curved_sole, leg.joints[0]
+    if sole is None or first.kind != "revolute" or sole.slope != ZERO:
+        return False
+    for values in _samples(mechanism):
+        up = [-evaluate(entry, CONTEXT, values) for entry in mechanism.gravity]
+        if not any(up):
+            up = [0, 0, 1]
+        if _norm(_cross(joint_axis(mechanism, leg, 0, values), up)) > _NEGLIGIBLE * (1 + _norm(up)):
+            return False
+    return True
 
 
 def linkage_class(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> InverseClass:

@@ -31,6 +31,8 @@ def finite(number: sympy.Expr | int) -> sympy.Basic:
 
 def both(left: sympy.Basic, right: sympy.Basic) -> sympy.Basic:
     """Logical and."""
+    if sympy.false in (left, right):
+        return sympy.false
     if sympy.true in (left, right):
         return right if left is sympy.true else left
     return Both(left, right)
@@ -38,17 +40,23 @@ def both(left: sympy.Basic, right: sympy.Basic) -> sympy.Basic:
 
 def either(left: sympy.Basic, right: sympy.Basic) -> sympy.Basic:
     """Logical or."""
-    return sympy.true if sympy.true in (left, right) else Either(left, right)
+    if sympy.true in (left, right):
+        return sympy.true
+    if sympy.false in (left, right):
+        return right if left is sympy.false else left
+    return Either(left, right)
 
 
 def chosen(truth: sympy.Basic, then: sympy.Expr | int, otherwise: sympy.Expr | int) -> sympy.Expr:
     """One of two values."""
-    return sympy.sympify(then) if truth is sympy.true else Select(truth, then, otherwise)
+    if truth in (sympy.true, sympy.false):
+        return sympy.sympify(then if truth is sympy.true else otherwise)
+    return Select(truth, then, otherwise)
 
 
 def indicator(truth: sympy.Basic) -> sympy.Expr:
     """1 or 0."""
-    return sympy.S.Zero if truth is sympy.false else chosen(truth, 1, 0)
+    return chosen(truth, 1, 0)
 
 
 def _known(left: sympy.Expr | int, right: sympy.Expr | int) -> sympy.Expr | None:

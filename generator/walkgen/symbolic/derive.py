@@ -47,8 +47,8 @@ BRANCHED: dict[str, LegBuilder] = {
 }
 """Of legs of one to three joints, whose branches are known."""
 
-FLAT: dict[str, LegBuilder] = {name: BRANCHED[name] for name in ("inverse", "inverse_branch", "inverse_near")}
-"""Of legs of three joints with curved soles, whose feet are put flat."""
+FLAT: dict[str, LegBuilder] = {name: BRANCHED[name] for name in ("inverse", "inverse_branch", "inverse_near", "inverse_distance")}
+"""Of legs with curved soles whose feet are put flat."""
 
 ITERATED: dict[str, PathBuilder] = {"inverse_near": inverse_reach, "inverse_pose": inverse_pose}
 """Of longer legs and routes."""

@@ -2,13 +2,14 @@
 
 import sympy
 
-from walkgen.model.classify import inverse_class
+from walkgen.model.classify import FLAT_SOLE, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import STATUSES, Port
 from walkgen.symbolic.driven import kinematics_of
+from walkgen.symbolic.flat_inverse import flat_distance
 from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import parameter_symbols
-from walkgen.symbolic.function import Both, Finite, Function, Indicator, LessEqual, Solve, Step
+from walkgen.symbolic.function import Both, Derivation, Finite, Function, Indicator, LessEqual, Solve, Step
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, branch_rows, parameters_of, row_ports
 from walkgen.symbolic.screws import geometry_port, geometry_step, limits_of, limits_port, limits_step, sequence_of
@@ -65,10 +66,12 @@ def inverse_admissible(mechanism: Mechanism, leg: Limb) -> Solve:
     return Solve(words, (*rows.ports, *ports), (*rows.steps, limits, row, screws, search))
 
 
-def inverse_distance(mechanism: Mechanism, leg: Limb) -> Solve:
+def inverse_distance(mechanism: Mechanism, leg: Limb) -> Derivation:
     """How far each branch of the inverse is from the target."""
-    slots = len(inverse_class(mechanism, leg).branch_names)
-    output = Port("distance", (slots,), "m")
+    found = inverse_class(mechanism, leg)
+    output = Port("distance", (len(found.branch_names),), "m")
+    if found.name == FLAT_SOLE:
+        return flat_distance(mechanism, leg, TARGET, output)
     doc = "Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input."
     words = signature(mechanism, leg.name, "inverse_distance", [TARGET], [output], doc, "as inverse")
     rows = branch_rows(mechanism, leg)

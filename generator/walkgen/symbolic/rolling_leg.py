@@ -94,9 +94,10 @@ def rolling_leg(mechanism: Mechanism, leg: Limb) -> RollingLeg:
 
 @dataclass(frozen=True)
 class GroundFrame:
-    """In the axes of the platform of a leg whose first joint is the hip: where that is (m), the ground's directions under it.
+    """In the axes of the platform of a leg, joints before the hip at q = 0: where the hip is (m), the ground's directions under it.
 
-    `aside` is the hip's axis, along which the foot point is at `shift` (m).
+    `aside` is the hip's axis, along which the foot point is at `shift` (m). `pivot` is a point of the axis of a joint before the hip, and
+    `turn` whether its q turns about the ground's normal or against it; 0 without one.
     """
 
     hip: Vec
@@ -104,13 +105,15 @@ class GroundFrame:
     normal: Vec
     aside: Vec
     shift: sympy.Expr
+    pivot: Vec
+    turn: sympy.Expr
 
 
 def ground_frame(mechanism: Mechanism, leg: Limb) -> GroundFrame:
-    """Of a leg of three joints with a curved sole."""
+    """Of a leg of hip, knee and ankle with a curved sole, and of one with a joint before these that turns about the ground's normal."""
     parameters, sole = parameter_symbols(mechanism), leg.curved_sole
     assert sole is not None
-    base = frame_of((*leg.mount, *leg.joints[0].before), parameters)
+    base = frame_of((*_before_hip(leg), *leg.joints[-3].before), parameters)
     first, second, third = _sections(leg, parameters)
     side = sole.side * first.flip * second.flip * third.flip
     x, y, _ = _up(mechanism, leg)
@@ -119,7 +122,11 @@ def ground_frame(mechanism: Mechanism, leg: Limb) -> GroundFrame:
     normal = (cosine * x - side * (sine * y), cosine * y + side * (sine * x), sympy.S.Zero)
     shifts = [section.frame.origin[2] for section in (first, second, third)]
     shift = shifts[0] + first.flip * (shifts[1] + second.flip * shifts[2])
-    return GroundFrame(base.origin, times(base.rotation, forward), times(base.rotation, normal), base.rotation[2], shift)
+    upright, pivot, turn = times(base.rotation, normal), base.origin, sympy.S.Zero
+    if len(leg.joints) > len(LINKS):
+        axis = frame_of((*leg.mount, *leg.joints[0].before), parameters)
+        pivot, turn = axis.origin, _folded(leg.joints[0].sign * dot(axis.rotation[2], upright))
+    return GroundFrame(base.origin, times(base.rotation, forward), upright, base.rotation[2], shift, pivot, turn)
 
 
 def hindrance(mechanism: Mechanism, leg: Limb) -> str:
@@ -153,14 +160,18 @@ def _sections(leg: Limb, parameters: Parameters) -> tuple[_Section, ...]:
 
 def _up(mechanism: Mechanism, leg: Limb) -> Vec:
     """Against gravity (without it, the platform's z) in the axes before the hip's motion, other joints at q = 0."""
-    parameters = parameter_symbols(mechanism)
+    rotation = frame_of((*_before_hip(leg), *leg.joints[-3].before), parameter_symbols(mechanism)).rotation
+    x, y, z = (_folded(dot(column, upward(mechanism))) for column in rotation)
+    return (x, y, z)
+
+
+def _before_hip(leg: Limb) -> list[Motion]:
+    """From the platform to what the hip's own way begins with, other joints at q = 0."""
     way: list[Motion] = list(leg.mount)
     for joint in leg.joints[:-3]:
         kind: Literal["rotate", "translate"] = "rotate" if joint.kind == "revolute" else "translate"
         way += [*joint.before, Motion(kind, 2, joint.zero), *joint.after]
-    rotation = frame_of((*way, *leg.joints[-3].before), parameters).rotation
-    x, y, z = (_folded(dot(column, upward(mechanism))) for column in rotation)
-    return (x, y, z)
+    return way
 
 
 def _level(mechanism: Mechanism, leg: Limb, side: int) -> sympy.Expr:
