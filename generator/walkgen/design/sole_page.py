@@ -32,8 +32,9 @@ def sole_page(found: SoleDesigned) -> str:
     peaks = np.array([[point.peak(name) for name in PEAKS] for point in found.front])
     texts = ["<br>".join(f"{name} = {value:.5g}" for name, value in zip(found.roll.names, point.x, strict=True)) for point in found.front]
     figure.add_trace(go.Scatter(x=peaks[:, 0], y=peaks[:, 1], text=texts, mode="lines+markers", name="front"), row=2, col=2)
-    figure.add_trace(_dot(*(found.given.peak(name) for name in PEAKS), "as in the spec", COLOURS[0]), row=2, col=2)
-    figure.add_trace(_dot(0.0, 0.0, "ankle", "#333"), row=1, col=1)
+    given = [found.given.peak(name) for name in PEAKS]
+    figure.add_trace(_dot((given[0], given[1]), "as in the spec", COLOURS[0]), row=2, col=2)
+    figure.add_trace(_dot((0.0, 0.0), "ankle", "#333"), row=1, col=1)
     largest = [f"largest {name} ({UNITS[name]})" for name in PEAKS]
     for place, (x, y) in enumerate((*_AXES, (largest[0], largest[1]))):
         figure.update_xaxes(title_text=x, row=place // 2 + 1, col=place % 2 + 1)
@@ -48,5 +49,7 @@ def _line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, told: bool = 
     return go.Scatter(x=x, y=y, name=name, line={"color": colour, "dash": dash, "simplify": False}, showlegend=told)
 
 
-def _dot(x: float, y: float, name: str, colour: str) -> go.Scatter:
-    return go.Scatter(x=[x], y=[y], name=name, mode="markers", marker={"color": colour, "size": 9}, showlegend=False, hovertext=name)
+def _dot(place: tuple[float, float], name: str, colour: str) -> go.Scatter:
+    return go.Scatter(
+        x=place[:1], y=place[1:], name=name, mode="markers", marker={"color": colour, "size": 9}, showlegend=False, hovertext=name
+    )
