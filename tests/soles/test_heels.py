@@ -13,7 +13,7 @@ MIRRORED = {
     "late": 'heel = { x = "0.09 - 0.5*(lambda - 2)**2 / (1 + lambda)", y = "-0.12 - (lambda - 2)/8", start = 2, end = 3 }',
     "spline": "heel = { points = [[0.085, -0.15], [0.07, -0.18], [0.04, -0.205]] }",
 }
-BY_DAY = "spline"
+BY_DAY = "polynomial"
 ROWS = 60
 
 
