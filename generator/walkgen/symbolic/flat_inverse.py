@@ -117,18 +117,22 @@ def _turned(own: SoleLeg, tape: Tape, frame: GroundFrame, target: Vec, below: sy
     hip, place = (tape.vector(name, minus(point, frame.pivot)) for name, point in (("arm", frame.hip), ("lever", target)))
     x, y = tape.let("lever_x", dot(place, frame.forward)), tape.let("lever_y", dot(place, left))
     off = tape.let("off", dot(hip, left) + dot(frame.aside, left) * frame.shift)
-    square, start = tape.let("lever2", x**2 + y**2), tape.let("start", dot(hip, frame.forward))
-    clear = tape.let("clear2", square - off**2)
+    start = tape.let("start", dot(hip, frame.forward))
+    larger = tape.let("larger", Select(less(abs(x), abs(y)), abs(y), abs(x)))
+    scale = tape.let("scale", Select(less(0, larger), larger, 1))  # so that no square overflows
+    (x, y), share = named(tape, "lever", (x / scale, y / scale)), tape.let("share", off / scale)
+    square = tape.let("lever2", x**2 + y**2)
+    clear = tape.let("clear2", square - share**2)
     depth = tape.let("depth", sympy.sqrt(Select(less(0, clear), clear, 0)))
-    size = tape.let("size", sympy.sqrt(square))
+    size = tape.let("size", scale * sympy.sqrt(square))
     nowhere = at_most(size, _SLACK * (own.leg.thigh + own.leg.shank))
     beside = tape.let("beside", Select(less(0, clear), 0, abs(off) - size))
     planes = []
     for way in (1, -1):
-        cosine, sine = named(tape, "turn", (x * way * depth + y * off, y * way * depth - x * off))
+        cosine, sine = named(tape, "turn", (x * way * depth + y * share, y * way * depth - x * share))
         q = tape.let("yaw", Select(nowhere, 0, Angle(frame.turn * sine, cosine)))
         twice = at_most(depth, 0) if way < 0 else sympy.false
-        planes.append(_Plane((q,), tape.let("ahead", way * depth - start - below), beside, nowhere, twice))
+        planes.append(_Plane((q,), tape.let("ahead", way * scale * depth - start - below), beside, nowhere, twice))
     return tuple(planes)
 
 
