@@ -91,8 +91,12 @@ def test_the_example_s_optimum_is_reached_in_its_bounds(roll):
 
 def test_the_whole_curve_must_bulge_and_hold_the_roll(roll, tmp_path):
     """Also what the roll does not use: else the spec that is written would be refused."""
-    sole = SoleProblem(roll)
+    free = tmp_path / "free.toml"
+    free.write_text(TEXT.replace("used = [0.02, 0.095]\n", ""), encoding="utf-8")
+    sole = SoleProblem(SoleRoll(read(free), "toe_off", tmp_path))
     limits = {limit.name: limit.margins for limit in sole.problem({"acceleration": 1.0, "moment": 1.0}).constraints}
+    bounded = SoleProblem(roll).problem({"acceleration": 1.0, "moment": 1.0}).constraints
+    assert {limit.name for limit in bounded} == {*limits, "used"} - {"end"}  # one of them is enough
     hollow, beyond, good = (np.array(x) for x in ((0.42, 0.46, 0.06, 0.08, 20.0, -95.7), EXAMPLE["best"][0], EXAMPLE["DE"][0]))
     for x, broken in ((hollow, "convex"), (beyond, "end"), (good, "")):
         wide = np.concatenate([x, [100.0, 500.0]])

@@ -102,7 +102,10 @@ class SoleProblem:
         if (flat := table.pair("flat")) is not None:
             yield Constraint("flat", self._between(flat, self._flat_length))
         if (used := table.pair("used")) is not None:
+            used = (used[0], used[1] - _LEAST_ROOM * (used[1] - used[0]))
             yield Constraint("used", self._between(used, self._last_of("contact")))
+        if used is None or used[1] > self._least_end():
+            yield Constraint("end", self._beyond(self._last_of("room"), _LEAST_ROOM, 1.0))
         if (curvature := table.pair("curvature")) is not None:
             yield Constraint("curvature", self._between(curvature, self._all_of("curvature")))
         if (reach := table.number("reach")) is not None:
@@ -110,7 +113,6 @@ class SoleProblem:
         knee = table.number("knee")
         yield Constraint("knee", self._beyond(self._all_of("knee"), 0.0 if knee is None else knee, 1.0))
         yield Constraint("forward", self._beyond(self._all_of("contact_rate"), 0.0, 1.0))
-        yield Constraint("end", self._beyond(self._last_of("room"), _LEAST_ROOM, 1.0))
         yield Constraint("convex", self._beyond(self._bulge, _LEAST_BULGE, 1.0))
 
     def _between(self, limits: tuple[float, float], value: Limit) -> Limit:
@@ -132,6 +134,11 @@ class SoleProblem:
 
     def _flat_length(self, x: Reals) -> Values:
         return self.roll.flat_length(x[: self.count])
+
+    def _least_end(self) -> float:
+        """Of the curve, at either end of the variables' bounds and at the spec's values."""
+        ends = (np.array([getattr(variable, key) for variable in self.roll.variables]) for key in ("low", "start", "high"))
+        return min(self.roll.bounds(x)[1] for x in ends)
 
     def _bulge(self, x: Reals) -> Values:
         return self.roll.bulge(x[: self.count])

@@ -95,6 +95,10 @@ class SoleRoll:
         length, *slopes = self._functions.flat(*self._parameters(x))
         return Values(np.array([float(length)]), np.array([[float(slope) for slope in slopes]]))
 
+    def bounds(self, x: Reals) -> tuple[float, float]:
+        """Where the curve's parameter begins and ends."""
+        return self._functions.bounds(self._parameters(x))
+
     def bulge(self, x: Reals) -> Values:
         """By how much the foot would turn over the range as fast as at places along the curve (rad); more than 0 where convex."""
         found = np.stack([np.broadcast_to(entry, _SHARES.shape) for entry in self._functions.bulge(_SHARES, *self._parameters(x))])
@@ -172,7 +176,7 @@ class _Functions:
     def course(self, times: Reals, parameters: Sequence[float]) -> Course:
         """At instants."""
         rows = np.column_stack([times, np.tile(parameters, (len(times), 1))])
-        low, high = (float(entry) for entry in self._bounds(*parameters))
+        low, high = self.bounds(parameters)
         ends = np.array([low, low + _BEYOND * (high - low)])
         with np.errstate(all="ignore"):
             contact, _ = first_root(rows, ends, (self._at,))
@@ -185,13 +189,18 @@ class _Functions:
         total = slopes[:kinds, :-1] + by_contact[:, None] * moving[None]
         return Course(times, found[:kinds], total.transpose(0, 2, 1))
 
+    def bounds(self, parameters: Sequence[float]) -> tuple[float, float]:
+        """Of the curve's parameter."""
+        low, high = (float(entry) for entry in self._bounds(*parameters))
+        return low, high
+
     def _at(self, points: Reals) -> Reals:
         found = self._residual(*points.T)
         return np.stack([np.broadcast_to(entry, points.shape[:1]) for entry in found], -1)
 
     def outline(self, parameters: Sequence[float]) -> Reals:
         """Forward and up, from the ankle."""
-        low, high = (float(entry) for entry in self._bounds(*parameters))
+        low, high = self.bounds(parameters)
         at = np.linspace(low, high, 121)
         x, y = (np.broadcast_to(entry, at.shape) for entry in self._points(at, *parameters))
         depth, rear = (float(entry) for entry in self._edges(*parameters))
