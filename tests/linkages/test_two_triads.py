@@ -9,7 +9,7 @@ from walkgen.model.classify import inverse_class
 from walkgen.pipeline import mechanism_of
 
 KINEMATICS = ("foot_position", "foot_jacobian", "foot_hessian", "assembly_status", "transmission_angles", "within_limits", "inverse_near")
-INVERSES = ("inverse_admissible", "inverse_velocity")
+INVERSES = ("inverse_admissible", "inverse_velocity", "inverse_acceleration")
 ROWS = ("inverse", "inverse_branch", "inverse_distance")
 MECHANICS = (
     *("mass_matrix", "kinetic_energy", "potential_energy", "gravity_torque", "inverse_dynamics", "forward_dynamics", "driving_forces"),
@@ -86,11 +86,25 @@ def test_back_to_the_drives(built, name):
     assert limb.inverse_near([np.nan, 0, 0], q[0])[1] == BAD_INPUT
 
 
-def test_rates(built):
-    limb = kinematics(built, "held").c.legs["leg"]
+@pytest.mark.parametrize("name", NAMES)
+def test_rates(built, name):
+    """The foot moves along the way that the rates and accelerations of the drives make as it is wanted to."""
+    limb, random = kinematics(built, name).c.legs["leg"], np.random.default_rng(7)
     q = drives(limb, 100)
-    qd, status = limb.inverse_velocity(q, limb.foot_jacobian(q) @ np.array([0.1, 0.2, -0.3]))
-    assert np.abs(qd - [0.1, 0.2, -0.3])[status == OK].max() < 1e-9
+    wanted, bent = random.uniform(-0.3, 0.3, (2, len(q), 3))
+    v = np.einsum("nij,nj->ni", limb.foot_jacobian(q), wanted)
+    qd, status = limb.inverse_velocity(q, v)
+    assert np.mean(status == OK) > 0.8
+    assert np.abs(qd - wanted)[status == OK].max() < 1e-9
+    a = np.einsum("nij,nj->ni", limb.foot_jacobian(q), bent)
+    qdd, told = limb.inverse_acceleration(q, qd, a)
+    assert np.array_equal(told, status)
+    calm, step = (status == OK) & (np.abs(qdd).max(-1) < 3) & (np.abs(np.sin(limb.transmission_angles(q))).min(-1) > 0.3), 1e-4
+    assert calm.mean() > 0.2
+    places = (limb.foot_position(q + time * qd + time**2 / 2 * qdd)[calm] for time in (-step, 0, step))
+    back, here, on = places
+    assert np.abs((on - back) / (2 * step) - v[calm]).max() < 1e-6
+    assert np.abs((on - 2 * here + back) / step**2 - a[calm]).max() < 1e-5
 
 
 def test_numpy_agrees(built):

@@ -9,7 +9,8 @@ from walkgen.model.closing import KnownStart, closed
 from walkgen.model.drive_ranges import drive_ranges, reach
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism
-from walkgen.model.walk import CONTEXT, defaults, number
+from walkgen.model.walk import CONTEXT, defaults
+from walkgen.symbolic.rate_damping import rate_damping
 
 SAMPLES = 3
 _CONDITION = CONTEXT.mpf("0.05")
@@ -59,10 +60,10 @@ def apart(sample: Sample) -> tuple[Any, ...] | None:
 
 def is_regular(sample: Sample) -> bool:
     """Far enough from singularities and from damping that an inverse is well conditioned."""
-    damping = sample.limbs[-1].damping
-    least = number(damping[0], sample.mechanism) if damping else CONTEXT.zero
+    leg = sample.limbs[-1]
+    least = 0 if leg.child is not None else CONTEXT.mpf(str(rate_damping(sample.mechanism, leg)[0]))
     sizes = _sizes(sample.jacobian)
-    scaled = sizes if sample.limbs[-1].linkage is None else _sizes([_unit(column) for column in sample.jacobian])
+    scaled = sizes if leg.linkage is None else _sizes([_unit(column) for column in sample.jacobian])
     return bool(min(sizes) > 2 * least and min(scaled) > _CONDITION * max(scaled))
 
 

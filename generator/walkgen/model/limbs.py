@@ -32,7 +32,7 @@ def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> 
     mount, tip = pose_transform(leg.mount, values), pose_transform(cast(Pose | None, design.foot), values)
     return Limb(
         *(leg.name, platform, mount, joints, tip),
-        damping=damping_of(design, _size(joints, tip, values), values),
+        damping=given_damping(design, values) or _default_damping(_size(joints, tip, values)),
         senses=_signs(leg, design),
         branches=design.branches or (),
         sole=sole_of(leg.sole or design.sole, values),
@@ -193,10 +193,13 @@ def _level_end(mount: Transform, joints: tuple[Joint, ...], offset: tuple[Scalar
     return inverse(rotations) + origin(offset, (ZERO, ZERO, ZERO))
 
 
-def damping_of(design: LegDesign, size: float, values: Values) -> tuple[Scalar, Scalar]:
-    """The spec's (epsilon, lambda_max), else for both a hundredth of `size`: how far a unit of the joints' rates moves the foot."""
-    if design.damping is not None:
-        return values.resolve(design.damping.epsilon), values.resolve(design.damping.lambda_max)
+def given_damping(design: LegDesign, values: Values) -> tuple[Scalar, Scalar] | None:
+    """The spec's (epsilon, lambda_max)."""
+    return (values.resolve(design.damping.epsilon), values.resolve(design.damping.lambda_max)) if design.damping else None
+
+
+def _default_damping(size: float) -> tuple[Scalar, Scalar]:
+    """For both a hundredth of `size`: how far a unit of the joints' rates moves the foot."""
     default = exact(Decimal(f"{size:.2g}") * _DAMPING_PER_SIZE)
     return default, default
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from walkgen.model.limbs import actuated, damping_of, joints_of, pose_transform, sole_of, weighted
+from walkgen.model.limbs import actuated, given_damping, joints_of, pose_transform, sole_of, weighted
 from walkgen.model.linkage import linkage_of
 from walkgen.model.mechanism import Joint, Limb
 from walkgen.model.springs import springs_of
@@ -22,11 +22,10 @@ def linkage_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values)
     joints = joints_of(leg, design, values)
     before, after = weighted(joints[: len(design.joints)], springs), _hung(joints[len(design.joints) :], design, values)
     mount, plane = pose_transform(leg.mount, values), pose_transform(design.plane, values)
-    damping = damping_of(design, min(values.number(linkage.size), 1.0), values)
     sole = sole_of(leg.sole or design.sole, values)
     return Limb(
         *(leg.name, platform, mount, (*before, *_drives(design, values), *after), plane),
-        damping=damping,
+        damping=given_damping(design, values),
         linkage=linkage,
         branches=design.branches or (),
         sole=sole,

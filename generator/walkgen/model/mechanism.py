@@ -138,7 +138,7 @@ class Limb:
     """A serial chain of joints: a leg (tip is the foot frame) or a connecting chain (tip is the child platform).
 
     `platform` and `child` index `Mechanism.platforms`; a leg has no child.
-    `damping` is (epsilon, lambda_max) of the damped inverse, in the units of the foot's Jacobian.
+    `damping` is (epsilon, lambda_max) of the damped inverse, in the units of the foot's Jacobian; a leg with a linkage may have none.
     `senses`, one a joint (empty: all 1), say whether q runs with the design's own angle, so that the branches of the inverse keep
     their order under a user's signs; a reflection turns the first round, and with it the side that counts as in front.
     `branches` are the spec's names of them, empty where it gives none. A leg without `sole` stands on its foot point,

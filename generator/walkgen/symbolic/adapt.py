@@ -1,13 +1,12 @@
 """The modular robot adapted to the ground: chain joints chosen for the feet's targets, and the same for velocities (theory 3.3)."""
 
 from collections.abc import Callable, Iterator
-from decimal import Decimal
 from itertools import chain
 
 import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
-from walkgen.model.walk import CONTEXT, number
+from walkgen.model.walk import number
 from walkgen.signature import Port, Signature
 from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.symbolic.adapt_rates import Posture
@@ -15,6 +14,7 @@ from walkgen.symbolic.forward import flat
 from walkgen.symbolic.frames import Frame, Parameters, parameter_symbols
 from walkgen.symbolic.function import Derivation, Solve, Step
 from walkgen.symbolic.ports import joint_port, signature
+from walkgen.symbolic.rate_damping import rate_damping
 from walkgen.symbolic.robot import joint_indices
 from walkgen.symbolic.rows import parameters_of
 from walkgen.symbolic.screws import Screws, limits_port, limits_step, screws
@@ -79,7 +79,7 @@ def adapt_velocity(mechanism: Mechanism) -> Solve:
     )
     words = signature(mechanism, "", "adapt_velocity", inputs, [joint_port("qd", joints, "/s"), _STATUS], doc, _SOURCE)
     driven = any(leg.linkage for leg in mechanism.legs)
-    arguments = ("xd", "qd0", *_damping(mechanism), len(joints), feet, platforms, "qd", "status")
+    arguments = ("xd", "qd0", *rate_damping(mechanism, mechanism.legs[0]), len(joints), feet, platforms, "qd", "status")
     step = Step("wg_adapt_velocity", ("tree", "topology", "limits", "still" if driven else "q", *arguments))
     if driven:
         posture = Posture(mechanism, _tree_port(mechanism), _topology_port(mechanism))
@@ -142,11 +142,3 @@ def _last(mechanism: Mechanism, limbs: tuple[Limb, ...]) -> int:
     """The last joint of limbs in series; chains without joints carry nothing."""
     places = [place for limb in limbs for place in joint_indices(mechanism, limb)]
     return places[-1] if places else -1
-
-
-def _damping(mechanism: Mechanism) -> tuple[Decimal, Decimal]:
-    """The first leg's epsilon and lambda_max, 20 digits."""
-    damping = mechanism.legs[0].damping
-    assert damping is not None
-    epsilon, largest = (Decimal(CONTEXT.nstr(number(value, mechanism), 20)) for value in damping)
-    return epsilon, largest

@@ -6,11 +6,11 @@ from decimal import Decimal
 import sympy
 
 from walkgen.model.mechanism import Mechanism
-from walkgen.model.walk import CONTEXT, number
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.forward import PathFunctions, Route, flat
 from walkgen.symbolic.function import Function, Solve, Step
 from walkgen.symbolic.ports import joint_port, joint_unit, parameter_ports, signature
+from walkgen.symbolic.rate_damping import rate_damping
 from walkgen.symbolic.rates_closed import Damping, closed_rates
 from walkgen.symbolic.tape import Tape, Vec, minus, symbols_of
 
@@ -37,7 +37,7 @@ def inverse_velocity(mechanism: Mechanism, route: Route) -> Solve:
     words = _signature(mechanism, route, "inverse_velocity", wanted)
     jacobian, columns = _jacobian(route), path.motion.kinematics.jacobian
     kernel = path.tape.function(_kernel(words, "velocity_jacobian", (words.inputs[0], *words.inputs[2:]), (jacobian,)), flat(columns))
-    closed = _closed_form(words, path.tape, columns, _vector(symbols_of(wanted)), _damping(mechanism, route))
+    closed = _closed_form(words, path.tape, columns, _vector(symbols_of(wanted)), rate_damping(mechanism, route.limbs[-1]))
     arguments = ("q", *(port.name for port in parameter_ports(mechanism)), "J")
     return Solve(words, (jacobian,), (Step(kernel, arguments), _solve(mechanism, route, "v", "qd")), closed)
 
@@ -49,7 +49,7 @@ def inverse_acceleration(mechanism: Mechanism, route: Route) -> Solve:
     wanted = path.tape.vector("wanted", minus(_vector(symbols_of(acceleration)), path.motion.kinematics.bias(path.motion.qd)[0]))
     jacobian, rest, columns = _jacobian(route), Port("rest", (3,), "m/s^2"), path.motion.kinematics.jacobian
     kernel = path.tape.function(_kernel(words, "acceleration_jacobian", words.inputs, (jacobian, rest)), (*flat(columns), *wanted))
-    closed = _closed_form(words, path.tape, columns, wanted, _damping(mechanism, route))
+    closed = _closed_form(words, path.tape, columns, wanted, rate_damping(mechanism, route.limbs[-1]))
     arguments = (*(port.name for port in words.inputs), "J", "rest")
     return Solve(words, (jacobian, rest), (Step(kernel, arguments), _solve(mechanism, route, "rest", "qdd")), closed)
 
@@ -79,18 +79,10 @@ def _vector(symbols: tuple[sympy.Symbol, ...]) -> Vec:
     return (symbols[0], symbols[1], symbols[2])
 
 
-def _damping(mechanism: Mechanism, route: Route) -> tuple[Decimal, Decimal]:
-    """Epsilon and lambda_max of the route's leg as 20-digit decimals, at the default parameters."""
-    damping = route.limbs[-1].damping
-    assert damping is not None, route.owner
-    epsilon, largest = (Decimal(CONTEXT.nstr(number(value, mechanism), 20)) for value in damping)
-    return epsilon, largest
-
-
 def _solve(mechanism: Mechanism, route: Route, rate: str, output: str) -> Step:
     """Three joints have a routine of their own, which is faster."""
     count = len(route.joints)
-    damping = _damping(mechanism, route)
+    damping = rate_damping(mechanism, route.limbs[-1])
     if count == 3:
         return Step("wg_damped_inverse_3", ("J", rate, *damping, output, "status"))
     return Step("wg_damped_inverse", ("J", rate, count, *damping, output, "status"))
