@@ -10,6 +10,7 @@ from typing import Any
 
 from walkgen.model.linkage import Linkage
 from walkgen.model.loops import DrivenLoops
+from walkgen.model.sliding import unslid
 from walkgen.model.walk import CONTEXT
 from walkgen.spec.assur import SIDES, Group
 from walkgen.spec.pair_equations import Planar, Row
@@ -91,7 +92,7 @@ class Posture:
 
 @dataclass(frozen=True)
 class KnownStart:
-    """Where triads are continued from: the drives, and the values of the first strut's two pairs of every triad (rad or sizes)."""
+    """Where triads are continued from: the drives, and the unknowns of every triad: of its first strut's pins the angle (rad)."""
 
     drives: tuple[float, ...]
     unknowns: tuple[float, ...]
@@ -131,7 +132,7 @@ def _measured(loops: DrivenLoops, x: list[float]) -> Iterator[float]:
         for end, index in zip(triad.ends, strut.pairs, strict=True):
             pair, beyond = linkage.structure.pairs[index], linkage.forward.rigid_before(triad, end)
             if pair.kind == "P":
-                yield loops.along(x, index)[0] / float(evaluate(linkage.size, CONTEXT, loops.values))
+                yield float(unslid(loops.along(x, index)[0] / float(evaluate(linkage.size, CONTEXT, loops.values))))
             else:
                 base, moved = (next(body for body in pair.bodies if body in bodies) for bodies in (beyond, own))
                 yield loops.angle(x, moved) - loops.angle(x, base)

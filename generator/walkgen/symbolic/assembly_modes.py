@@ -14,6 +14,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from walkgen.model.sliding import slid, unslid
 from walkgen.model.walk import CONTEXT
 from walkgen.symbolic.arrays import compiled
 from walkgen.symbolic.closure import Closing
@@ -102,7 +103,7 @@ class AssemblyModes:
     def _closed(self, given: Sequence[float], known: tuple[float, ...], number: int) -> list[tuple[float, ...]]:
         """Unknowns of one triad, those of the triads before it known."""
         kinds = self._kinds(number)[0]
-        axes = [np.linspace(-np.pi, np.pi, _ANGLES, endpoint=False) if kind == "R" else np.array(_WAYS) for kind in kinds]
+        axes = [np.linspace(-np.pi, np.pi, _ANGLES, endpoint=False) if kind == "R" else unslid(np.array(_WAYS)) for kind in kinds]
         u = np.concatenate([self._roots(given, known, number), np.array(list(product(*axes))).T], -1)
         turning = np.array([kind == "R" for kind in kinds])[:, None]
         for _ in range(_STEPS):
@@ -110,7 +111,7 @@ class AssemblyModes:
             step = _solved(slopes, r)
             u = u - step / np.maximum(1.0, np.abs(step).max(0) / _STRIDE)
         r, _ = self._evaluated(given, known, u, number)
-        size = np.where(turning, 1.0, np.hypot(1.0, u)).max(0)
+        size = np.where(turning, 1.0, np.hypot(1.0, slid(u))).max(0)
         u = np.where(turning, np.angle(np.exp(1j * u)), u)[:, (np.abs(r).max(0) < _CLOSED * size**2) & (size < _FAR)]
         return _apart(u, turning[:, 0])
 
@@ -122,13 +123,17 @@ class AssemblyModes:
     def _roots(self, given: Sequence[float], known: tuple[float, ...], number: int) -> Reals:
         """Of a triad's polynomial."""
 
-        def evaluate(u: Reals) -> Any:
-            later = np.zeros((self._count - len(known) - 2, u.shape[1]))
+        kinds = self._kinds(number)
+        turning = np.array([kind == "R" for kind in kinds[0]])[:, None]
+
+        def evaluate(moved: Reals) -> Any:
+            u, later = np.where(turning, moved, unslid(moved)), np.zeros((self._count - len(known) - 2, moved.shape[1]))
             entries = np.array([np.broadcast_to(entry, u.shape[1:]) for entry in self._shapes[number](*given, *known, *u, *later)])
             return entries[::2] + 1j * entries[1::2]
 
         with np.errstate(all="ignore"):
-            return roots(self._kinds(number), evaluate)
+            found = roots(kinds, evaluate)
+        return np.where(turning, found, unslid(found))
 
     def _evaluated(self, given: Sequence[float], known: tuple[float, ...], u: Reals, number: int) -> tuple[Reals, Reals]:
         """Residuals [2, n] and slopes [2, 2, n] of one triad."""

@@ -17,14 +17,14 @@ from walkgen.symbolic.triads import OF_STRUT
 Complex = NDArray[np.complex128]
 Reals = NDArray[np.float64]
 Evaluate = Callable[[Reals], Complex]
-"""The entries of a triad's shape as complex numbers [entries, n], for unknowns [2, n]."""
+"""The entries of a triad's shape as complex numbers [entries, n], for angles or ways in sizes of its first strut's pairs [2, n]."""
 _SAMPLES, _HARMONICS = 32, 6
 _ON_CIRCLE, _NOTHING = 1e-3, 1e-13
 _SOMEWHERE = np.array([[0.3], [0.4]])
 
 
 def roots(kinds: Sequence[str], evaluate: Evaluate) -> Reals:
-    """Unknowns [2, n] of every way in which the triad closes, to be polished.
+    """Angles or ways in sizes of the first strut's pairs [2, n] in every way in which the triad closes, to be polished.
 
     Args:
         kinds: of every strut's pairs, `RR`, `RP`, `PR` or `PP`, the first pair that of the first end.
@@ -125,7 +125,7 @@ def _known_turn(asked: Sequence[_Asked]) -> Complex:
 
 
 def _driven(kinds: str, evaluate: Evaluate, turns: Complex, at: Complex) -> Reals:
-    """Unknowns that put the second end at turns from where it is somewhere, its origin at `at`."""
+    """Angles or ways that put the second end at turns from where it is somewhere, its origin at `at`."""
 
     def end(first: ArrayLike, second: ArrayLike) -> Complex:
         return _seen(evaluate(_SOMEWHERE + np.broadcast_arrays(first, second, turns.real)[:2]))[:2]
@@ -145,5 +145,5 @@ def _driven(kinds: str, evaluate: Evaluate, turns: Complex, at: Complex) -> Real
         rotated = [senses[turning] * turn if place == turning else 0 * turn for place in range(2)]
         start, further = end(*rotated)[0], end(*(rotated[place] + (place != turning) for place in range(2)))[0]
         found = [rotated[place] if place == turning else np.real((at - start) / (further - start)) for place in range(2)]
-    unknowns: Reals = _SOMEWHERE + np.array(found)
-    return unknowns
+    moved: Reals = _SOMEWHERE + np.array(found)
+    return moved

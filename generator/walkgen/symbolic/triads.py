@@ -1,6 +1,6 @@
 """Places a triad: one strut by two unknown values of its pairs, the other two by what they join, which leaves a residual each.
 
-The unknowns are the angle of a pin (rad) or the way of a slider in units of the linkage's size. Residuals are how far a strut is from
+The unknowns are the angle of a pin (rad) or what a slider's way in units of the linkage's size is `slid` of. Residuals are how far a strut is from
 reaching from end to end, in the same unit, or the tangent of half the angle by which one of two sliders is out of line. Their slopes by the
 unknowns are singular where the triad itself is, and nowhere else, since any motion of one end seen from the other that the first strut
 allows is one of its pairs'.
@@ -8,6 +8,7 @@ allows is one of its pairs'.
 
 import sympy
 
+from walkgen.model.sliding import slid
 from walkgen.spec.assur import Drive, Strut, Triad
 from walkgen.symbolic.clusters import Clusters
 from walkgen.symbolic.planar import Planar, difference, inner, named, outer, square, stretched
@@ -72,7 +73,7 @@ def _driven(clusters: Clusters, pair: int, bodies: tuple[int, int], unknown: sym
     """A pair of the first strut as a drive of an unknown value."""
     if clusters.kind(pair) == "P":
         runner, guide = clusters.linkage.structure.pairs[pair].bodies
-        return Drive(pair, guide, runner), clusters.size * unknown
+        return Drive(pair, guide, runner), clusters.size * slid(unknown)
     base, moved = (clusters.within(pair, clusters.cluster[body]) for body in bodies)
     return Drive(pair, base, moved), unknown
 
