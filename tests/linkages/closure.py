@@ -149,6 +149,13 @@ def _outer(a, b):
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
+def apart(one, other):
+    """The largest difference, turns taken off."""
+    away = one - other
+    away[..., 2::3] = np.angle(np.exp(1j * away[..., 2::3]))
+    return np.abs(away).max(-1)
+
+
 def newton(closure, x, strength):
     """From one start a set: least squares damped by the residual, then Newton; poses and whether they close."""
     for _ in range(DAMPED):

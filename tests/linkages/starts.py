@@ -4,7 +4,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from linkages.closure import Closure, newton
+from linkages.closure import Closure, apart, newton
 from linkages.placed import code_of
 from linkages.topologies import TRIADS, spec
 from walkgen.model.assemble import assemble
@@ -59,13 +59,6 @@ def by_numbers(text, sides, dimensions, drives, random, starts):
         if all(apart(pose, other) > 1e-6 for other in kept):
             kept.append(pose)
     return np.array(kept).reshape(-1, closure.size)
-
-
-def apart(one, other):
-    """The largest difference, turns taken off."""
-    away = one - other
-    away[..., 2::3] = np.angle(np.exp(1j * away[..., 2::3]))
-    return np.abs(away).max(-1)
 
 
 def _stride(one, other):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from linkages.by_scipy import Plane
-from linkages.closure import Closure
+from linkages.closure import Closure, apart
 from linkages.placed import as_unknowns
-from linkages.starts import Drawn, apart, moved
+from linkages.starts import Drawn, moved
 from linkages.topologies import TRIADS, spec
 
 FUNCTIONS = ("foot_position", "assembly_status")

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from linkages.closure import Closure
+from linkages.closure import Closure, apart
 from linkages.newton_euler import Bodies, Motion
 from linkages.placed import as_unknowns
-from linkages.starts import Drawn, apart, by_numbers, moved
+from linkages.starts import Drawn, by_numbers, moved
 from linkages.topologies import TRIADS, spec
 
 FUNCTIONS = (

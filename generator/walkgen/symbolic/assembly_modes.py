@@ -122,7 +122,6 @@ class AssemblyModes:
 
     def _roots(self, given: Sequence[float], known: tuple[float, ...], number: int) -> Reals:
         """Of a triad's polynomial."""
-
         kinds = self._kinds(number)
         turning = np.array([kind == "R" for kind in kinds[0]])[:, None]
 
