@@ -36,21 +36,25 @@ DISTANCE_DOC = (
 _SOURCE = "theory 2.3: dyads in closed form, run backwards"
 _STATUS = Port("status", kind="integer")
 
-_ONE = sympy.S.One
+_ZERO, _ONE = sympy.S.Zero, sympy.S.One
 
 Exprs = Sequence[sympy.Expr]
 
 
 @dataclass(frozen=True)
 class Plane:
-    """A solution for the joint before the linkage or after it: its q, the target in the plane, how far it is from having one, whether any q
-    will do; of a joint after it also which point of the linkage's last link is to be at the target.
+    """A solution for the joint before the linkage or after it: its q and the target in the plane.
+
+    `beside` is the square of how far the target is from the plane where no turn changes that, `margin` how far a turn is from where its two
+    ways are one, below 0 beyond; `free` says whether any q will do as well. Of a joint after the linkage `held` is which point of its last
+    link is to be at the target.
     """
 
     q: tuple[sympy.Expr, ...]
     target: Planar
-    misses: sympy.Expr
-    free: sympy.Expr
+    beside: sympy.Expr = _ZERO
+    margin: sympy.Expr = _ONE
+    free: sympy.Basic = sympy.false
     after: tuple[sympy.Expr, ...] = ()
     held: Planar | None = None
 
@@ -188,7 +192,7 @@ class LinkageRows:
             x, y, z = self._local(mount * plane, self._p)
             if self._leg.distal:
                 return self._hung(self._tape.vector("seen", (x, y, z)), turn)
-            return Plane((), (x, y), self._tape.let("off_plane", z**2), sympy.false)
+            return Plane((), (x, y), beside=self._tape.let("off_plane", z**2))
         joint = self._leg.serial[0]
         base = mount * frame_of(joint.before, self._parameters)
         hung = frame_of(joint.after, self._parameters) * plane
@@ -203,21 +207,21 @@ class LinkageRows:
         zero = expression(joint.zero, self._parameters)
         if joint.kind == "prismatic":
             way = tape.let("hung_way", (seen[2] - stand.origin[2] - nx * x - ny * y - nz * z) / nz)
-            misses, value, swung = sympy.S.Zero, joint.sign * (way - zero), (x, y, z + way)
+            margin, value, swung = _ONE, joint.sign * (way - zero), (x, y, z + way)
         else:
             a, b = tape.let("hung_a", nx * x + ny * y), tape.let("hung_b", ny * x - nx * y)
             c = tape.let("hung_c", seen[2] - stand.origin[2] - nz * z)
-            _, inside, (cosine, sine) = self._crossing("hung", (a, b, c), sign)
+            size, inside, (cosine, sine) = self._crossing("hung", (a, b, c), sign)
             turn = tape.let("hung_turn", Angle(sine, cosine))
             cos, sin = tape.let("hung_cosine", sympy.cos(turn)), tape.let("hung_sine", sympy.sin(turn))
-            misses, swung = tape.let("hung_misses", Select(less(inside, 0), -inside, 0)), (cos * x - sin * y, sin * x + cos * y, z)
+            margin, swung = tape.let("hung_margin", inside / size), (cos * x - sin * y, sin * x + cos * y, z)
             value = joint.sign * (turn - zero)
             if joint.zero != ZERO:
                 value = Angle(sympy.sin(value), sympy.cos(value))
         held = plus(stand.origin, times(stand.rotation, tape.vector("swung", swung)))
         end = [expression(entry, self._parameters) for entry in self._linkage.foot[1]]
         point = (tape.let("held_x", end[0] + held[0]), tape.let("held_y", end[1] + held[1]))
-        return Plane((), (seen[0], seen[1]), misses, sympy.false, (tape.let("hung", value),), point)
+        return Plane((), (seen[0], seen[1]), margin=margin, after=(tape.let("hung", value),), held=point)
 
     def _crossing(self, name: str, factors: Exprs, sign: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr, Planar]:
         """Where A cos t + B sin t = C: A^2 + B^2, that less C^2 (negative where there is no t), cosine and sine of t."""
@@ -254,8 +258,9 @@ class LinkageRows:
         value = joint.sign * (turn - expression(joint.zero, self._parameters))
         if joint.zero != ZERO:
             value = Angle(sympy.sin(value), sympy.cos(value))
-        misses = tape.let("plane_misses", Select(free, 0, Select(less(inside, 0), -inside, 0)))
-        return Plane((tape.let("turn", value),), (tape.let("target_x", x), tape.let("target_y", y)), misses, free)
+        beside = tape.let("plane_beside", Select(free, c**2, 0))
+        margin = tape.let("plane_margin", Select(free, 1, inside / tape.let("plane_divisor", Select(free, 1, size))))
+        return Plane((tape.let("turn", value),), (tape.let("target_x", x), tape.let("target_y", y)), beside, margin, free)
 
     def _row(
         self, plane: Plane, signs: dict[str, sympy.Expr], second: sympy.Basic, arrival: Arrival | None = None
@@ -287,10 +292,11 @@ class LinkageRows:
             else:
                 repeated = both(less(signs[margin.group.name], 0), less(margin.value, _TOLERANCE**2))
                 status = Select(repeated, DUPLICATE, status)
+        status = Select(both(second, less(plane.margin, _TOLERANCE**2)), DUPLICATE, status)
         status = Select(plane.free, chosen(second, DUPLICATE, SINGULAR), status)
-        for margin in placing.margins:
-            status = Select(less(margin.value, -_TOLERANCE), UNREACHABLE, status)
-        status = Select(less(_TOLERANCE**2, plane.misses), UNREACHABLE, status)
+        for value in (plane.margin, *(margin.value for margin in placing.margins)):
+            status = Select(less(value, -_TOLERANCE), UNREACHABLE, status)
+        status = Select(less(_TOLERANCE**2, plane.beside), UNREACHABLE, status)
         if arrival:
             short = Select(Same(arrival.state, NO_CONVERGENCE), NO_CONVERGENCE, UNREACHABLE)
             status = Select(Same(arrival.state, OK), status, short)
