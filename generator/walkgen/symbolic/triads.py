@@ -1,9 +1,9 @@
 """Places a triad: one strut by two unknown values of its pairs, the other two by what they join, which leaves a residual each.
 
 The unknowns are the angle of a pin (rad) or what a slider's way in units of the linkage's size is `slid` of. Residuals are how far a
-strut is from reaching from end to end, in the same unit, or the tangent of half the angle by which one of two sliders is out of line. Their
-slopes by the unknowns are singular where the triad itself is, and nowhere else, since any motion of one end seen from the other that the first strut
-allows is one of its pairs'.
+strut is from reaching from end to end, in the same unit, or the tangent of half the angle by which one of two sliders is out of line.
+Their slopes by the unknowns are singular where the triad itself is, and nowhere else, since any motion of one end seen from the other that
+the first strut allows is one of its pairs'.
 """
 
 import sympy
