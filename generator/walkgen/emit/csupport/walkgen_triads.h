@@ -4,8 +4,9 @@
  * their values, z0 + s (z - z0) with s from 0 to 1, and u with them: the first try is the whole way in one step. A step is taken where
  * Newton's method converges at once (its first correction is short, each is at most half of the one before), where the determinant of
  * dr/du, which changes its sign at a dead point, stays near what it was, and where one correction leads about there and one back, as they do not
- * between assemblies on both sides of a dead point; else it is cut to a quarter. The guess after the first step is the secant's. So the result is
- * the assembly that the linkage moves to from the start without passing a dead point, or none.
+ * between assemblies on both sides of a dead point; and where it is much the same halfway, as it is not where the linkage comes to a dead point and
+ * back. Else it is cut to a quarter. The guess after the first step is the secant's. So the result is the assembly that the linkage moves to from
+ * the start without passing a dead point, or none.
  */
 #include "walkgen_math.h"
 #include "walkgen_status.h"
@@ -125,15 +126,37 @@ static inline int WG_NAME(wg_triads_newton)(const struct WG_NAME(wg_triads_way) 
     return 0;
 }
 
+/* Whether a determinant is near another. */
+static inline int WG_NAME(wg_triads_alike)(WG_REAL determinant, WG_REAL other) {
+    const WG_REAL ratio = determinant / other;
+    return ratio >= WG_C(0.4) && ratio <= WG_C(2.5);
+}
+
 /* Whether a correction of unknowns at a part of the way leads to others: it leaves at most half of the change. */
 static inline int WG_NAME(wg_triads_leads)(const struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, const WG_REAL *from, const WG_REAL *to,
-                                           WG_REAL change) {
+                                           WG_REAL change, WG_REAL *determinant) {
     WG_REAL correction[WG_MOST_UNKNOWNS];
-    int i, leads = WG_ABS(WG_NAME(wg_triads_correction)(linkage, part, from, correction)) > WG_C(0.0);
+    int i, leads;
+    *determinant = WG_NAME(wg_triads_correction)(linkage, part, from, correction);
+    leads = WG_ABS(*determinant) > WG_C(0.0);
     for (i = 0; i < linkage->unknowns; ++i) {
         leads = leads && WG_ABS(from[i] - correction[i] - to[i]) <= WG_C(0.5) * change + WG_ROUGH;
     }
     return leads;
+}
+
+/* Whether the linkage gets from part to part, where its unknowns are u, which change so much. */
+static inline int WG_NAME(wg_triads_passes)(const struct WG_NAME(wg_triads_way) * linkage, WG_REAL part, WG_REAL next, const WG_REAL *u,
+                                            WG_REAL determinant, WG_REAL change) {
+    WG_REAL middle[WG_MOST_UNKNOWNS], between;
+    int i;
+    for (i = 0; i < linkage->unknowns; ++i) {
+        middle[i] = linkage->u[i] + WG_C(0.5) * (u[i] - linkage->u[i]);
+    }
+    return WG_NAME(wg_triads_leads)(linkage, part, u, linkage->u, change, &between) &&
+           WG_NAME(wg_triads_leads)(linkage, next, linkage->u, u, change, &between) &&
+           WG_NAME(wg_triads_leads)(linkage, part + WG_C(0.5) * (next - part), middle, middle, change, &between) &&
+           WG_NAME(wg_triads_alike)(between, linkage->determinant) && WG_NAME(wg_triads_alike)(between, determinant);
 }
 
 /* One step from part to part, whose guess changes u by `slope` per part; 1 where it is taken. */
@@ -149,19 +172,15 @@ static inline int WG_NAME(wg_triads_step)(struct WG_NAME(wg_triads_way) * linkag
     for (i = 0; i < linkage->unknowns; ++i) {
         change = WG_MAX(WG_ABS(u[i] - linkage->u[i]), change);
     }
-    determinant /= linkage->determinant;
-    if (!(change <= WG_C(0.5) && determinant >= WG_C(0.4) && determinant <= WG_C(2.5))) {
-        return 0;
-    }
-    if (!WG_NAME(wg_triads_leads)(linkage, linkage->part, u, linkage->u, change) ||
-        !WG_NAME(wg_triads_leads)(linkage, next, linkage->u, u, change)) {
+    if (!(change <= WG_C(0.5)) || !WG_NAME(wg_triads_alike)(determinant, linkage->determinant) ||
+        !WG_NAME(wg_triads_passes)(linkage, part, next, u, determinant, change)) {
         return 0;
     }
     for (i = 0; i < linkage->unknowns; ++i) {
         slope[i] = (u[i] - linkage->u[i]) / (next - part);
         linkage->u[i] = u[i];
     }
-    linkage->determinant *= determinant;
+    linkage->determinant = determinant;
     return 1;
 }
 

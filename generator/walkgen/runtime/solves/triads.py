@@ -112,22 +112,30 @@ class _Move:
         """One step of some rows; those that take it are moved."""
         guess = self.u[rows] + (further - part)[:, None] * self._slope[rows]
         tried = self._newton(rows, further, np.where(further < 1.0, _ROUGH, _FINE), guess)
-        ratio = tried.determinant / self._determinant[rows]
         change = tried.u - self.u[rows]
-        most = np.abs(change).max(-1)
-        taken: Truths = tried.taken & (most <= 0.5) & (ratio >= 0.4) & (ratio <= 2.5)
-        taken &= self._leads(rows, part, tried.u, self.u[rows], most) & self._leads(rows, further, self.u[rows], tried.u, most)
+        taken: Truths = tried.taken & (np.abs(change).max(-1) <= 0.5) & _alike(tried.determinant, self._determinant[rows])
+        taken &= self._passes(rows, part, further, tried)
         moved = rows[taken]
         self._slope[moved] = (change / (further - part)[:, None])[taken]
         self.u[moved], self._determinant[moved] = tried.u[taken], tried.determinant[taken]
         return taken
 
-    def _leads(self, rows: NDArray[np.intp], part: Reals, start: Reals, end: Reals, change: Reals) -> Truths:
-        """Whether a correction of unknowns at a part of the way leads to others: it leaves at most half of the change."""
+    def _passes(self, rows: NDArray[np.intp], part: Reals, further: Reals, tried: _Tried) -> Truths:
+        """Whether the linkage gets from part to part: one correction leads there, one back, and halfway it is much the same."""
+        start, end = self.u[rows], tried.u
+        change, middle = np.abs(end - start).max(-1), start + 0.5 * (end - start)
+        back, _ = self._leads(rows, part, end, start, change)
+        on, _ = self._leads(rows, further, start, end, change)
+        stays, between = self._leads(rows, part + 0.5 * (further - part), middle, middle, change)
+        passes: Truths = back & on & stays & _alike(between, self._determinant[rows]) & _alike(between, tried.determinant)
+        return passes
+
+    def _leads(self, rows: NDArray[np.intp], part: Reals, start: Reals, end: Reals, change: Reals) -> tuple[Truths, Reals]:
+        """Whether a correction of unknowns at a part of the way leads to others: it leaves at most half of the change. The determinant."""
         correction, determinant = self._correction(np.concatenate([self.way(part, rows), start], -1))
         left = np.abs(start - correction - end).max(-1)
         leads: Truths = (np.abs(determinant) > 0.0) & (left <= 0.5 * change + _ROUGH)
-        return leads
+        return leads, determinant
 
     def _newton(self, rows: NDArray[np.intp], part: Reals, close: Reals, guess: Reals) -> _Tried:
         """Newton's method at a part of the way: each correction at most half of the one before, the first at most a quarter."""
@@ -156,3 +164,10 @@ class _Move:
         slopes = np.where(regular[:, None, None], slopes, np.eye(count))
         step = np.linalg.solve(slopes, r[..., None])[..., 0]
         return np.where(regular[:, None], step, np.nan), np.where(regular, determinant, 0.0)
+
+
+def _alike(determinant: Reals, other: Reals) -> Truths:
+    """Whether determinants are near others."""
+    ratio = determinant / other
+    alike: Truths = (ratio >= 0.4) & (ratio <= 2.5)
+    return alike
