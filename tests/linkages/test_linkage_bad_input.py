@@ -73,7 +73,7 @@ BAD = {
         "yaw",
     ),
     "signs of some joints": ("WG125", f"{FOOT}|{FIRST}", f"{HUNG}\nsigns = [1]|{AFTER + FIRST}", "2 joints"),
-    "a spring beyond": ("WG201", f"{FOOT}|{FIRST}", f"{HUNG}|{AFTER + SPRING + FIRST}", "follows the linkage"),
+    "a spring on no joint": ("WG201", f"{FOOT}|{FIRST}", f"{HUNG}|{AFTER + SPRING.replace('ankle', 'ankel') + FIRST}", "ankle"),
     "branches behind it": (
         "WG127",
         f"{FOOT}|{FIRST}",

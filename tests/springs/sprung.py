@@ -27,7 +27,9 @@ def _pose(table):
 
 
 class Sprung:
-    """The springs of a spec's first leg design with classic DH rows; `links` [n, 3] are x, y and angle of its linkage's links."""
+    """The springs of a spec's first leg design with classic DH rows, also after its linkage; `links` [n, 3] are x, y and angle of the
+    linkage's links.
+    """
 
     def __init__(self, text):
         tables = tomllib.loads(text)
@@ -38,29 +40,49 @@ class Sprung:
 
     def frames(self, q):
         """The mount, then the frame that moves with each joint."""
-        found = [self.mount]
-        for row, value in zip(self.design.get("joints", ()), q, strict=False):
+        return self._series(self.mount, self.design.get("joints", ()), q)
+
+    def _series(self, start, rows, q):
+        found = [start]
+        for row, value in zip(rows, q, strict=False):
             theta, d = np.deg2rad(row.get("theta_deg", 0)), row["d"]
             theta, d = (theta + value, d) if row["type"] == "revolute" else (theta, d + value)
             own = _turn(2, theta) @ _shift(0, 0, d) @ _shift(row["a"], 0, 0) @ _turn(0, np.deg2rad(row["alpha_deg"]))
             found.append(found[-1] @ own)
         return found
 
+    def _after(self, frames, q, links):
+        """What moves with each joint after the linkage."""
+        rows = self.design.get("joints_after", ())
+        if not rows:
+            return []
+        end = self.design["linkage_end"]
+        link, _, point = end["point"].partition(".")
+        x, y, angle = links[self.names.index(link) - 1]
+        at = _shift(x, y, 0) @ _turn(2, angle) @ _shift(*self.design["links"][link]["points"][point], 0)
+        return self._series(frames[-1] @ self.plane @ at @ _pose(end), rows, q[len(q) - len(rows) :])[1:]
+
+    @property
+    def plane(self):
+        """Of the linkage, in the frame of the last joint before it."""
+        return _pose(self.design.get("plane", {}))
+
     def ends(self, q, links=()):
         """Where every spring's ends are [springs, 2, 3]."""
         frames = self.frames(q)
-        return np.array([[self._end(end, frames, links) for end in spring["between"]] for spring in self.design["springs"]])
+        after = self._after(frames, q, links)
+        return np.array([[self._end(end, frames, after, links) for end in spring["between"]] for spring in self.design["springs"]])
 
-    def _end(self, end, frames, links):
+    def _end(self, end, frames, after, links):
         if not isinstance(end, str):
-            names = ["mount", *(row["name"] for row in self.design["joints"])]
-            return (frames[names.index(end["link"])] @ [*end["xyz"], 1])[:3]
+            names = ["mount", *(row["name"] for key in ("joints", "joints_after") for row in self.design.get(key, ()))]
+            return ([*frames, *after][names.index(end["link"])] @ [*end["xyz"], 1])[:3]
         link, _, point = end.partition(".")
         x, y = self.design["links"][link]["points"][point]
         if link != "frame":
             at_x, at_y, angle = links[self.names.index(link) - 1]
             x, y = at_x + x * np.cos(angle) - y * np.sin(angle), at_y + x * np.sin(angle) + y * np.cos(angle)
-        return (frames[-1] @ _pose(self.design.get("plane", {})) @ [x, y, 0, 1])[:3]
+        return (frames[-1] @ self.plane @ [x, y, 0, 1])[:3]
 
     def lengths(self, q, links=()):
         ends = self.ends(q, links)

@@ -160,3 +160,84 @@ def test_between_mount_joints_and_links(tmp_path):
         stored = rate_along(lambda at: value(programs["spring_energy"], at, context=EXACT), q, exact(unit))
         assert abs(held[joint] - slope) < 1e-25 * max(abs(held))
         assert max(abs(moments[:, joint] + stored)) < 1e-25 * max(abs(held))
+
+
+AFTER = """
+[[leg_designs.hydraulic.joints_after]]
+name = "ankle"
+type = "revolute"
+a = 0.06
+alpha_deg = 50
+d = 0.01
+link = { mass = 0.7, com = [0.02, 0.01, -0.03], inertia = [0.002, 0.003, 0.0025, 0.0001, 0.0002, -0.0001] }
+[[leg_designs.hydraulic.joints_after]]
+name = "toe"
+type = "prismatic"
+a = 0.02
+alpha_deg = -30
+d = 0.1
+link = { mass = 0.4, com = [0.0, 0.01, -0.02], inertia = [0.001, 0.002, 0.0015, 0, 0, 0] }
+"""
+HANGING = [
+    ('{ link = "mount", xyz = [0.05, 0.1, 0.2] }', '{ link = "toe", xyz = [0.01, 0.02, -0.05] }'),
+    ('{ link = "ankle", xyz = [0.0, 0.05, 0.03] }', '{ link = "yaw", xyz = [-0.1, 0.02, 0.3] }'),
+    ('"thigh.G"', '{ link = "ankle", xyz = [0.02, 0.01, 0.04] }'),
+    ('"shank.L"', '{ link = "toe", xyz = [0.0, 0.03, 0.0] }'),
+    ('{ link = "toe", xyz = [0.03, 0.0, 0.01] }', '"frame.E"'),
+    ('{ link = "toe", xyz = [0.03, 0.0, 0.01] }', '{ link = "ankle", xyz = [-0.2, 0.1, 0.1] }'),
+]
+"""Before and after the linkage, its links and its frame; both after it."""
+
+
+def hanging():
+    text = (SPECS / "hydraulic_leg.toml").read_text(encoding="utf-8")
+    coils = [
+        f'[[leg_designs.hydraulic.springs]]\nname = "s{number}"\nbetween = [{first}, {second}]\nstiffness = {900 + 100 * number}\n'
+        f"free_length = 0.01\ninitial_tension = {10 * number}\nmasses = {{ at_first = 0.{number}, at_second = 0.2 }}\n"
+        for number, (first, second) in enumerate(HANGING)
+    ]
+    end = 'foot = { xyz = [0.01, 0.02, -0.15] }\nlinkage_end = { point = "shank.P", xyz = [0.01, -0.02, 0.03], rpy_deg = [20, 70, 0] }'
+    assert 'foot = "shank.P"' in text
+    return text.replace('foot = "shank.P"', end) + AFTER + "".join(coils)
+
+
+def test_beyond_the_linkage(tmp_path):
+    """Lengths beside the spec's own tables, efforts beside slopes of the potential."""
+    text, q = hanging(), np.array([*Q, 0.3, 0.05])
+    names = ("spring_length", "spring_energy", "spring_moment", "potential_energy", "gravity_torque")
+    programs, oracle = leg_programs(written(tmp_path, text), names=names), Sprung(text)
+    poses = code_of(text, ("foot_position",), tmp_path)["front_left_poses"](q)
+    links = [(x, y, np.arctan2(sine, cosine)) for x, y, cosine, sine in poses[1:]]
+    assert value(programs["spring_length"], q) == pytest.approx(oracle.lengths(q, links).real, rel=1e-12)
+    assert value(programs["spring_energy"], q) == pytest.approx(oracle.energies(q, links).real, rel=1e-12)
+    at = exact(q)
+    held, moments = (value(programs[name], at, context=EXACT) for name in ("gravity_torque", "spring_moment"))
+    for joint, unit in enumerate(np.eye(5)):
+        slopes = [
+            rate_along(lambda p, name=name: value(programs[name], p, context=EXACT), at, exact(unit))
+            for name in ("potential_energy", "spring_energy")
+        ]
+        assert abs(held[joint] - slopes[0]) < 1e-25 * max(abs(held))
+        assert max(abs(moments[:, joint] + slopes[1])) < 1e-25 * max(abs(held))
+    light = re.sub(r"\nmasses = \{ at_first = 0\.\d, at_second = 0\.2 \}", "", text)
+    weightless = leg_programs(written(tmp_path, light), names=("potential_energy",))["potential_energy"]
+    ends, masses = oracle.ends(q, links).real, oracle.masses()
+    moving = np.array([[end != HANGING[0][0] for end in pair] for pair in HANGING])
+    lift = -((masses * moving)[..., None] * ends * oracle.gravity).sum()
+    assert value(programs["potential_energy"], q) - value(weightless, q) == pytest.approx(lift, rel=1e-10)
+
+
+def test_what_the_frame_holds_of_springs_beyond(tmp_path):
+    """Without gravity, at rest: its pairs give the linkage's frame what springs from there inwards pull the linkage with."""
+    text, q, still = re.sub(r"gravity = .*", "gravity = [0, 0, 0]", hanging()), np.array([*Q, 0.3, 0.05]), np.zeros(5)
+    code, oracle = code_of(text, ("joint_reactions", "foot_position"), tmp_path), Sprung(text)
+    links = [(x, y, np.arctan2(sine, cosine)) for x, y, cosine, sine in code["front_left_poses"](q)[1:]]
+    rows = re.search(r"Rows: (.*?)\.\s", " ".join(code["front_left_joint_reactions"].__doc__.split()))[1].split(", ")
+    given = code["front_left_joint_reactions"](q, still, still, np.zeros(3))
+    ends, tensions = oracle.ends(q, links).real, oracle.tensions(q, links).real
+    pulls = tensions[:, None] * (ends[:, 0] - ends[:, 1]) / oracle.lengths(q, links).real[:, None]  # on the second end
+    total = pulls[0] - pulls[1] - pulls[4]
+    axes = (oracle.frames(q)[-1] @ oracle.plane).real[:3, :2]
+    on_frame = [place for place, row in enumerate(rows) if row.endswith(" on frame")]
+    assert len(on_frame) > 1
+    assert given[on_frame, :2].sum(0) == pytest.approx(axes.T @ total, rel=1e-10)

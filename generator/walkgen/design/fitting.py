@@ -52,7 +52,7 @@ def _flat(lengths: Reals, slopes: Reals) -> Values:
 
 def _sides(balance: BalanceSpec, leg: Limb, values: SpecValues) -> Iterator[Scalar]:
     """Of every end on a link with a box, how far it is from each side of it (m)."""
-    serial = (MOUNT, *(joint.name for joint in leg.serial))
+    serial = (MOUNT, *(joint.name for joint in (*leg.serial, *leg.distal)))
     planar = leg.linkage.structure.names if leg.linkage else ()
     for spring in leg.springs:
         for end in spring.ends:

@@ -42,7 +42,7 @@ def leg_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values) -> 
 
 
 def weighted(joints: Sequence[Joint], springs: Sequence[Spring]) -> tuple[Joint, ...]:
-    """Joints in series, with what springs weigh at their ends as part of what the joints move."""
+    """All joints of a design's rows, with what springs weigh at their ends as part of what the joints move."""
     return tuple(
         replace(joint, body=with_lumps(joint.body, tuple(lumps(springs, number, planar=False)))) for number, joint in enumerate(joints, 1)
     )

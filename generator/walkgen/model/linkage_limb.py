@@ -19,8 +19,8 @@ def linkage_limb(leg: LegSpec, design: LegDesign, platform: int, values: Values)
     """A design with a linkage, mounted as one leg."""
     springs = springs_of(design, values)
     linkage = linkage_of(design, values, springs)
-    joints = joints_of(leg, design, values)
-    before, after = weighted(joints[: len(design.joints)], springs), _hung(joints[len(design.joints) :], design, values)
+    joints = weighted(joints_of(leg, design, values), springs)
+    before, after = joints[: len(design.joints)], _hung(joints[len(design.joints) :], design, values)
     mount, plane = pose_transform(leg.mount, values), pose_transform(design.plane, values)
     sole = sole_of(leg.sole or design.sole, values)
     return Limb(

@@ -16,7 +16,8 @@ class End:
     """Where a spring is hooked on.
 
     Attributes:
-        link: of a `planar` end a body of the linkage, of others 0 the mount, i the frame that moves with the leg's joint i - 1.
+        link: of a `planar` end a body of the linkage, of others 0 the mount, i the frame that moves with the joint i - 1 of those before
+            the linkage, then those after it.
         at: the point in that frame, of a planar end in the link's axes with z = 0 (m).
         planar: whether the link is one of the linkage.
         mass: what the spring weighs there (kg).
@@ -68,7 +69,7 @@ def _end(design: LegDesign, end: SpringEnd, mass: Scalar, values: Values) -> End
     if isinstance(end, str):
         body, point = located(design, end)
         return End(body, (*values.point(point), ZERO), True, mass)
-    frames = (MOUNT, *(joint.name for joint in design.joints))
+    frames = (MOUNT, *(joint.name for joint in design.rows))
     return End(frames.index(end.link), values.vector(end.si("xyz")), False, mass)
 
 

@@ -44,7 +44,7 @@ def _leg(path: Path, balance: BalanceSpec, design: LegDesign, numbers: Numbers) 
         yield from _apart(path, joint, balance, numbers)
     if not design.springs and balance.device not in CAMS:
         yield Finding("WG212", (*path, "leg"), "the leg has no springs", "describe them: [[leg_designs.NAME.springs]]")
-    known = (MOUNT, *(row.name for row in design.joints), *design.links)
+    known = (MOUNT, *(row.name for row in design.rows), *design.links)
     for link in balance.boxes:
         if link not in known:
             yield Finding("WG201", (*path, "boxes", link), f'there is no link "{shown(link)}"', did_you_mean(link, known, "links"))

@@ -40,12 +40,7 @@ def _end(path: Path, end: SpringEnd, design: LegDesign) -> Iterator[Finding]:
         else:
             cure = f'write {{ link = "{_last(design)}", xyz = [0.1, 0.0, 0.0] }}'
             yield Finding("WG201", path, f'"{shown(end)}": the leg has no linkage with named points', cure)
-    elif end.link not in (MOUNT, *(joint.name for joint in design.joints)):
-        known = (MOUNT, *(joint.name for joint in design.joints))
-        if end.link in [joint.name for joint in design.joints_after]:
-            message = f'"{shown(end.link)}" follows the linkage, where springs are not supported'
-            yield Finding("WG201", (*path, "link"), message, f"hook the spring on one of {', '.join(known)}, or on a point of the linkage")
-            return
+    elif end.link not in (known := (MOUNT, *(joint.name for joint in design.rows))):
         yield Finding("WG201", (*path, "link"), f'no joint "{shown(end.link)}" moves a link', did_you_mean(end.link, known, "links"))
 
 

@@ -24,7 +24,7 @@ from walkgen.symbolic.planar_motion import Coordinate, PlanarMotion
 from walkgen.symbolic.robot import joint_indices
 from walkgen.symbolic.rubbing import rubbing_of
 from walkgen.symbolic.spread import Spread
-from walkgen.symbolic.springs import Place, Springs
+from walkgen.symbolic.springs import END, Place, Springs
 from walkgen.symbolic.tape import Tape
 from walkgen.symbolic.tree import BASE, Attachment, Foot, Growth, Tree
 
@@ -105,7 +105,7 @@ def grow_leg(
         drives, distal = indices[first : len(indices) - leg.beyond], indices[len(indices) - leg.beyond :]
         parts = _whole_parts(leg.linkage) if whole else _parts(leg.linkage)
         placing = forward_placing(leg, [q[index] for index in drives], growth.parameters, growth.tape)
-        springs = replace(springs, placing=placing, places=_places(parts, len(spread.values)))
+        springs = replace(springs, placing=placing, places=_places(parts, len(spread.values), leg.linkage))
         place = _grow_linkage(growth, spread, leg, place, q, drives, prefix, parts, placing)
         *_, place = (place, *_grow_joints(growth, spread, leg.distal, place, q, distal, prefix))
         place = Attachment(place.link, place.frame * frame_of(leg.foot, growth.parameters))
@@ -138,10 +138,10 @@ def _whole_parts(linkage: Linkage) -> list[Part]:
     return [Part(body, (ZERO, ZERO), None, _plate(mass) if mass else None) for body, mass in enumerate(linkage.masses) if body]
 
 
-def _places(parts: Sequence[Part], start: int) -> dict[int, Place]:
-    """Where the coordinates of the parts are, the first one's from `start` on."""
-    size = len(planar_joints())
-    return {part.body: Place(start + size * number, (*part.point, ZERO)) for number, part in enumerate(parts)}
+def _places(parts: Sequence[Part], start: int, linkage: Linkage) -> dict[int, Place]:
+    """Where the coordinates of the parts are, the first one's from `start` on, and last those of the linkage's end."""
+    size, followed = len(planar_joints()), [*((part.body, part.point) for part in parts), (END, linkage.foot[1])]
+    return {body: Place(start + size * number, (*point, ZERO)) for number, (body, point) in enumerate(followed)}
 
 
 def _grow_linkage(

@@ -16,15 +16,19 @@ from walkgen.model.springs import Coil, End, Spring
 from walkgen.model.transform import X, Y, Z, translation
 from walkgen.spec.scalar import ZERO, Vector, sub
 from walkgen.symbolic.driven import planar_joints
-from walkgen.symbolic.frames import Parameters, expression
+from walkgen.symbolic.frames import Parameters, expression, frame_of
 from walkgen.symbolic.path import Kinematics, path_of
 from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import difference, named, outer
-from walkgen.symbolic.tape import Tape, dot, minus
+from walkgen.symbolic.tape import Tape, Vec, dot, minus
 
 Exprs = Sequence[sympy.Expr]
 _FLAT = 3
 """Coordinates of a link in its plane: where it is along X and along Y, and its angle."""
+END = -1
+"""Among the links of a linkage its end, where joints after it hang; their coordinates follow its own."""
+_Way = tuple[tuple[Limb, ...], list[int]]
+"""The joints from one frame to a point, with the numbers of their coordinates."""
 
 
 @dataclass(frozen=True)
@@ -133,27 +137,60 @@ class Springs:
         return (dx, dy), slopes
 
     def _in_space(self, spring: Spring) -> tuple[Exprs, dict[int, sympy.Expr]]:
-        """The same in the axes of the frame that is nearer to the mount."""
-        near, far = sorted(spring.ends, key=lambda end: (end.planar, end.link))
-        path, numbers = self._between(near.link, far)
-        q = [self.values[number] for number in numbers]
-        kinematics = Kinematics(path_of((path,), q, self.parameters), self.tape)
-        x, y, z = (expression(entry, self.parameters) for entry in near.at)
-        way = self.tape.vector(f"{spring.name}_way", minus(kinematics.position, (x, y, z)))
-        return way, {number: dot(way, column) for number, column in zip(numbers, kinematics.jacobian, strict=True)}
+        """The same in the axes of the frame that is nearer to the mount, of a link of the linkage in those of the plane."""
+        near, far = sorted(spring.ends, key=self._order)
+        if near.planar:
+            ends = [self._from_plane(near), self._from_plane(far)]
+        else:
+            ends = [self._fixed(near), self._beyond(self._after(near), far) if self._after(near) else self._between(near.link, far)]
+        (start, back), (end, on) = (self._seen(*way) for way in ends)
+        way = self.tape.vector(f"{spring.name}_way", minus(end, start))
+        pulled = {number: -dot(way, column) for number, column in back.items()}
+        return way, pulled | {number: dot(way, column) for number, column in on.items()}
 
-    def _between(self, near: int, far: End) -> tuple[Limb, list[int]]:
-        """The joints from one frame to a point, with the numbers of their coordinates."""
-        joints: tuple[Joint, ...] = self.leg.serial[near:] if far.planar else self.leg.serial[near : far.link]
-        numbers = list(range(self.start + near, self.start + near + len(joints)))
-        plane = self.leg.tip if far.planar else ()
-        if not far.planar or far.link == 0:
-            return self._limb(joints, plane + _shift(far.at)), numbers
-        place = self.places[far.link]
-        along, up, turn = planar_joints()
-        joints = (*joints, replace(along, before=plane + along.before), up, turn)
-        own = tuple(sub(entry, origin) for entry, origin in zip(far.at, place.point, strict=True))
-        return self._limb(joints, _shift((own[0], own[1], ZERO))), [*numbers, *range(place.start, place.start + _FLAT)]
+    def _order(self, end: End) -> tuple[bool, bool, int]:
+        """From the mount outwards."""
+        return self._after(end) > 0, end.planar, end.link
+
+    def _after(self, end: End) -> int:
+        """How many joints after the linkage move it."""
+        return 0 if end.planar else max(0, end.link - len(self.leg.serial))
+
+    def _seen(self, limbs: tuple[Limb, ...], numbers: Sequence[int]) -> tuple[Vec, dict[int, Vec]]:
+        """Where a point is, and how it moves with the tree's coordinates."""
+        if not numbers:
+            return frame_of(sum((limb.tip for limb in limbs), ()), self.parameters).origin, {}
+        kinematics = Kinematics(path_of(limbs, [self.values[number] for number in numbers], self.parameters), self.tape)
+        return kinematics.position, dict(zip(numbers, kinematics.jacobian, strict=True))
+
+    def _fixed(self, end: End) -> _Way:
+        """In its own frame."""
+        return (self._limb((), _shift(end.at)),), []
+
+    def _between(self, near: int, far: End) -> _Way:
+        """From one of the frames before the linkage."""
+        flat = far.planar or self._after(far) > 0
+        joints = self.leg.serial[near:] if flat else self.leg.serial[near : far.link]
+        limbs, numbers = self._from_plane(far) if flat else self._fixed(far)
+        own = list(range(self.start + near, self.start + near + len(joints)))
+        return (self._limb(joints, self.leg.tip if flat else ()), *limbs), [*own, *numbers]
+
+    def _from_plane(self, end: End) -> _Way:
+        """From the plane of the linkage."""
+        if end.planar and end.link == 0:
+            return self._fixed(end)
+        place = self.places[end.link if end.planar else END]
+        numbers = list(range(place.start, place.start + _FLAT))
+        if end.planar:
+            x, y, _ = (sub(entry, origin) for entry, origin in zip(end.at, place.point, strict=True))
+            return (self._limb(planar_joints(), _shift((x, y, ZERO))),), numbers
+        limbs, more = self._beyond(0, end)
+        return (self._limb(planar_joints(), ()), *limbs), [*numbers, *more]
+
+    def _beyond(self, near: int, far: End) -> _Way:
+        """From one of the frames after the linkage, 0 its end, to another."""
+        first, last = self.places[END].start + _FLAT + near, self._after(far)
+        return (self._limb(self.leg.distal[near:last], _shift(far.at)),), list(range(first, first + last - near))
 
     def _limb(self, joints: tuple[Joint, ...], tip: Transform) -> Limb:
         return Limb(self.leg.name, self.leg.platform, (), joints, tip)
