@@ -96,7 +96,7 @@ def _generated() -> str:
     spec = write_spec("odex", ("inverse_branch", "foot_position"), folder)
     found = {artifact.path.name: artifact.text for artifact in emit(generate(spec, BuildOptions(targets=("c",))))}
     for name, text in found.items():
-        if name.endswith(".h"):
+        if name.endswith((".h", ".c")):  # a unit includes itself for the rows of batches
             (folder / name).write_text(text)
     return found["odex.c"] + ADAPTER
 
