@@ -113,10 +113,11 @@ def assert_moves(sets, count):
     end = drawn.drives[rows] + far * sets.random.uniform(-1, 1, (len(rows), len(far)))
     status, poses = sets.poses(first, end)
     _, there = moved(sets.text, drawn.dimensions[rows], start, drawn.drives[rows], end, PARTS)
-    slower = np.flatnonzero((status == OK) != there)  # where something moves fast in the meantime
-    if len(slower) and not sets.sides:
-        ways = drawn.dimensions[rows[slower]], start[slower], drawn.drives[rows[slower]], end[slower]
-        there[slower] = moved(sets.text, *ways, 10 * PARTS)[1]
+    for finer in (10, 50):  # where something moves fast in the meantime
+        slower = np.flatnonzero((status == OK) != there)
+        if len(slower) and not sets.sides:
+            ways = drawn.dimensions[rows[slower]], start[slower], drawn.drives[rows[slower]], end[slower]
+            there[slower] = moved(sets.text, *ways, finer * PARTS)[1]
     if sets.sides:  # dyads beyond the triads may be open on the way: they are told by their sides at its end
         there |= status == OK
     assert set(status) <= {OK, UNREACHABLE, NO_CONVERGENCE}
