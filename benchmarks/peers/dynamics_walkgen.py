@@ -20,15 +20,14 @@ CALLS = {
 ASKED = {
     "mero_leg": (
         *("inverse_dynamics", "mass_matrix", "forward_dynamics"),
-        *("foot_bias_acceleration", "inverse_velocity", "inverse_acceleration"),
+        *("foot_bias_acceleration", "inverse_velocity_acceleration"),
     ),
     "mero": ("floating_inverse_dynamics", "floating_mass_matrix"),
 }
 
 
-_RATES = """    (void)mero_leg_leg_inverse_velocity(q_bent, v, out);
-    (void)mero_leg_leg_inverse_acceleration(q_bent, out, a, out + 3);"""
-"""Two functions, which decide a status each."""
+_RATES = "    (void)mero_leg_leg_inverse_velocity_acceleration(q_bent, v, a, out, out + 3);"
+"""It decides a status."""
 
 
 def _core(function: DynamicFunction) -> str:

@@ -90,8 +90,8 @@
 #endif
 #endif
 
-/* Four numbers in one instruction: where the compiler has vector types, the target AVX2, and neither size nor the plainest C is asked for.
- * With narrower vectors single numbers are faster. */
+/* Four numbers in one instruction, or two doubles: where the compiler has vector types, the target AVX2, or SSE2 alone, and neither size
+ * nor the plainest C is asked for. */
 #if defined(__GNUC__) && defined(__AVX2__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN) && !defined(WALKGEN_LIBM)
 #define WALKGEN_VECTORS
 #if defined(__has_builtin)
@@ -102,6 +102,8 @@
 #define WALKGEN_SHUFFLEVECTOR
 #endif
 #endif
+#elif defined(__GNUC__) && defined(__SSE2__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN) && !defined(WALKGEN_LIBM) && !defined(WALKGEN_FAST_FMA)
+#define WALKGEN_PAIRS
 #endif
 
 /* Rows side by side (walkgen_batch.h): where vectors hold several numbers and speed is asked for. */

@@ -43,6 +43,25 @@
         const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y2, x2, y3, x3); \
         r0 = wg_angles.angle0, r1 = wg_angles.angle1, r2 = wg_angles.angle2, r3 = wg_angles.angle3; \
     } while (0)
+#elif defined(WALKGEN_PAIRS) && WG_REAL_BITS == 64 && !(defined(WALKGEN_ROWS) && WALKGEN_ROWS == 2)
+#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) \
+    do { \
+        const struct wg_turned_x2 wg_turned = wg_sincos_pair(a0, a1); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1; \
+    } while (0)
+#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
+    do { \
+        WG_SINCOS_2(a0, s0, c0, a1, s1, c1); \
+        WG_SINCOS_EACH_1(a2, s2, c2); \
+    } while (0)
+#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    do { \
+        WG_SINCOS_2(a0, s0, c0, a1, s1, c1); \
+        WG_SINCOS_2(a2, s2, c2, a3, s3, c3); \
+    } while (0)
+#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
+#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
+#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #else
 #define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1)
 #define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)

@@ -70,8 +70,8 @@ static void terrain_demo_terrain_ball_step_kernel(const double *WG_RESTRICT p, c
     at_ball_next[0] = at_ball[0] + (wanted < t2 ? t2 : (most < wanted ? most : wanted));
 }
 
-static void terrain_demo_terrain_height_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
-    const double *WG_RESTRICT param, double *WG_RESTRICT z) {
+WG_INLINE void terrain_demo_terrain_height_at_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT z) {
     const double ball_f = p[0] - 1.5;
     const double ball_f_2 = ball_f*ball_f;
     const double ball_f_4 = WG_FMA(p[1], p[1], ball_f_2);
@@ -93,8 +93,8 @@ static void terrain_demo_terrain_height_at_kernel(const double *WG_RESTRICT p, c
     *z = t4 ? at_ball[0] : t3;
 }
 
-static void terrain_demo_terrain_normal_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
-    const double *WG_RESTRICT param, double *WG_RESTRICT n) {
+WG_INLINE void terrain_demo_terrain_normal_at_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT n) {
     const double ball_f = p[0] - 1.5;
     const double ball_f_slope = ball_f*2.0;
     const double ball_f_2 = ball_f*ball_f;
@@ -129,8 +129,8 @@ static void terrain_demo_terrain_normal_at_kernel(const double *WG_RESTRICT p, c
     n[2] = normal_z;
 }
 
-static void terrain_demo_terrain_tangents_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
-    const double *WG_RESTRICT param, double *WG_RESTRICT t) {
+WG_INLINE void terrain_demo_terrain_tangents_at_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT t) {
     const double ball_f = p[0] - 1.5;
     const double ball_f_slope = ball_f*2.0;
     const double ball_f_2 = ball_f*ball_f;
@@ -171,7 +171,7 @@ static void terrain_demo_terrain_tangents_at_kernel(const double *WG_RESTRICT p,
     t[3] = -twist;
 }
 
-static void terrain_demo_terrain_curvature_at_kernel(const double *WG_RESTRICT p,
+WG_INLINE void terrain_demo_terrain_curvature_at_kernel(const double *WG_RESTRICT p,
     const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT curvature) {
     const double ball_f = p[0] - 1.5;
     const double ball_f_slope = ball_f*2.0;
@@ -237,8 +237,9 @@ static void terrain_demo_terrain_curvature_at_kernel(const double *WG_RESTRICT p
     curvature[2] = t17;
 }
 
-static void terrain_demo_terrain_ground_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
-    const double *WG_RESTRICT param, double *WG_RESTRICT mu, double *WG_RESTRICT kn, double *WG_RESTRICT kt) {
+WG_INLINE void terrain_demo_terrain_ground_at_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT mu,
+    double *WG_RESTRICT kn, double *WG_RESTRICT kt) {
     (void)param;
     const double ball_f = p[0] - 1.5;
     const double ball_f_2 = ball_f*ball_f;
@@ -259,7 +260,7 @@ static void terrain_demo_terrain_ground_at_kernel(const double *WG_RESTRICT p, c
     *kt = t2 ? WG_INFINITY : (t3 ? 150000.0 : t5);
 }
 
-static void terrain_demo_terrain_compliance_at_kernel(const double *WG_RESTRICT p,
+WG_INLINE void terrain_demo_terrain_compliance_at_kernel(const double *WG_RESTRICT p,
     const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT C) {
     const double ball_f = p[0] - 1.5;
     const double ball_f_slope = ball_f*2.0;
@@ -312,7 +313,7 @@ static void terrain_demo_terrain_compliance_at_kernel(const double *WG_RESTRICT 
     C[8] = WG_FMA(per_kt, 1.0 - t14, per_kn*t14);
 }
 
-static void terrain_demo_terrain_patch_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
+WG_INLINE void terrain_demo_terrain_patch_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
     const double *WG_RESTRICT param, int32_t *WG_RESTRICT index) {
     (void)param;
     const double ball_f = p[0] - 1.5;
@@ -331,8 +332,8 @@ static void terrain_demo_terrain_patch_at_kernel(const double *WG_RESTRICT p, co
     *index = (int32_t)(t4 ? 0.0 : t3);
 }
 
-static void terrain_demo_terrain_ball_near_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
-    const double *WG_RESTRICT param, double *WG_RESTRICT near_ball_next) {
+WG_INLINE void terrain_demo_terrain_ball_near_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT near_ball_next) {
     (void)param;
     near_ball_next[0] = p[0];
     near_ball_next[1] = p[1];
@@ -340,7 +341,7 @@ static void terrain_demo_terrain_ball_near_kernel(const double *WG_RESTRICT p, c
     near_ball_next[3] = 0.0;
 }
 
-static void terrain_demo_terrain_ball_nearer_kernel(const double *WG_RESTRICT p,
+WG_INLINE void terrain_demo_terrain_ball_nearer_kernel(const double *WG_RESTRICT p,
     const double *WG_RESTRICT near_ball, const double *WG_RESTRICT param, double *WG_RESTRICT near_ball_next) {
     (void)param;
     const double ball_f = near_ball[0] - 1.5;
@@ -373,7 +374,7 @@ static void terrain_demo_terrain_ball_nearer_kernel(const double *WG_RESTRICT p,
     near_ball_next[2] = near_ball[2] - step_z;
 }
 
-static void terrain_demo_terrain_hump_near_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+WG_INLINE void terrain_demo_terrain_hump_near_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT near_hump_next) {
     (void)param;
     near_hump_next[0] = p[0];
@@ -381,7 +382,7 @@ static void terrain_demo_terrain_hump_near_kernel(const double *WG_RESTRICT p, c
     near_hump_next[2] = 0.001;
 }
 
-static void terrain_demo_terrain_hump_nearer_kernel(const double *WG_RESTRICT p,
+WG_INLINE void terrain_demo_terrain_hump_nearer_kernel(const double *WG_RESTRICT p,
     const double *WG_RESTRICT near_hump, const double *WG_RESTRICT param, double *WG_RESTRICT near_hump_next) {
     const double hump = near_hump[0]*2.0;
     const double hump_sin = WG_SIN(hump);
@@ -432,9 +433,9 @@ static void terrain_demo_terrain_hump_nearer_kernel(const double *WG_RESTRICT p,
     near_hump_next[2] = t5 ? t6 : (0.001 < near_hump[2] ? near_hump[2]*8.0 : 0.01);
 }
 
-static void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
-    const double *WG_RESTRICT near_ball, const double *WG_RESTRICT near_hump, const double *WG_RESTRICT param,
-    double *WG_RESTRICT foot, int32_t *WG_RESTRICT status) {
+WG_INLINE void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT at_ball, const double *WG_RESTRICT near_ball, const double *WG_RESTRICT near_hump,
+    const double *WG_RESTRICT param, double *WG_RESTRICT foot, int32_t *WG_RESTRICT status) {
     const double ball_f = p[0] - 1.5;
     const double ball_f_2 = ball_f*ball_f;
     const double ball_f_4 = WG_FMA(p[1], p[1], ball_f_2);

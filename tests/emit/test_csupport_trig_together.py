@@ -55,6 +55,8 @@ BUILDS = {
     "vectors without fused multiply-add": ("-mavx2", "-mfma", "-DWALKGEN_NO_FMA"),
     "plain": ("-mavx2", "-mfma", "-DWALKGEN_PLAIN"),
     "size": ("-mavx2", "-mfma", "-Os"),
+    "pairs": (),
+    "pairs of AVX": ("-mavx",),
     "C library": ("-mavx2", "-mfma", "-DWALKGEN_LIBM"),
 }
 REALS = pytest.mark.parametrize("real", [np.float64, np.float32])

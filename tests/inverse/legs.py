@@ -2,7 +2,8 @@
 
 import numpy as np
 
-FUNCTIONS = ("foot_position", "foot_jacobian", "inverse", "inverse_branch", "inverse_velocity", "inverse_acceleration")
+TOGETHER = "inverse_velocity_acceleration"
+FUNCTIONS = ("foot_position", "foot_jacobian", "inverse", "inverse_branch", "inverse_velocity", "inverse_acceleration", TOGETHER)
 JOINTS = ("yaw", "thigh", "shank")
 EPSILON, LAMBDA = 0.02, 0.05
 """The damping of every leg, m/rad."""

@@ -13,7 +13,7 @@ HEAD = """walkgen = 1
 name = "rates"
 gravity = [0.0, 0.0, -9.81]
 [generate]
-functions = ["inverse_velocity", "inverse_acceleration"]
+functions = ["inverse_velocity", "inverse_acceleration", "inverse_velocity_acceleration"]
 [chain_designs.waist]
 dh = "classic"
 joints = [

@@ -87,6 +87,61 @@ def test_accelerations(robots, backend, path):
     check(path, q, rest, *call(robots[backend], path, "inverse_acceleration", q, qd, rest + bias))
 
 
+def check_together(path, q, v, a, qd, qdd, status):
+    """qd of v; qdd of what Jdot qd leaves of a, at the qd that was found; the worse of both statuses."""
+    wanted, first, damping = expected(path, q, v)
+    rest = a - path.biases(q, qd)
+    further, second, _ = expected(path, q, rest)
+    assert np.array_equal(status, np.where(second == OK, first, second))
+    assert relative(path, q, v, qd, wanted, damping).max() <= 1e-12
+    assert relative(path, q, rest, qdd, further, damping).max() <= 1e-12
+    return status
+
+
+@pytest.mark.sampled(8)
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_together(robots, backend, path):
+    q, _, v = path.motions(120, 11)
+    a = path.motions(120, 12)[2]
+    statuses = check_together(path, q, v, a, *call(robots[backend], path, "inverse_velocity_acceleration", q, v, a))
+    changing = path.n > 1 and any(joint.revolute for joint in path.limb.joints)
+    assert {OK, SINGULAR} <= set(statuses) or path.n < 3 or not changing or path.owner in ROUTED
+
+
+@pytest.mark.sampled(6)
+def test_together_in_float(robots, path):
+    """As the two one after the other, both to what a float tells of the pose."""
+    q, _, v = (array.astype(np.float32) for array in path.motions(200, 13))
+    a = path.motions(200, 14)[2].astype(np.float32)
+    qd, qdd, status = call(robots["c"], path, "inverse_velocity_acceleration", q, v, a)
+    first, one = call(robots["c"], path, "inverse_velocity", q, v)
+    second, other = call(robots["c"], path, "inverse_acceleration", q, qd, a)
+    assert qd.dtype == qdd.dtype == np.float32
+    assert np.array_equal(status, np.where(other == OK, one, other))
+    J = path.jacobians(q.astype(float))
+    values = np.linalg.svd(J, compute_uv=False)
+    fine = 512 * np.finfo(np.float32).eps * (1 + values[:, 0]) / np.maximum(values[:, -1], path.epsilon)
+    rest = np.linalg.norm(a, axis=1) + (1 + values[:, 0]) * np.linalg.norm(qd, axis=1) ** 2
+    assert np.all(np.linalg.norm(qd - first, axis=1) <= fine * np.linalg.norm(v, axis=1) / np.maximum(values[:, -1], path.epsilon))
+    assert np.all(np.linalg.norm(qdd - second, axis=1) <= fine * rest / np.maximum(values[:, -1], path.epsilon))
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_together_what_is_not_finite_is_bad_input(robots, backend, path):
+    """All numbers are NaN then; a Jacobian that no joint value changes does not see those."""
+    fine = np.linspace(-1.0, 1.3, path.n + 6)
+    rows = np.array([np.where(np.arange(len(fine)) == place, value, fine) for place in range(len(fine)) for value in (np.nan, np.inf)])
+    with np.errstate(all="ignore"):
+        qd, qdd, status = call(robots[backend], path, "inverse_velocity_acceleration", *np.split(rows, [path.n, path.n + 3], axis=1))
+    both = np.hstack([qd, qdd])
+    assert np.array_equal(np.isnan(both).any(axis=1), status == BAD_INPUT)
+    assert np.array_equal(np.isnan(both).all(axis=1), status == BAD_INPUT)
+    bad = ~np.isfinite(rows[:, path.n :]).all(axis=1)
+    if all(joint.revolute for joint in path.limb.joints):
+        bad = ~np.isfinite(rows).all(axis=1)
+    assert np.all(status[bad] == BAD_INPUT)
+
+
 @pytest.mark.sampled(6)
 def test_float(robots, path):
     q, _, v = (array.astype(np.float32) for array in path.motions(300, 7))
@@ -111,6 +166,10 @@ def test_casadi(robots, path):
     check(path, q, v, np.array([row[0] for row in found]), np.array([row[1][0] for row in found]))
     found = [[np.array(value).ravel() for value in acceleration(*row)] for row in zip(q, qd, v + path.biases(q, qd), strict=True)]
     check(path, q, v, np.array([row[0] for row in found]), np.array([row[1][0] for row in found]))
+    together, a = robots["c"].casadi(f"rates_{path.owner}_inverse_velocity_acceleration"), path.motions(24, 10)[2]
+    found = [[np.array(value).ravel() for value in together(*row)] for row in zip(q, v, a, strict=True)]
+    qd, qdd, status = (np.array([row[place] for row in found]) for place in range(3))
+    check_together(path, q, v, a, qd, qdd, status[:, 0])
 
 
 def test_casadi_derivatives(robots, path):

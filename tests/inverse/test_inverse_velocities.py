@@ -86,6 +86,25 @@ def test_accelerations_come_back(either, name):
     assert np.all(np.linalg.norm(qdd, axis=1) * 2 * damping <= np.linalg.norm(a - bias, axis=1) * (1 + 1e-10))
 
 
+@pytest.mark.parametrize("name", LEGS)
+def test_both_at_once(either, name):
+    """As one after the other, at any pose: regular, damped, and at the border between, where either way decides alike."""
+    leg = either(name)
+    q, v, a = motions(3000)
+    near = np.linalg.svd(leg.anatomy.jacobian(q), compute_uv=False)[:, -1]
+    border = q[np.argsort(np.abs(near - EPSILON))[:100]]
+    q = np.concatenate([q[:500], border, singular_poses(leg)])
+    v, a = np.resize(v, q.shape), np.resize(a, q.shape)
+    qd, qdd, status = leg.generated.inverse_velocity_acceleration(q, v, a)
+    first, one = leg.generated.inverse_velocity(q, v)
+    second, other = leg.generated.inverse_acceleration(q, qd, a)
+    assert {OK, SINGULAR} == set(status)
+    assert np.array_equal(status, one)
+    assert np.array_equal(status, other)
+    assert np.all(relative(qd, first) <= 1e-11)
+    assert np.all(relative(qdd, second) <= 1e-10)
+
+
 @pytest.mark.parametrize("name", ["general", "roll", "axes"])
 def test_what_is_not_finite_is_bad_input(either, name):
     leg = either(name)
@@ -111,3 +130,8 @@ def test_extremes_are_never_numberless_and_well(either, name):
         assert np.array_equal(np.any(np.isnan(qd), axis=1), status == BAD_INPUT)
         assert np.all(np.isfinite(qd[status != BAD_INPUT]))
         assert size >= 1e308 or np.all(status != BAD_INPUT)
+        with np.errstate(all="ignore"):
+            *both, status = leg.generated.inverse_velocity_acceleration(q, np.array([1.0, -0.5, 0.25]) * size, np.array([0.5, 1.0, 2.0]))
+        assert np.array_equal(np.any(np.isnan(both), axis=(0, 2)), status == BAD_INPUT)
+        assert np.array_equal(np.all(np.isnan(both), axis=(0, 2)), status == BAD_INPUT)
+        assert size > 1.0 or np.all(status != BAD_INPUT)

@@ -12,6 +12,7 @@ FUNCTIONS = (
     "inverse",
     "inverse_velocity",
     "inverse_acceleration",
+    "inverse_velocity_acceleration",
     "gravity_torque",
     "assembly_status",
     "transmission_angles",

@@ -112,6 +112,9 @@ def test_second_rates(case):
     wanted = exact.second_length_rates(MP.mpc("-0.4", "0.05"), MP.mpc("0.3", "-0.2"))
     assert qdd == pytest.approx([float(rate) for rate in wanted], rel=REL)
     assert leg.foot_acceleration(q, qd, qdd) == pytest.approx(SECOND, abs=1e-13)
+    *both, status = leg.inverse_velocity_acceleration(q, RATE, SECOND)
+    assert status == OK
+    assert np.array(both) == pytest.approx(np.array([qd, qdd]), rel=REL)
     rate, second = (leg.foot_spatial_jacobian(q) @ qd)[5], (leg.foot_spatial_jacobian(q) @ qdd + leg.foot_bias_acceleration(q, qd))[5]
     thigh, shank = directions(leg, q)
     of_h = SECOND + HP * (second * normal(shank) - rate**2 * shank)

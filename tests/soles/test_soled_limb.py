@@ -8,7 +8,16 @@ from test_foot_point import PAIR, YAW
 from oracles.beam_frame import frame
 
 COMPLIANCES = ("foot_compliance", "sole_compliance", "sole_points", "foot_position", "joint_frames", "joint_angles", "foot_rotation")
-RATES = ("inverse_velocity", "inverse_acceleration", "foot_jacobian", "foot_acceleration", "toe_motion", "toe_rolling", "joint_angles")
+RATES = (
+    "inverse_velocity",
+    "inverse_acceleration",
+    "inverse_velocity_acceleration",
+    "foot_jacobian",
+    "foot_acceleration",
+    "toe_motion",
+    "toe_rolling",
+    "joint_angles",
+)
 TUBE = "[sections.tube]\nE = 70e9\nG = 26e9\nA = 3e-4\nIy = 4e-8\nIz = 5e-8\nJ = 8e-8\n\n[leg_designs.leg]\ndh"
 FOOT = "foot = { xyz = [0.0, 0.0, 0.0] }"
 
@@ -76,6 +85,9 @@ def test_rates_of_a_leg_with_a_yaw_joint(built, backend):
         qdd, status = leg.inverse_acceleration(q, qd, a)
         assert status == 0
         assert leg.foot_acceleration(q, qd, qdd) == pytest.approx(a, rel=1e-9)
+        *both, status = leg.inverse_velocity_acceleration(q, v, a)
+        assert status == 0
+        assert np.array(both) == pytest.approx(np.array([qd, qdd]), rel=1e-9)
 
 
 @pytest.mark.parametrize("backend", ["c", "numpy", "casadi"])

@@ -14,7 +14,8 @@ from walkgen.graph.lower import lower
 SPEC = Path(__file__).parents[2] / "specs" / "mero_leg.toml"
 EPSILON, LAMBDA = CONTEXT.mpf("0.02"), CONTEXT.mpf("0.05")
 HEIGHT, THIGH, SHANK = CONTEXT.mpf("0.12"), CONTEXT.mpf("0.35"), CONTEXT.mpf("0.40")
-OK, BAD_INPUT, SINGULAR = 0, 2, 3
+OK, UNREACHABLE, BAD_INPUT, SINGULAR = range(4)
+TOGETHER = "inverse_velocity_acceleration"
 ACCURACY = {"50 digits": (CONTEXT, 1e-30), "doubles": (math, 1e-11)}
 
 
@@ -76,7 +77,9 @@ def upright(tilt):
 @pytest.fixture(scope="module")
 def closed():
     found = {derivation.signature.name: derivation for derivation in pipeline.functions_of(SPEC)}
-    return {name: lower(found[name].closed_form) for name in ("inverse_velocity", "inverse_acceleration")}
+    return {name: lower(found[name].closed_form) for name in ("inverse_velocity", "inverse_acceleration", TOGETHER)} | {
+        "regular": lower(found[TOGETHER].steps[0].callee)
+    }
 
 
 @pytest.mark.parametrize("digits", ACCURACY)
@@ -102,6 +105,26 @@ def test_acceleration(closed, digits):
         expected, status = rates(jacobian(q), CONTEXT.matrix(a) - bias(q, qd))
         assert found["status"] == [status]
         assert furthest(found["qdd"], expected) <= tolerance
+
+
+@pytest.mark.parametrize("digits", ACCURACY)
+def test_both_at_once(closed, digits):
+    """The closed form anywhere; the regular poses' own code where it is sure, which it is at no damped one, and at most regular ones."""
+    context, tolerance = ACCURACY[digits]
+    v, a, sure, regular = [0.2, -0.5, 0.7], [0.3, 2.0, -1.0], 0, 0
+    for q in poses():
+        qd, status = rates(jacobian(q), CONTEXT.matrix(v))
+        qdd, _ = rates(jacobian(q), CONTEXT.matrix(a) - bias(q, qd))
+        for name in (TOGETHER, "regular"):
+            found = interpret(closed[name], {"q": q, "v": v, "a": a}, context)
+            if name == "regular" and found["status"] == [UNREACHABLE]:
+                continue
+            assert found["status"] == [status]
+            assert furthest(found["qd"], qd) <= tolerance
+            assert furthest(found["qdd"], qdd) <= 10 * tolerance
+            sure += name == "regular"
+        regular += status == OK
+    assert sure >= 0.7 * regular
 
 
 def test_damped_rates_are_bounded(closed):

@@ -5,7 +5,8 @@ from decimal import Decimal
 
 from walkgen.emit.c_declaration import INDENT, CFunction, callback_name, port_size, port_type
 from walkgen.emit.c_printer import CPrinter, Precision
-from walkgen.graph.program import Call, Composite, Program
+from walkgen.emit.c_rest import Rest, in_order, own_locals
+from walkgen.graph.program import Call, Composite, Guard, Program
 from walkgen.graph.routines import ROUTINES
 from walkgen.signature import Port
 
@@ -14,13 +15,23 @@ def composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], 
     """Local arrays, the calls, the status returned."""
     signature = composite.signature
     returned = signature.returned
-    lines = [_local(port, composite, printer.precision) for port in composite.locals]
+    lines = [_local(port, composite, printer.precision) for port in own_locals(composite)]
     lines += [f"{INDENT}int32_t {returned.name} = WALKGEN_OK;"] if returned else []
     used = {argument for call in composite.calls for argument in (*call.arguments, *(call.guard[1] if call.guard else ()))}
     lines += [f"{INDENT}(void){port.name};" for port in signature.inputs if port.name not in used]
-    lines += [line for call in composite.calls for line in _call_lines(call, composite, kernels, printer)]
+    lines += [line for step in in_order(composite) for line in _step_lines(step, composite, kernels, printer)]
     lines += [f"{INDENT}return {returned.name};"] if returned else []
     return lines
+
+
+def rest_functions(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[CFunction]:
+    """What only some rows need, as static functions."""
+    for rest in in_order(composite):
+        if isinstance(rest, Rest):
+            lines = [_local(port, rest.body, printer.precision) for port in rest.body.locals]
+            lines += [line for call in rest.body.calls for line in _call_lines(call, rest.body, kernels, printer)]
+            lines += [f"{INDENT}return {port.name};" for port in rest.returned]
+            yield CFunction(rest.name(printer.precision), rest.head(printer.precision), tuple(lines))
 
 
 def stack_of(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> int:
@@ -40,6 +51,18 @@ def _local(port: Port, composite: Composite, precision: Precision) -> str:
     return f"{INDENT}{port_type(port, precision)} {port.name}{shape}{start if shape else start.replace('{0}', '0')};"
 
 
+def _step_lines(step: Call | Rest, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
+    if isinstance(step, Call):
+        yield from _call_lines(step, composite, kernels, printer)
+    else:
+        yield from _guarded(step.guard, step.call(printer.precision), composite, printer)
+
+
+def _guarded(guard: Guard, step: str, composite: Composite, printer: CPrinter) -> Iterator[str]:
+    asked = [_argument(argument, composite, printer, by_address=True) for argument in guard[1]]
+    yield from (f"{INDENT}if ({_routine_name(guard[0], printer.precision)}({', '.join(asked)})) {{", f"{INDENT * 2}{step}", f"{INDENT}}}")
+
+
 def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
     if isinstance(call.callee, Program):
         name, inputs = kernels[call.callee].name, len(call.callee.signature.inputs)
@@ -53,9 +76,7 @@ def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFun
     if call.guard is None:
         yield f"{INDENT}{step}"
         return
-    asked = [_argument(argument, composite, printer, by_address=True) for argument in call.guard[1]]
-    guard = f"{_routine_name(call.guard[0], printer.precision)}({', '.join(asked)})"
-    yield from (f"{INDENT}if ({guard}) {{", f"{INDENT * 2}{step}", f"{INDENT}}}")
+    yield from _guarded(call.guard, step, composite, printer)
 
 
 def _repeated_lines(call: Call, composite: Composite, name: str, printer: CPrinter) -> Iterator[str]:

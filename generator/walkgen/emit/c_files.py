@@ -2,13 +2,15 @@
 
 import re
 from bisect import bisect
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import accumulate
 from pathlib import Path, PurePosixPath
 
 from walkgen import __version__
 from walkgen.emit.artifact import Artifact, RobotCode
+from walkgen.emit.c_composite import rest_functions
 from walkgen.emit.c_constants import macros
 from walkgen.emit.c_declaration import CFunction, function_name
 from walkgen.emit.c_function import batch_function, callback_function, composite_function, kernel, program_function, table_lines
@@ -39,15 +41,16 @@ def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
 def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     """The header and the source in one precision."""
     printer = CPrinter(precision, code.fma)
-    kernels = _kernels(code, printer)
+    lanes = {each.body: each for each in laned(code)}
+    kernels = _kernels(code, printer, {each.program for each in lanes.values()})
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     known = kernels | programs
-    lanes = {each.body: each for each in laned(code)}
     functions = [(_public(body, known, printer), batch_function(body, lanes.get(body), precision)) for body in code.functions]
     rows = read_rows(code, tuple(lanes.values()), known, functions, precision)
     called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     callbacks = [callback_function(callback, known, printer) for callback in called_back]
-    return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks], functions, rows)
+    rests = [rest for body in code.functions if isinstance(body, Composite) for rest in rest_functions(body, known, printer)]
+    return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks, *rests], functions, rows)
 
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
@@ -157,16 +160,19 @@ def _public(body: Program | Composite, known: Mapping[Program, CFunction], print
     return known[body] if isinstance(body, Program) else composite_function(body, known, printer)
 
 
-def _kernels(code: RobotCode, printer: CPrinter) -> dict[Program, CFunction]:
-    """Every Program that Composites alone call, once each, as `<function>_kernel`, numbered where two share the name."""
+def _kernels(code: RobotCode, printer: CPrinter, laned: Container[Program]) -> dict[Program, CFunction]:
+    """Every Program that Composites alone call, once each, as `<function>_kernel`, numbered where two share the name.
+
+    What is called at one place becomes part of it, or a batch that takes up its caller would leave it behind.
+    """
     public = code.public
+    calls = (call.callee for body in code.functions if isinstance(body, Composite) for call in body.all_calls)
+    uses = Counter(callee for callee in calls if isinstance(callee, Program) and callee not in public)
     kernels: dict[Program, CFunction] = {}
     taken: set[str] = set()
-    for body in code.functions:
-        for call in body.all_calls if isinstance(body, Composite) else ():
-            if isinstance(call.callee, Program) and call.callee not in kernels and call.callee not in public:
-                name = _free(f"{function_name(call.callee.signature, printer.precision)}_kernel", taken)
-                kernels[call.callee] = kernel(call.callee, name, printer)
+    for program, count in uses.items():
+        name = _free(f"{function_name(program.signature, printer.precision)}_kernel", taken)
+        kernels[program] = kernel(program, name, printer, inlined=count == 1 and program not in laned)
     return kernels
 
 

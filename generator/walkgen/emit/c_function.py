@@ -30,10 +30,12 @@ from walkgen.signature import Port, Signature, Table
 _KEPT = "\0"
 
 
-def kernel(program: Program, name: str, printer: CPrinter) -> CFunction:
+def kernel(program: Program, name: str, printer: CPrinter, *, inlined: bool = False) -> CFunction:
     """A Program as a static function that writes every output through a pointer."""
     signature = program.signature
-    head = declared(f"static void {name}", parameters(signature.inputs, signature.outputs, printer.precision))
+    head = declared(
+        f"{'WG_INLINE' if inlined else 'static'} void {name}", parameters(signature.inputs, signature.outputs, printer.precision)
+    )
     body = walk(program, printer)
     return CFunction(name, head, tuple(_program_lines(program, body, printer, None)), locals_size=_locals_size(body, printer.precision))
 

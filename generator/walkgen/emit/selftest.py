@@ -4,7 +4,7 @@ Linkages are closed by Newton's method on all their loops at once, where the Pro
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from walkgen.emit.artifact import Artifact, RobotCode
@@ -174,15 +174,16 @@ def _inverse_branch(signature: Signature, samples: Sequence[Sample]) -> Check:
 
 def _inverse_rate(signature: Signature, samples: Sequence[Sample]) -> Check:
     """The foot's velocity or acceleration gives the joints' back, of redundant joints the least."""
+    samples = [replace(sample, qd=tuple(_least(sample, sample.qd))) for sample in samples]
     rows = [{"q": s.q, "qd": s.qd, "v": EXPECTED["foot_velocity"](s)[0], "a": EXPECTED["foot_acceleration"](s)[0]} for s in samples]
-    wanted = [_least(s, s.qd if signature.name == "inverse_velocity" else s.qdd) for s in samples]
-    port = signature.outputs[0]
+    wanted: Mapping[str, Sequence[Row]] = {"qd": [s.qd for s in samples], "qdd": [_least(s, s.qdd) for s in samples]}
+    ports = [port for port in signature.outputs if port is not signature.returned]
     lines = (
-        f"double {port.name}[{port.size}];",
-        f"worst = larger(worst, {_call(signature, [port.name])} == WALKGEN_OK ? 0.0 : HUGE_VAL);",
-        f"worst = worse(worst, {port.name}, {port.name}_expected[sample], {port.size});",
+        *(f"double {port.name}[{port.size}];" for port in ports),
+        f"worst = larger(worst, {_call(signature, [port.name for port in ports])} == WALKGEN_OK ? 0.0 : HUGE_VAL);",
+        *(f"worst = worse(worst, {port.name}, {port.name}_expected[sample], {port.size});" for port in ports),
     )
-    tables = (*_input_tables(signature, rows), _table(f"{port.name}_expected", wanted))
+    tables = (*_input_tables(signature, rows), *(_table(f"{port.name}_expected", wanted[port.name]) for port in ports))
     return Check(signature.full_name, tables, len(samples), lines, _LOOSE)
 
 
@@ -199,6 +200,7 @@ _INVERSES = {
     "inverse_branch": _inverse_branch,
     "inverse_velocity": _inverse_rate,
     "inverse_acceleration": _inverse_rate,
+    "inverse_velocity_acceleration": _inverse_rate,
 }
 
 

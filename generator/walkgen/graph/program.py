@@ -95,19 +95,24 @@ class Program:
         return sum(op.code not in (Code.INPUT, Code.CONSTANT) for op in self.ops)
 
 
+Argument = str | Decimal | int
+Guard = tuple[str, tuple[Argument, ...]]
+"""A support routine that tells a truth in C, and its arguments."""
+
+
 @dataclass(frozen=True)
 class Call:
     """One step of a Composite: a Program (emitted as a static kernel) or a support routine by its name.
 
     `arguments` name the Composite's inputs, locals, outputs, tables or callbacks, in the callee's order, inputs first; a Decimal is a
     literal.
-    With `guard` (a support routine's name and its arguments, returning truth in C) the step runs only where it holds.
+    With `guard` the step runs only where it holds.
     A Program may read what it writes, and `repeat` runs it that often.
     """
 
     callee: Program | str
-    arguments: tuple[str | Decimal | int, ...]
-    guard: tuple[str, tuple[str | Decimal | int, ...]] | None = None
+    arguments: tuple[Argument, ...]
+    guard: Guard | None = None
     repeat: int = 1
 
 

@@ -11,7 +11,7 @@ _FORWARD = (
     "foot_position foot_rotation foot_pose foot_jacobian foot_position_jacobian foot_spatial_jacobian foot_hessian foot_velocity "
     "foot_acceleration foot_bias_acceleration foot_torque joint_frames"
 )
-_SEEDED = "inverse_near inverse_pose within_limits inverse_velocity inverse_acceleration"
+_SEEDED = "inverse_near inverse_pose within_limits inverse_velocity inverse_acceleration inverse_velocity_acceleration"
 _LIMB_DYNAMICS = "inverse_dynamics forward_dynamics mass_matrix bias gravity_torque coriolis_matrix kinetic_energy potential_energy"
 _ROLLING = (
     "link_angles joint_angles flat_ankle flat_position flat_motion stance_position hip_position toe_rolling toe_motion heel_rolling "

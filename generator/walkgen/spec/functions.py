@@ -28,10 +28,12 @@ INVERSE_FUNCTIONS: Final = (
     "within_limits",
     "inverse_velocity",
     "inverse_acceleration",
+    "inverse_velocity_acceleration",
 )
 """Of legs; one to three joints have branches, more have `inverse_pose`."""
 
-ROUTE_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, "inverse_near", "inverse_pose", "within_limits", "inverse_velocity", "inverse_acceleration")
+RATE_FUNCTIONS: Final = ("inverse_velocity", "inverse_acceleration", "inverse_velocity_acceleration")
+ROUTE_FUNCTIONS: Final = (*FORWARD_FUNCTIONS, "inverse_near", "inverse_pose", "within_limits", *RATE_FUNCTIONS)
 DYNAMICS_FUNCTIONS: Final = (
     "inverse_dynamics",
     "forward_dynamics",

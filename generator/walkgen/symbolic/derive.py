@@ -26,6 +26,7 @@ from walkgen.symbolic.limits import inverse_admissible, inverse_distance, invers
 from walkgen.symbolic.linkage_functions import LINKAGE, linkage_function
 from walkgen.symbolic.linkage_inverse import linkage_inverse
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
+from walkgen.symbolic.rates_together import inverse_velocity_acceleration
 from walkgen.symbolic.reach import inverse_pose, inverse_pose_driven, inverse_reach
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
@@ -57,6 +58,7 @@ JOINTED: dict[str, PathBuilder] = {
     "within_limits": within_limits,
     "inverse_velocity": inverse_velocity,
     "inverse_acceleration": inverse_acceleration,
+    "inverse_velocity_acceleration": inverse_velocity_acceleration,
 }
 """Of every leg and route."""
 

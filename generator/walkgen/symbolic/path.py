@@ -227,11 +227,14 @@ class Kinematics:
             return self._in_base(last, (-sign * y, sign * x, sympy.S.Zero), names)
         return self.tape.vector(names, cross(self.axes[first], self.jacobian[last]))
 
-    def bias(self, rates: Sequence[sympy.Expr]) -> tuple[Vec, Vec]:
-        """Jdot qd, linear and angular: sum of (w_i + w_(i-1)) x J_i qd_i and of w_(i-1) x z_i qd_i, w_i the rate through joint i."""
+    def bias(self, rates: Sequence[sympy.Expr], columns: Sequence[Vec] = (), start: Vec = ZERO_VECTOR) -> tuple[Vec, Vec]:
+        """Jdot qd, linear and angular: sum of (w_i + w_(i-1)) x J_i qd_i and of w_(i-1) x z_i qd_i, w_i the rate through joint i.
+
+        Where `columns` of J are given they are not computed; the linear sum may `start` from something else.
+        """
         tape = self.tape
-        linear, angular, rate = ZERO_VECTOR, ZERO_VECTOR, ZERO_VECTOR
-        for joint, column, axis, qd in zip(self.path.joints, self.jacobian, self.angular, rates, strict=True):
+        linear, angular, rate = start, ZERO_VECTOR, ZERO_VECTOR
+        for joint, column, axis, qd in zip(self.path.joints, columns or self.jacobian, self.angular, rates, strict=True):
             spin = tape.vector(f"spin_{joint.name}", scaled(qd, axis))
             flow = tape.vector(f"flow_{joint.name}", scaled(qd, column))
             through = tape.vector(f"rate_{joint.name}", plus(rate, spin))

@@ -9,86 +9,116 @@ from walkgen.model.mechanism import Mechanism
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.forward import PathFunctions, Route, flat
 from walkgen.symbolic.function import Function, Solve, Step
-from walkgen.symbolic.ports import joint_port, joint_unit, parameter_ports, signature
+from walkgen.symbolic.ports import joint_port, joint_unit, signature
 from walkgen.symbolic.rate_damping import rate_damping
 from walkgen.symbolic.rates_closed import Damping, closed_rates
 from walkgen.symbolic.tape import Tape, Vec, minus, symbols_of
 
+STATUS = Port("status", kind="integer")
+REST = Port("rest", (3,), "m/s^2")
+"""What is left of a wanted acceleration for the joints' accelerations."""
+
 _DAMPED = "damped least squares with lambda^2 = (1 - (s/eps)^2) lambda_max^2 (Nakamura and Hanafusa 1986)"
-_STATUS = Port("status", kind="integer")
 
 
 @dataclass(frozen=True)
-class _Words:
+class Words:
     """What the rates of so many joints are, and by which equation; `{0}` is what is wanted of the foot, `{1}` its symbol."""
 
     meaning: str
     equation: str
 
+    @property
+    def source(self) -> str:
+        """The equation and how it is damped."""
+        return f"{self.equation}; {_DAMPED}"
 
-_FEWER = _Words("closest to the foot {0} {1}; UNREACHABLE where they do not give it, SINGULAR while damped", "qd = (J' J)^-1 J' v")
-_THREE = _Words("that give the foot {0} {1}; SINGULAR while damped", "qd = J^-1 v")
-_MORE = _Words("of least norm that give the foot {0} {1}; SINGULAR while damped", "qd = J' (J J')^-1 v")
+
+_FEWER = Words("closest to the foot {0} {1}; UNREACHABLE where they do not give it, SINGULAR while damped", "qd = (J' J)^-1 J' v")
+_THREE = Words("that give the foot {0} {1}; SINGULAR while damped", "qd = J^-1 v")
+_MORE = Words("of least norm that give the foot {0} {1}; SINGULAR while damped", "qd = J' (J J')^-1 v")
+
+
+def words_of(route: Route) -> Words:
+    """By how many joints there are."""
+    count = len(route.joints)
+    return _FEWER if count < 3 else _THREE if count == 3 else _MORE
 
 
 def inverse_velocity(mechanism: Mechanism, route: Route) -> Solve:
     """qd of a wanted foot velocity; damping is that of the route's leg."""
-    wanted, path = Port("v", (3,), "m/s"), PathFunctions(mechanism, route)
-    words = _signature(mechanism, route, "inverse_velocity", wanted)
-    jacobian, columns = _jacobian(route), path.motion.kinematics.jacobian
-    kernel = path.tape.function(_kernel(words, "velocity_jacobian", (words.inputs[0], *words.inputs[2:]), (jacobian,)), flat(columns))
-    closed = _closed_form(words, path.tape, columns, _vector(symbols_of(wanted)), rate_damping(mechanism, route.limbs[-1]))
-    arguments = ("q", *(port.name for port in parameter_ports(mechanism)), "J")
-    return Solve(words, (jacobian,), (Step(kernel, arguments), _solve(mechanism, route, "v", "qd")), closed)
+    wanted, path, told = Port("v", (3,), "m/s"), PathFunctions(mechanism, route), words_of(route)
+    doc = f"Joint rates {told.meaning.format('velocity', 'v')}, |qd| <= |v| / (2 lambda)."
+    outputs = (joint_port("qd", route.joints, "/s"), STATUS)
+    words = signature(mechanism, route.owner, "inverse_velocity", (joint_port("q", route.joints), wanted), outputs, doc, told.source)
+    closed = _closed_form(words, path.tape, path.motion.kinematics.jacobian, vector(wanted), rate_damping(mechanism, route.limbs[-1]))
+    steps = (jacobian_step(mechanism, route, path), damped_step(mechanism, route, "v", "qd", "status"))
+    return Solve(words, (jacobian_port(route),), steps, closed)
 
 
 def inverse_acceleration(mechanism: Mechanism, route: Route) -> Solve:
     """qdd of a wanted foot acceleration at given joint rates; damping is that of the route's leg."""
-    acceleration, path = Port("a", (3,), "m/s^2"), PathFunctions(mechanism, route)
-    words = _signature(mechanism, route, "inverse_acceleration", acceleration)
-    wanted = path.tape.vector("wanted", minus(_vector(symbols_of(acceleration)), path.motion.kinematics.bias(path.motion.qd)[0]))
-    jacobian, rest, columns = _jacobian(route), Port("rest", (3,), "m/s^2"), path.motion.kinematics.jacobian
-    kernel = path.tape.function(_kernel(words, "acceleration_jacobian", words.inputs, (jacobian, rest)), (*flat(columns), *wanted))
-    closed = _closed_form(words, path.tape, columns, wanted, rate_damping(mechanism, route.limbs[-1]))
-    arguments = (*(port.name for port in words.inputs), "J", "rest")
-    return Solve(words, (jacobian, rest), (Step(kernel, arguments), _solve(mechanism, route, "rest", "qdd")), closed)
+    path, told = PathFunctions(mechanism, route), words_of(route)
+    doc = f"Joint accelerations {told.meaning.format('acceleration', 'a')}."
+    outputs = (joint_port("qdd", route.joints, "/s^2"), STATUS)
+    words = signature(mechanism, route.owner, "inverse_acceleration", _moving(route), outputs, doc, told.source)
+    closed = _closed_form(words, path.tape, path.motion.kinematics.jacobian, _rest(path), rate_damping(mechanism, route.limbs[-1]))
+    steps = (rest_step(mechanism, route, path, "qd"), damped_step(mechanism, route, "rest", "qdd", "status"))
+    return Solve(words, (jacobian_port(route), REST), steps, closed)
 
 
-def _signature(mechanism: Mechanism, route: Route, name: str, wanted: Port) -> Signature:
-    """Of either function; the bound on |qd| is stated for velocities, whose right side is the user's own."""
-    joints = route.joints
-    words = _FEWER if len(joints) < 3 else _THREE if len(joints) == 3 else _MORE
-    if wanted.name == "v":
-        inputs, output = [joint_port("q", joints), wanted], joint_port("qd", joints, "/s")
-        doc = f"Joint rates {words.meaning.format('velocity', 'v')}, |qd| <= |v| / (2 lambda)."
-    else:
-        inputs, output = [joint_port("q", joints), joint_port("qd", joints, "/s"), wanted], joint_port("qdd", joints, "/s^2")
-        doc = f"Joint accelerations {words.meaning.format('acceleration', 'a')}."
-    return signature(mechanism, route.owner, name, inputs, [output, _STATUS], doc, f"{words.equation}; {_DAMPED}")
+def jacobian_step(mechanism: Mechanism, route: Route, path: PathFunctions) -> Step:
+    """q -> J."""
+    port = jacobian_port(route)
+    words = signature(mechanism, route.owner, "velocity_jacobian", (joint_port("q", route.joints),), (port,), "", words_of(route).source)
+    return Step(path.tape.function(words, flat(path.motion.kinematics.jacobian)), (*(port.name for port in words.inputs), port.name))
 
 
-def _jacobian(route: Route) -> Port:
+def rest_step(mechanism: Mechanism, route: Route, path: PathFunctions, rates: str) -> Step:
+    """q, `rates`, a -> J, rest."""
+    outputs = (jacobian_port(route), REST)
+    words = signature(mechanism, route.owner, "acceleration_jacobian", _moving(route), outputs, "", words_of(route).source)
+    kernel = path.tape.function(words, (*flat(path.motion.kinematics.jacobian), *_rest(path)))
+    names = (port.name for port in (*words.inputs, *outputs))
+    return Step(kernel, tuple(rates if name == "qd" else name for name in names))
+
+
+def _moving(route: Route) -> tuple[Port, Port, Port]:
+    return joint_port("q", route.joints), joint_port("qd", route.joints, "/s"), Port("a", (3,), "m/s^2")
+
+
+def _rest(path: PathFunctions) -> Vec:
+    """a - Jdot qd."""
+    wanted = vector(Port("a", (3,), "m/s^2"))
+    return path.tape.vector("wanted", minus(wanted, path.motion.kinematics.bias(path.motion.qd)[0]))
+
+
+def jacobian_port(route: Route) -> Port:
+    """The foot's Jacobian as what one step gives another."""
     return Port("J", (3, len(route.joints)), f"m/({joint_unit(route.joints)})")
 
 
-def _kernel(words: Signature, name: str, inputs: tuple[Port, ...], outputs: tuple[Port, ...]) -> Signature:
-    return Signature(words.robot, words.owner, name, inputs, outputs, "", words.source)
+def vector(port: Port) -> Vec:
+    """A port's three symbols."""
+    x, y, z = symbols_of(port)
+    return (x, y, z)
 
 
-def _vector(symbols: tuple[sympy.Symbol, ...]) -> Vec:
-    return (symbols[0], symbols[1], symbols[2])
-
-
-def _solve(mechanism: Mechanism, route: Route, rate: str, output: str) -> Step:
-    """Three joints have a routine of their own, which is faster."""
+def damped_step(mechanism: Mechanism, route: Route, rate: str, output: str, status: str, *, unsure: bool = False) -> Step:
+    """J, `rate` -> `output`, `status`; three joints have a routine of their own, which is faster but at poses that are `unsure`."""
     count = len(route.joints)
     damping = rate_damping(mechanism, route.limbs[-1])
-    if count == 3:
-        return Step("wg_damped_inverse_3", ("J", rate, *damping, output, "status"))
-    return Step("wg_damped_inverse", ("J", rate, count, *damping, output, "status"))
+    if count == 3 and not unsure:
+        return Step("wg_damped_inverse_3", ("J", rate, *damping, output, status))
+    return Step("wg_damped_inverse", ("J", rate, count, *damping, output, status))
+
+
+def exact(damping: tuple[Decimal, Decimal]) -> Damping:
+    """As rationals."""
+    epsilon, largest = (sympy.Rational(str(value)) for value in damping)
+    return Damping(epsilon, largest)
 
 
 def _closed_form(words: Signature, tape: Tape, columns: tuple[Vec, ...], rate: Vec, damping: tuple[Decimal, Decimal]) -> Function:
     """The same map without routines."""
-    epsilon, largest = (sympy.Rational(str(value)) for value in damping)
-    return tape.function(words, closed_rates(columns, rate, Damping(epsilon, largest), tape))
+    return tape.function(words, closed_rates(columns, rate, exact(damping), tape))

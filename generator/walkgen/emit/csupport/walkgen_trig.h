@@ -12,7 +12,7 @@
  * Error      at most, in units in the last place: sin and cos 0.85, atan2 1.65; with fused multiply-add sin and cos 0.80. In float
  *            measured on every angle, in double on some ten millions.
  * Together   where vectors of four are one instruction (walkgen_math.h), WG_SINCOS_3 and its like evaluate all their angles in one;
- *            each lane does what a single number does: the same bits.
+ *            where those of two doubles are, in pairs; each lane does what a single number does: the same bits.
  * Rounding   to nearest, as C programs start with.
  */
 #include "walkgen_math.h"
@@ -105,8 +105,16 @@ WG_INLINE WG_REAL WG_NAME(wg_atan2_lane)(WG_REAL y, WG_REAL x) {
     return extent <= WG_GREATEST_EXTENT ? near : WG_NAN;
 }
 
+#if defined(WALKGEN_VECTORS) || defined(WALKGEN_PAIRS)
+/* Of angles beyond the range and of points too near or too far. */
+WG_CALLED WG_REAL WG_NAME(wg_sin_alone)(WG_REAL x) { return WG_NAME(wg_sin)(x); }
+WG_CALLED WG_REAL WG_NAME(wg_cos_alone)(WG_REAL x) { return WG_NAME(wg_cos)(x); }
+WG_CALLED WG_REAL WG_NAME(wg_atan2_alone)(WG_REAL y, WG_REAL x) { return WG_NAME(wg_atan2)(y, x); }
+#endif
 #if defined(WALKGEN_VECTORS)
 #include "walkgen_trig_x4.h"
+#elif defined(WALKGEN_PAIRS)
+#include "walkgen_trig_x2.h"
 #endif
 
 #undef WG_LIBM

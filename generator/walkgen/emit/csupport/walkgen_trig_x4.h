@@ -51,11 +51,6 @@ WG_INLINE WG_T WG_TN(wg_copysign)(WG_T x, WG_T sign) {
 
 #include "walkgen_trig_kernel.h"
 
-/* Of angles beyond the range and of points too near or too far. */
-WG_CALLED WG_REAL WG_NAME(wg_sin_alone)(WG_REAL x) { return WG_NAME(wg_sin)(x); }
-WG_CALLED WG_REAL WG_NAME(wg_cos_alone)(WG_REAL x) { return WG_NAME(wg_cos)(x); }
-WG_CALLED WG_REAL WG_NAME(wg_atan2_alone)(WG_REAL y, WG_REAL x) { return WG_NAME(wg_atan2)(y, x); }
-
 /* Sines and cosines of four angles. */
 struct WG_NAME(wg_turned) {
     WG_REAL sine0, sine1, sine2, sine3, cosine0, cosine1, cosine2, cosine3;
