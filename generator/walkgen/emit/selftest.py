@@ -3,6 +3,7 @@
 Linkages are closed by Newton's method on all their loops at once, where the Program places dyad after dyad.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -29,35 +30,57 @@ Row = Sequence[Any]
 
 @dataclass(frozen=True)
 class Table:
-    """A constant array `name`[samples][columns]; `lines` are its rows, filled."""
+    """A constant array `name`[rows][columns]; `lines` are its rows, filled."""
 
     name: str
+    rows: int
     columns: int
     lines: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Check:
-    """One C function of the self-test: its tables, the lines run for each sample, the error allowed."""
+    """One C function of the self-test: its tables, the lines run for each sample, the error allowed.
+
+    `shared` gives the tables that other checks have too by the names under which all find them.
+    """
 
     name: str
     tables: tuple[Table, ...]
     samples: int
     lines: tuple[str, ...]
     tolerance: str
+    shared: tuple[tuple[str, Table], ...] = ()
 
 
 def selftest_artifact(code: RobotCode) -> Artifact:
     """`<robot>_test.c`: needs only libm and the library."""
     robot = code.mechanism
+    checks, tables = _sharing(tuple(_checks(robot, [body.signature for body in code.functions], dict(_starts(code)))))
     return lay_out(
         "robot_test.c.jinja",
         f"{robot.name}_test.c",
         banner=banner(code, "Self-test; expected values come from a 50-digit matrix walk over the mechanism, not from the generated code."),
         header=f"{robot.name}.h",
         parameters=[_literal(value) for value in defaults(robot).values()] or ["0.0"],
-        checks=list(_checks(robot, [body.signature for body in code.functions], dict(_starts(code)))),
+        tables=tables,
+        checks=checks,
     )
+
+
+def _sharing(checks: Sequence[Check]) -> tuple[list[Check], dict[str, Table]]:
+    """The checks without what several have alike, and that by names of its own: equal legs have many numbers in common."""
+    uses = Counter(table for check in checks for table in check.tables)
+    names = {table: f"{table.name}_{number}" for number, table in enumerate((table for table, count in uses.items() if count > 1), 1)}
+    own = [
+        replace(
+            check,
+            tables=tuple(table for table in check.tables if table not in names),
+            shared=tuple((names[table], table) for table in check.tables if table in names),
+        )
+        for check in checks
+    ]
+    return own, {name: table for table, name in names.items()}
 
 
 def _starts(code: RobotCode) -> Iterator[tuple[str, KnownStart]]:
@@ -263,7 +286,7 @@ def _input_tables(signature: Signature, rows: Sequence[Mapping[str, Row]]) -> tu
 
 
 def _table(name: str, rows: Sequence[Row]) -> Table:
-    return Table(name, len(rows[0]), tuple(line for row in rows for line in _row_lines(row)))
+    return Table(name, len(rows), len(rows[0]), tuple(line for row in rows for line in _row_lines(row)))
 
 
 def _row_lines(row: Row) -> Iterator[str]:

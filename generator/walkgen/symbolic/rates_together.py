@@ -9,7 +9,7 @@ from walkgen.model.mechanism import Mechanism
 from walkgen.signature import STATUSES, Port, Signature
 from walkgen.spec.scalar import ZERO
 from walkgen.symbolic.choices import both, chosen, either, less, same
-from walkgen.symbolic.forward import PathFunctions, Route, flat
+from walkgen.symbolic.forward import PathFunctions, Route
 from walkgen.symbolic.frames import Frame, expression, parameter_symbols
 from walkgen.symbolic.function import Epsilon, Function, Residue, Solve, Step
 from walkgen.symbolic.path import Kinematics, Path, path_of, quarter_turned
@@ -54,24 +54,10 @@ def _one_after_the_other(mechanism: Mechanism, route: Route, path: PathFunctions
     return (
         jacobian_step(mechanism, route, path),
         damped_step(mechanism, route, "v", "rates", "first", unsure=unsure),
-        _rest_step(mechanism, route, path),
+        rest_step(mechanism, route, path, "rates"),
         damped_step(mechanism, route, "rest", "further", "second", unsure=unsure),
         Step(_joined(mechanism, route), ("rates", "further", "first", "second", "qd", "qdd", "status")),
     )
-
-
-def _rest_step(mechanism: Mechanism, route: Route, path: PathFunctions) -> Step:
-    """q, J, rates, a -> rest; of a linkage, whose drives' slopes are not J's, all over again."""
-    kinematics = path.motion.kinematics
-    if not isinstance(kinematics, Kinematics):
-        return rest_step(mechanism, route, path, "rates")
-    port, rates = jacobian_port(route), _found(route)[0]
-    entries = zip(symbols_of(port), flat(kinematics.jacobian), strict=True)
-    rows = iter([known if known.is_number else symbol for symbol, known in entries])
-    columns = tuple((x, y, z) for x, y, z in zip(*(tuple(next(rows) for _ in route.joints) for _ in range(3)), strict=True))
-    rest = minus(vector(_A), kinematics.bias(symbols_of(rates), columns)[0])
-    words = signature(mechanism, route.owner, "rest_of_rates", (joint_port("q", route.joints), port, rates, _A), (REST,), "", "")
-    return Step(path.tape.function(words, rest), (*(each.name for each in words.inputs), REST.name))
 
 
 def _joined(mechanism: Mechanism, route: Route) -> Function:
