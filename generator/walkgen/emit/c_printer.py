@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Context, Decimal
+from functools import cached_property
 
 from walkgen.emit.walker import Form, Level, Text
 from walkgen.graph.passes import TOGETHER
@@ -106,7 +107,7 @@ class CPrinter:
     precision: Precision
     fma: bool
 
-    @property
+    @cached_property
     def forms(self) -> Mapping[Code, Form]:
         """One entry for each operation."""
         suffix = self.precision.suffix

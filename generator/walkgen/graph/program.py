@@ -18,6 +18,8 @@ class Code(Enum):
     that must not become jumps; `ATAN2` is (y, x); `EPSILON` is the distance from 1 to the target's next number.
     """
 
+    __hash__ = object.__hash__  # Enum's hashes names, in Python, where programs are compared a million times
+
     INPUT = "input"
     CONSTANT = "constant"
     NEG = "neg"
