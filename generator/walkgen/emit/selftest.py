@@ -3,10 +3,8 @@
 Linkages are closed by Newton's method on all their loops at once, where the Program places dyad after dyad.
 """
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_constants import limb_owner
@@ -16,6 +14,7 @@ from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out
 from walkgen.emit.reference import EXPECTED, Numbers, Sample, elements, sole_corners, sole_normal
 from walkgen.emit.samples import apart, is_regular, robot_rows, samples_of
+from walkgen.emit.selftest_tables import Check, Row, Table, literal, sharing, table
 from walkgen.model.classify import inverse_class
 from walkgen.model.closing import KnownStart
 from walkgen.model.mechanism import Limb, Mechanism
@@ -23,64 +22,21 @@ from walkgen.model.walk import CONTEXT, defaults, platform_poses
 from walkgen.signature import Port, Signature
 
 _TIGHT, _LOOSE = "1e-12", "1e-9"
-_WIDTH = 100
-
-Row = Sequence[Any]
-
-
-@dataclass(frozen=True)
-class Table:
-    """A constant array `name`[rows][columns]; `lines` are its rows, filled."""
-
-    name: str
-    rows: int
-    columns: int
-    lines: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Check:
-    """One C function of the self-test: its tables, the lines run for each sample, the error allowed.
-
-    `shared` gives the tables that other checks have too by the names under which all find them.
-    """
-
-    name: str
-    tables: tuple[Table, ...]
-    samples: int
-    lines: tuple[str, ...]
-    tolerance: str
-    shared: tuple[tuple[str, Table], ...] = ()
 
 
 def selftest_artifact(code: RobotCode) -> Artifact:
     """`<robot>_test.c`: needs only libm and the library."""
     robot = code.mechanism
-    checks, tables = _sharing(tuple(_checks(robot, [body.signature for body in code.functions], dict(_starts(code)))))
+    checks, tables = sharing(tuple(_checks(robot, [body.signature for body in code.functions], dict(_starts(code)))))
     return lay_out(
         "robot_test.c.jinja",
         f"{robot.name}_test.c",
         banner=banner(code, "Self-test; expected values come from a 50-digit matrix walk over the mechanism, not from the generated code."),
         header=f"{robot.name}.h",
-        parameters=[_literal(value) for value in defaults(robot).values()] or ["0.0"],
+        parameters=[literal(value) for value in defaults(robot).values()] or ["0.0"],
         tables=tables,
         checks=checks,
     )
-
-
-def _sharing(checks: Sequence[Check]) -> tuple[list[Check], dict[str, Table]]:
-    """The checks without what several have alike, and that by names of its own: equal legs have many numbers in common."""
-    uses = Counter(table for check in checks for table in check.tables)
-    names = {table: f"{table.name}_{number}" for number, table in enumerate((table for table, count in uses.items() if count > 1), 1)}
-    own = [
-        replace(
-            check,
-            tables=tuple(table for table in check.tables if table not in names),
-            shared=tuple((names[table], table) for table in check.tables if table in names),
-        )
-        for check in checks
-    ]
-    return own, {name: table for table, name in names.items()}
 
 
 def _starts(code: RobotCode) -> Iterator[tuple[str, KnownStart]]:
@@ -132,14 +88,14 @@ def _paths(robot: Mechanism) -> dict[str, tuple[Limb, ...]]:
 
 def _forward(signature: Signature, samples: Sequence[Sample]) -> Check:
     expected = [EXPECTED[signature.name](sample) for sample in samples]
-    tables = _input_tables(signature, [{"q": s.q, "qd": s.qd, "qdd": s.qdd, "f": s.f} for s in samples])
+    tables = _given(signature, [{"q": s.q, "qd": s.qd, "qdd": s.qdd, "f": s.f} for s in samples])
     return _compared(signature, tables, expected)
 
 
 def _compared(signature: Signature, tables: tuple[Table, ...], expected: Sequence[tuple[Numbers, ...]]) -> Check:
     """A check that outputs equal tables."""
     outputs = signature.outputs
-    wanted = [_table(f"{port.name}_expected", [row[place] for row in expected]) for place, port in enumerate(outputs)]
+    wanted = [table(f"{port.name}_expected", [row[place] for row in expected]) for place, port in enumerate(outputs)]
     lines = [f"double {port.name}[{port.size}];" for port in outputs]
     lines.append(f"{_call(signature, [port.name for port in outputs])};")
     lines += [f"worst = worse(worst, {port.name}, {port.name}_expected[sample], {port.size});" for port in outputs]
@@ -151,7 +107,7 @@ def _assembly(signature: Signature, samples: Sequence[Sample]) -> Check:
     out = [q for q in map(apart, samples) if q]
     rows = [*(sample.q for sample in samples), *out]
     expected = [[CONTEXT.zero]] * len(samples) + [[CONTEXT.one]] * len(out)
-    tables = (_table("q", rows), _table("status_expected", expected))
+    tables = (table("q", rows), table("status_expected", expected))
     lines = (f"worst = larger(worst, fabs({_call(signature, [])} - status_expected[sample][0]));",)
     return Check(signature.full_name, tables, len(rows), lines, _TIGHT)
 
@@ -163,7 +119,7 @@ def _call(signature: Signature, outputs: Sequence[str], **replaced: str) -> str:
 
 def _inverse(signature: Signature, samples: Sequence[Sample]) -> Check:
     """The foot's joint values are among the branches."""
-    tables = (_table("p", [s.position for s in samples]), _table("q_expected", [s.q for s in samples]))
+    tables = (table("p", [s.position for s in samples]), table("q_expected", [s.q for s in samples]))
     branches, joints = signature.outputs[0].sizes
     lines = (
         f"double q[{branches * joints}];",
@@ -180,7 +136,7 @@ def _inverse(signature: Signature, samples: Sequence[Sample]) -> Check:
 
 def _inverse_branch(signature: Signature, samples: Sequence[Sample]) -> Check:
     """The foot's joint values are on one of the branches."""
-    tables = (_table("p", [s.position for s in samples]), _table("q_expected", [s.q for s in samples]))
+    tables = (table("p", [s.position for s in samples]), table("q_expected", [s.q for s in samples]))
     joints, branches = signature.outputs[0].size, len(inverse_class(samples[0].mechanism, samples[0].limbs[-1]).branch_names)
     lines = (
         "double error = HUGE_VAL;",
@@ -206,7 +162,7 @@ def _inverse_rate(signature: Signature, samples: Sequence[Sample]) -> Check:
         f"worst = larger(worst, {_call(signature, [port.name for port in ports])} == WALKGEN_OK ? 0.0 : HUGE_VAL);",
         *(f"worst = worse(worst, {port.name}, {port.name}_expected[sample], {port.size});" for port in ports),
     )
-    tables = (*_input_tables(signature, rows), *(_table(f"{port.name}_expected", wanted[port.name]) for port in ports))
+    tables = (*_given(signature, rows), *(table(f"{port.name}_expected", wanted[port.name]) for port in ports))
     return Check(signature.full_name, tables, len(samples), lines, _LOOSE)
 
 
@@ -229,7 +185,7 @@ _INVERSES = {
 
 def _robot_check(robot: Mechanism, signature: Signature, rows: Sequence[Row], starts: Mapping[str, KnownStart]) -> Check:
     expected = [_ROBOT[signature.name](robot, q, starts) for q in rows]
-    return _compared(signature, _input_tables(signature, [{"q": q, "ground": _GROUND} for q in rows]), expected)
+    return _compared(signature, _given(signature, [{"q": q, "ground": _GROUND} for q in rows]), expected)
 
 
 def _platform_poses(robot: Mechanism, q: Row, starts: Mapping[str, KnownStart]) -> tuple[Numbers, ...]:
@@ -280,25 +236,6 @@ _ROBOT = {
 }
 
 
-def _input_tables(signature: Signature, rows: Sequence[Mapping[str, Row]]) -> tuple[Table, ...]:
+def _given(signature: Signature, rows: Sequence[Mapping[str, Row]]) -> tuple[Table, ...]:
     ports: list[Port] = [port for port in signature.inputs if port.name != "param"]
-    return tuple(_table(port.name, [row[port.name] for row in rows]) for port in ports)
-
-
-def _table(name: str, rows: Sequence[Row]) -> Table:
-    return Table(name, len(rows), len(rows[0]), tuple(line for row in rows for line in _row_lines(row)))
-
-
-def _row_lines(row: Row) -> Iterator[str]:
-    line = "{"
-    for value in row:
-        text = _literal(value)
-        if len(line) + len(text) > _WIDTH:
-            yield line.rstrip()
-            line = " "
-        line += f"{text}, "
-    yield line.rstrip(" ,") + "},"
-
-
-def _literal(value: Any) -> str:
-    return repr(float(value))
+    return tuple(table(port.name, [row[port.name] for row in rows]) for port in ports)
