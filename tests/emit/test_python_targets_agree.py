@@ -62,6 +62,12 @@ def near(found, expected, name):
     np.testing.assert_allclose(np.asarray(found) / scale, np.asarray(expected) / scale, rtol=0, atol=1e-13, err_msg=name)
 
 
+def near_as_a_whole(found, expected, name):
+    """To 1e-13 of the longest component: solves that take another order round a short one beside it as they do the long one."""
+    scale = max(1, np.abs(np.nan_to_num(expected)).max(initial=0))
+    near(np.asarray(found) / scale, np.asarray(expected) / scale, name)
+
+
 def interpreted(body, inputs, row):
     """The outputs of a Program, or of a Composite of Programs, each step interpreted."""
     values = {name: array[row].ravel() for name, array in inputs.items()}
@@ -121,8 +127,8 @@ def test_closed_forms_of_composites(robot):
                 good = np.atleast_1d(status[row]) == 0
                 compared += good.sum()
                 for value, other, third in zip(values, expected, symbolic, strict=True):
-                    near(value[row].reshape(len(good), -1)[good], other.reshape(len(good), -1)[good], body.signature.full_name)
-                    near(third, other, body.signature.full_name)
+                    near_as_a_whole(value[row].reshape(len(good), -1)[good], other.reshape(len(good), -1)[good], body.signature.full_name)
+                    near_as_a_whole(third, other, body.signature.full_name)
                     assert np.isnan(value[row].reshape(len(bad), -1)[bad]).all()
     assert compared > 0 or not any(isinstance(body, Composite) for body in robot.bodies)
 
