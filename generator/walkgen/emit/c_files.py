@@ -160,7 +160,7 @@ def _public(body: Program | Composite, known: Mapping[Program, CFunction], print
     return known[body] if isinstance(body, Program) else composite_function(body, known, printer)
 
 
-def _kernels(code: RobotCode, printer: CPrinter, laned: Container[Program]) -> dict[Program, CFunction]:
+def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -> dict[Program, CFunction]:
     """Every Program that Composites alone call, once each, as `<function>_kernel`, numbered where two share the name.
 
     What is called at one place becomes part of it, or a batch that takes up its caller would leave it behind.
@@ -172,7 +172,7 @@ def _kernels(code: RobotCode, printer: CPrinter, laned: Container[Program]) -> d
     taken: set[str] = set()
     for program, count in uses.items():
         name = _free(f"{function_name(program.signature, printer.precision)}_kernel", taken)
-        kernels[program] = kernel(program, name, printer, inlined=count == 1 and program not in laned)
+        kernels[program] = kernel(program, name, printer, inlined=count == 1 and program not in in_lanes)
     return kernels
 
 
