@@ -171,3 +171,15 @@ def test_limits_of_joint_torques(built):
         assert (found[1], found[5].shape) == (INFEASIBLE, (2,))
         assert certificate.shape == (6,)
         assert abs(found[3] @ DOWN - found[5] @ [20.0, 20.0] - 1.0) <= 1e-6
+
+
+def test_forces_along_the_normals_under_any_limit(built):
+    """All on the cones' axes, where the way to the boundary has a double root."""
+    robots = built(spec("contact_forces", "contact_forces_limited"))
+    row = np.zeros((1, 4, 3))
+    row[0, 0, 2] = 1.0
+    most = np.linspace(0.5, 24.5, 97)
+    for robot in (robots.c, robots.numpy):
+        f, status, *_ = robot.contact_forces_limited(SQUARE, [0, 0, 1], 0.5, DOWN, row, most[:, None])
+        assert (status == 0).all()
+        np.testing.assert_allclose(f[:, 0, 2], most, atol=1e-9)

@@ -209,12 +209,8 @@ def _longest(point: Point, step: Point) -> Array:
 def _cone_length(here: Array, change: Array) -> Array:
     """The least positive root of the boundary's quadratic equation."""
     a, b, c = ((p * _J * q).sum(-1) for p, q in ((change, change), (here, change), (here, here)))
-    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
-    smaller = np.where(
-        b <= 0.0, c / np.where(root - b > 0.0, root - b, 1.0), np.where(a < 0.0, (-b - root) / np.where(a < 0.0, a, 1.0), np.inf)
-    )
-    crosses = (b * b >= a * c) & ((b < 0.0) | (a < 0.0))
-    return np.where(crosses, smaller, np.inf)
+    below = np.sqrt(np.maximum(b * b - a * c, 0.0)) - b  # the roots are real: where they seem not to be they are one, along the axis
+    return np.where(below > 0.0, c / np.where(below > 0.0, below, 1.0), np.inf)
 
 
 def _thirds(x: Array, like: Array) -> Array:
