@@ -1,5 +1,6 @@
 """Fixtures that build robots from spec text, each text once a session."""
 
+import gc
 import hashlib
 import json
 import os
@@ -12,11 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import walkgen  # noqa: F401  # before any test imports sympy, whose cache it sets
+
 if TYPE_CHECKING:
     from oracles.backends import Built
     from walkgen.emit.artifact import RobotCode
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices here are small, and the tests' own processes fill the cores
+gc.set_threshold(200_000, 50, 100)  # derivations make many objects and few cycles: a tenth of the tests' time was the search for these
 
 GOLDEN = (5**0.5 - 1) / 2
 SPECS = Path(__file__).parents[1] / "specs"
