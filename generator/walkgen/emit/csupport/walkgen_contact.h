@@ -142,7 +142,7 @@ WG_CALLED int32_t WG_NAME(wg_contact_active)(int32_t k, const WG_REAL *points, c
 /* f [k,3] of least sum of weight |f|^2, NaN unless status is OK; state [k]; the balance that f lacks in violation. facets 0: circular
  * cones. INFEASIBLE: certificate . wrench = 1, while certificate . (f, p x f) is at least 0 for all forces that a foot can exert (with
  * n_max: the sum of its least values is above -1), and violation is a distance that all balanced forces have from the cones (infinite where
- * feet on a line cannot carry the moment). At most 35 kB of stack in double, 20 kB in float. */
+ * feet on a line cannot carry the moment). At most 36 kB of stack in double, 20 kB in float. */
 static inline void WG_NAME(wg_contact_least_squares)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
                                                      const WG_REAL *wrench, const WG_REAL *weight, const WG_REAL *n_max, int32_t facets,
                                                      struct WG_NAME(walkgen_contact_work) * work, WG_REAL *f, int32_t *status,

@@ -245,7 +245,7 @@ WG_CALLED int32_t WG_NAME(wg_contact_limit)(int32_t k, const WG_REAL *points, co
 
 /* As wg_contact_least_squares, with sum_i torque_rows[r,i] . f_i <= torque_limits[r] (rows [rows,k,3], at most WALKGEN_MAX_LIMITS).
  * INFEASIBLE: certificate . wrench - multipliers . torque_limits = 1, while certificate . (f, p x f) + multipliers . rows f is at least 0
- * for all forces that feet can exert. At most 130 kB of stack in double, 68 kB in float. */
+ * for all forces that feet can exert. At most 132 kB of stack in double, 69 kB in float. */
 static inline void WG_NAME(wg_contact_limited)(int32_t k, const WG_REAL *points, const WG_REAL *normals, const WG_REAL *mu,
                                                const WG_REAL *wrench,
                                                const WG_REAL *weight, const WG_REAL *n_max, int32_t facets, int32_t rows,
