@@ -22,14 +22,21 @@
 #define WG_RIGID WG_C(1e-5)
 #define WG_ZOOM 4
 #endif
+struct WG_NAME(wg_box);
+struct WG_NAME(wg_arm_state);
+
 /* Joints at q = 0, base to foot; `lever` leads from a joint's point to the next one's, the last to the foot. The target, which a product of
- * the joints' screws maps the foot and its axes to: `rows` is 3 for a position, 6 for a pose. With a `motion` there are no axes. */
+ * the joints' screws maps the foot and its axes to: `rows` is 3 for a position, 6 for a pose. Slopes are known to `rough` roundings. With a
+ * `motion` there are no axes, but `edges` where loops cease to close, `along_edges` of which leads to rest. */
 struct WG_NAME(wg_serial) {
     int n, rows, size, slides[WG_MOST_JOINTS];
     WG_REAL axis[WG_MOST_JOINTS][3], point[WG_MOST_JOINTS][3], lever[WG_MOST_JOINTS][3], foot[3];
     WG_REAL target[3], rotation[9], length, reach, tolerance;
     WG_NAME(wg_driven_foot) motion;
     const void *data;
+    int edges;
+    WG_REAL rough;
+    int (*along_edges)(const struct WG_NAME(wg_serial) *, const struct WG_NAME(wg_box) *, struct WG_NAME(wg_arm_state) *);
 };
 
 /* Joint values and what follows: columns of the Jacobian (rotations times `length`), directions of the axes that turn, the error. `edge` is
@@ -114,12 +121,13 @@ static inline void WG_NAME(wg_serial_error)(const struct WG_NAME(wg_serial) * ar
 /* Everything at the stance's q, by the arm's function. */
 static inline void WG_NAME(wg_driven_state)(const struct WG_NAME(wg_serial) * arm, struct WG_NAME(wg_arm_state) * at) {
     WG_REAL motion[WG_MOST_MOTION];
-    const int there = WG_NAME(wg_driven_foot_at)(arm->motion, arm->data, arm->n, arm->slides, arm->size, at->q, motion);
+    const int there = WG_NAME(wg_driven_foot_at)(arm->motion, arm->data, arm->edges, arm->n, arm->slides, arm->size, at->q,
+                                                  motion);
     int i, j;
     for (i = 0; i < 3; ++i) {
         at->error[i] = there ? motion[i] - arm->target[i] : WG_INFINITY;
         for (j = 0; j < arm->n; ++j) {
-            at->column[j][i] = there ? motion[3 + arm->n * i + j] : WG_C(0.0);
+            at->column[j][i] = there ? motion[3 + arm->edges + arm->n * i + j] : WG_C(0.0);
             at->column[j][3 + i] = at->turning[j][i] = WG_C(0.0);
         }
     }
@@ -231,6 +239,9 @@ static inline int WG_NAME(wg_serial_read)(const WG_REAL *geometry, const WG_REAL
     arm->rows = 3;
     arm->motion = NULL;
     arm->data = NULL;
+    arm->edges = 0;
+    arm->rough = WG_C(1.0);
+    arm->along_edges = NULL;
     arm->tolerance = WG_C(0.0);
     for (i = 0; fine && i < 3; ++i) {
         arm->tolerance = WG_MAX(arm->tolerance, WG_ABS(geometry[3 + i]));

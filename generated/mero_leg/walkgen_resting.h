@@ -33,7 +33,7 @@ static inline WG_REAL WG_NAME(wg_curvature)(const struct WG_NAME(wg_serial) * ar
     int k;
     WG_NAME(wg_cross)(a, at->column[j], second);
     for (k = 0; k < 3 && arm->motion; ++k) {
-        second[k] = motion[3 + 3 * arm->n + arm->n * (arm->n * k + i) + j];
+        second[k] = motion[(3 + arm->edges) * (1 + arm->n) + arm->n * (arm->n * k + i) + j];
     }
     sum = WG_NAME(wg_dot)(at->column[i], at->column[j]) + WG_NAME(wg_dot)(at->error, second);
     if (arm->rows == 6) {
@@ -53,7 +53,7 @@ static inline void WG_NAME(wg_second_order)(const struct WG_NAME(wg_serial) * ar
     WG_REAL motion[WG_MOST_MOTION];
     int i, j;
     if (arm->motion) {
-        (void)WG_NAME(wg_driven_foot_at)(arm->motion, arm->data, arm->n, arm->slides, arm->size, at->q, motion);
+        (void)WG_NAME(wg_driven_foot_at)(arm->motion, arm->data, arm->edges, arm->n, arm->slides, arm->size, at->q, motion);
     }
     for (i = 0; i < normal->count; ++i) {
         const int joint = normal->free[i];
@@ -128,11 +128,11 @@ static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, c
                                            struct WG_NAME(wg_arm_state) * at) {
     struct WG_NAME(wg_arm_state) after;
     struct WG_NAME(wg_normal) normal, next;
-    const WG_REAL size = WG_MAX(arm->reach, arm->length), flat = size * (at->gap + size), noise = WG_C(4.0) * WG_EPSILON * (at->gap + size);
+    const WG_REAL size = WG_MAX(arm->reach, arm->length), flat = size * (at->gap + size), least = WG_EPSILON * arm->rough;
     WG_REAL damping = WG_C(0.0), slope = WG_NAME(wg_free_joints)(arm, box, at, &normal), slope_after;
-    const WG_REAL calm = (arm->motion ? WG_C(1024.0) : WG_C(1.0)) * WG_EPSILON * flat; /* what roundings leave of a slope */
+    const WG_REAL noise = WG_MAX(WG_C(4.0), arm->rough / WG_C(256.0)) * WG_EPSILON * (at->gap + size); /* what roundings leave of a gap */
     int i;
-    for (i = 0; i < WG_RESTING_STEPS && slope > calm && damping < WG_C(1e6) * flat; ++i) {
+    for (i = 0; i < WG_RESTING_STEPS && slope > least * flat && damping < WG_C(1e6) * flat; ++i) {
         const int found = WG_NAME(wg_newton_step)(arm, box, at, &normal, damping, after.q);
         int better = found;
         if (found) {
@@ -150,7 +150,7 @@ static inline int WG_NAME(wg_slow_down)(const struct WG_NAME(wg_serial) * arm, c
             damping = WG_MAX(WG_C(10.0) * damping, WG_C(1e-7) * flat);
         }
     }
-    return slope <= WG_FLAT * flat;
+    return slope <= WG_MAX(WG_FLAT, least) * flat;
 }
 
 /* Whether the foot ends for a joint at the same value when the others move a little: else a way along the edge may lead down. */
@@ -184,14 +184,36 @@ static inline int WG_NAME(wg_edges_stand)(const struct WG_NAME(wg_serial) * arm,
     return stand;
 }
 
-/* Lead at->q to rest where no way leads down, at most three times past a saddle or on from where it is slow: whether it gets there. */
-static inline int WG_NAME(wg_come_to_rest)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
+/* Lead at->q to rest where no joint that may move leads down, at most three times past a saddle or on from where it is slow: whether it gets
+ * there. */
+static inline int WG_NAME(wg_settle_down)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
                                            struct WG_NAME(wg_arm_state) * at) {
     int i, rests = WG_NAME(wg_slow_down)(arm, box, at);
     for (i = 0; i < 3 && !WG_NAME(wg_serial_reaches)(arm, at) && (!rests || WG_NAME(wg_leave_saddle)(arm, box, at)); ++i) {
         rests = WG_NAME(wg_boxed_descent)(arm, box, at) || WG_NAME(wg_slow_down)(arm, box, at);
     }
-    return rests && WG_NAME(wg_edges_stand)(arm, box, at);
+    return rests;
+}
+
+/* Lead at->q to rest where no way leads down: whether it gets there. */
+static inline int WG_NAME(wg_come_to_rest)(const struct WG_NAME(wg_serial) * arm, const struct WG_NAME(wg_box) * box,
+                                           struct WG_NAME(wg_arm_state) * at) {
+    struct WG_NAME(wg_arm_state) along;
+    int j, rests = WG_NAME(wg_settle_down)(arm, box, at), plain = rests || WG_NAME(wg_serial_reaches)(arm, at);
+    for (j = 0; j < arm->n; ++j) {
+        plain = plain && at->edge[j] == 0;
+    }
+    if (plain || !arm->along_edges) {
+        return rests;
+    }
+    along = *at;
+    if (arm->along_edges(arm, box, &along)) {
+        *at = along;
+        return 1;
+    }
+    rests = rests && WG_NAME(wg_edges_stand)(arm, box, at);
+    *at = !rests && along.gap < at->gap ? along : *at;
+    return rests;
 }
 
 #undef WG_FLAT

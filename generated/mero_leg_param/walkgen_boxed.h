@@ -201,7 +201,7 @@ static inline int WG_NAME(wg_meet_edge)(const struct WG_NAME(wg_serial) * arm, i
 /* Where a step leads to where there is no foot: lead every joint that alone does so towards where the foot ends. Whether one was. */
 static inline int WG_NAME(wg_meet_edges)(const struct WG_NAME(wg_serial) * arm, const WG_REAL *after, struct WG_NAME(wg_arm_state) * at) {
     int j, met = 0;
-    for (j = 0; j < arm->n && arm->motion; ++j) {
+    for (j = 0; j < arm->n && arm->along_edges; ++j) {
         struct WG_NAME(wg_arm_state) tried = *at;
         tried.q[j] = after[j];
         WG_NAME(wg_serial_at)(arm, &tried);

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-OK, UNREACHABLE, BAD_INPUT, NO_CONVERGENCE = 0, 1, 2, 4
+OK, UNREACHABLE, BAD_INPUT = 0, 1, 2
 HEAD = """
 walkgen = 1
 robot = { name = "bot", gravity = [0, 0, -9.81] }
@@ -111,15 +111,14 @@ def test_no_pose_within_the_limits_is_closer(built, text):
 
 
 def test_edges_of_what_assembles(built):
-    """Cylinders that are longer than their dyads can stretch: closest may be where a dyad is stretched. What is said to be closest is."""
+    """Cylinders that are longer than their dyads can stretch: closest may be where a dyad is stretched."""
     leg = built(HEAD + YAW + CYLINDERS).c.legs["leg"]
     limits = np.array(leg.limits)
     p = targets(leg, limits, 10, 0.3)
     q, status = leg.inverse_admissible(p)
     assert leg.within_limits(q).all()
     assert np.isfinite(leg.foot_position(q)).all()
-    assert set(status) <= {OK, UNREACHABLE, NO_CONVERGENCE}
-    assert (status == NO_CONVERGENCE).mean() < 0.3
+    assert set(status) <= {OK, UNREACHABLE}
     for row in np.flatnonzero(status == UNREACHABLE)[:1]:
         assert missed(leg, q[row], p[row]) <= brought_closest(leg, limits, p[row]) + 1e-7
 

@@ -15,6 +15,7 @@ import sympy
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Body, Joint, Limb, Transform
 from walkgen.model.transform import QUARTER_TURN, X, Y, rotation
+from walkgen.spec.assur import SIDES, Triad
 from walkgen.spec.scalar import ZERO, neg
 from walkgen.symbolic.closure import forward_placing
 from walkgen.symbolic.frames import Parameters
@@ -50,6 +51,8 @@ class DrivenKinematics:
         self._motion = PlanarMotion(tape, self._drives, places)
         virtual = (*q[: self._serial], *self._at, tape.let("foot_angle", places[2].value), *self._distal)
         self._inner = Kinematics(path_of((*limbs[:-1], carrier(limbs[-1])), virtual, parameters), tape)
+        groups = [margin for margin in self.placing.margins if isinstance(margin.group, Triad) or SIDES[margin.group.kind]]
+        self._margins = tuple(Coordinate(f"{margin.group.name}_margin", tape.let("margin", margin.value)) for margin in groups)
 
     @property
     def carrier(self) -> Kinematics:
@@ -119,6 +122,20 @@ class DrivenKinematics:
         if 0 <= drive < len(self._drives):
             return {self._serial + place: row[drive] for place, row in enumerate(self._motion.slopes)}
         return {index if drive < 0 else drive - len(self._drives) + self._serial + _PLANAR: sympy.S.One}
+
+    def margins(self, most: int) -> tuple[tuple[sympy.Expr, tuple[sympy.Expr, ...], tuple[tuple[sympy.Expr, ...], ...]], ...]:
+        """Of dyads and triads that can cease to close, so many at most: how far they are from there, slopes and second derivatives by q."""
+        motion, count = PlanarMotion(self.tape, self._drives, self._margins[:most]), len(self._drives)
+        before, after = ([sympy.S.Zero] * number for number in (self._serial, self._beyond))
+        none = tuple([sympy.S.Zero] * (self._serial + count + self._beyond))
+        return tuple(
+            (
+                margin.value,
+                (*before, *slopes, *after),
+                (*(none for _ in before), *((*before, *row, *after) for row in bends), *(none for _ in after)),
+            )
+            for margin, slopes, bends in zip(self._margins, motion.slopes, motion.bends, strict=False)
+        )
 
     def link_frame(self, body: int) -> tuple[Columns, Vec]:
         """A link's axes, by columns, and its origin in the base's axes."""

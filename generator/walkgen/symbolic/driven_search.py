@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import sympy
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.closing import called_back
-from walkgen.symbolic.driven import kinematics_of
+from walkgen.symbolic.driven import DrivenKinematics
 from walkgen.symbolic.forward import Route
 from walkgen.symbolic.frames import expression, frame_of, parameter_symbols
 from walkgen.symbolic.function import Solve, Step
@@ -20,6 +21,7 @@ from walkgen.symbolic.screws import limits_of, limits_port, sequence_of
 from walkgen.symbolic.tape import Tape, Vec, dot, symbols_of
 
 _REACH = Port("reach", (), "m")
+_MOST_EDGES = 4
 _SOURCE = "Levenberg-Marquardt and Newton's method with exact derivatives of the placed linkage, from several starts"
 
 
@@ -29,7 +31,7 @@ def inverse_driven(mechanism: Mechanism, route: Route) -> Solve:
     doc = "Joint values near q_seed that bring the foot to p, within the limits if possible; the best found where nothing does."
     words = signature(mechanism, route.owner, "inverse_near", [TARGET, seed], [q, STATUS], doc, _SOURCE)
     searched = DrivenSearch(mechanism, route)
-    arguments = ("p", "q_seed", "limits", "reach", searched.sequence, searched.motion.signature.full_name, "q", "status")
+    arguments = ("p", "q_seed", "limits", "reach", searched.sequence, searched.edges, searched.motion.signature.full_name, "q", "status")
     steps = (searched.bounds, Step("wg_inverse_driven", arguments))
     linkage = route.limbs[-1].linkage
     followed = linkage is not None and linkage.forward.triads
@@ -84,13 +86,14 @@ class DrivenSearch:
     @property
     def closest(self) -> Step:
         """From the guess in q."""
-        arguments = ("p", "limits", "reach", self.sequence, self.motion.signature.full_name, "q", "status")
+        arguments = ("p", "limits", "reach", self.sequence, self.edges, self.motion.signature.full_name, "q", "status")
         return Step("wg_closest_driven", arguments, ("wg_any_unreachable", ("status", 1)))
 
     @property
     def nearer(self) -> Step:
         """The solution in q, or one that is nearer to the seed."""
-        return Step("wg_nearer_driven", ("p", "q_seed", "limits", "reach", self.sequence, self.motion.signature.full_name, "q", "status"))
+        given = ("p", "q_seed", "limits", "reach", self.sequence, self.edges, self.motion.signature.full_name)
+        return Step("wg_nearer_driven", (*given, "q", "status"))
 
     def within(self, rows: str, states: str, slots: int) -> tuple[Step, ...]:
         """The row that fits the limits best; where none does, what comes closest."""
@@ -98,14 +101,26 @@ class DrivenSearch:
         return (self.bounds, chosen, self.closest)
 
     @property
+    def edges(self) -> int:
+        """How many margins the routines are told."""
+        count = len(self.route.joints)
+        return self.motion.signature.outputs[0].size // (1 + count + count**2) - 3
+
+    @cached_property
     def motion(self) -> Solve:
-        """The foot with its derivatives, as the routines call it."""
+        """The foot and margins with their derivatives, as the routines call it."""
         port, tape = joint_port("q", self.route.joints), Tape()
-        kinematics = kinematics_of(self.route.limbs, symbols_of(port), parameter_symbols(self.mechanism), tape)
+        linkage = self.route.limbs[-1].linkage
+        assert linkage is not None
+        kinematics = DrivenKinematics(self.route.limbs, linkage, symbols_of(port), parameter_symbols(self.mechanism), tape)
         count = len(self.route.joints)
         seconds = {pair: kinematics.second(*pair) for pair in ((i, j) for j in range(count) for i in range(j + 1))}
-        values = [*kinematics.position, *(column[row] for row in range(3) for column in kinematics.jacobian)]
+        margins = kinematics.margins(_MOST_EDGES)
+        values = [*kinematics.position, *(value for value, _, _ in margins)]
+        values += [column[row] for row in range(3) for column in kinematics.jacobian]
+        values += [slope for _, slopes, _ in margins for slope in slopes]
         values += [seconds[min(i, j), max(i, j)][row] for row in range(3) for i in range(count) for j in range(count)]
+        values += [bend for _, _, bends in margins for row in bends for bend in row]
         words = signature(self.mechanism, self.route.owner, "motion_at", [port], [Port("motion", (len(values),))], "", "")
         return called_back(tape.function(words, values), "motion")
 

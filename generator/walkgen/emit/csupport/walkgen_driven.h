@@ -3,6 +3,7 @@
  *
  * The searches of walkgen_within.h and walkgen_reach.h, with as many steps at most; where there is no foot, no step goes.
  */
+#include "walkgen_edges.h"
 #include "walkgen_reach.h"
 #include "walkgen_within.h"
 
@@ -33,10 +34,10 @@ static inline void WG_NAME(wg_no_geometry)(struct WG_NAME(wg_serial) * arm) {
 
 /* The arm from its function and its target, lengths scaled by a power of 2 to about 1; a target very far away comes nearer: only its
  * direction counts. Whether there is one. */
-static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int32_t sequence, WG_NAME(wg_driven_foot) motion,
-                                          const void *data, struct WG_NAME(wg_serial) * arm) {
+static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int32_t sequence, int32_t edges,
+                                          WG_NAME(wg_driven_foot) motion, const void *data, struct WG_NAME(wg_serial) * arm) {
     WG_REAL farthest = WG_C(0.0);
-    int i, far, fine = sequence > 1 && sequence < (2 << WG_MOST_JOINTS) && reach > WG_C(0.0) && reach <= WG_HUGE;
+    int i, far, fine = sequence > 1 && sequence < (2 << WG_MOST_JOINTS) && edges >= 0 && edges <= WG_MOST_EDGES && reach > WG_C(0.0) && reach <= WG_HUGE;
     for (i = 0; i < 3; ++i) {
         fine = fine && isfinite(p[i]);
         farthest = WG_MAX(farthest, WG_ABS(p[i]));
@@ -47,6 +48,9 @@ static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int
     WG_NAME(wg_no_geometry)(arm);
     arm->n = WG_NAME(wg_joints_of)(sequence);
     arm->rows = 3;
+    arm->edges = edges;
+    arm->rough = WG_C(1024.0);
+    arm->along_edges = WG_NAME(wg_along_edges);
     arm->motion = motion;
     arm->data = data;
     (void)WG_LIBM(frexp)(reach, &arm->size);
@@ -67,11 +71,11 @@ static inline int WG_NAME(wg_driven_read)(const WG_REAL p[3], WG_REAL reach, int
 /* As wg_closest_within: where the status is UNREACHABLE, q [n] becomes the joint values within the limits [n, 2] that bring the foot
  * closest to p, from a guess. `reach` is about how far the foot gets. Where no q that is tried has a foot the guess stays, NO_CONVERGENCE. */
 static inline void WG_NAME(wg_closest_driven)(const WG_REAL *WG_RESTRICT p, const WG_REAL *WG_RESTRICT limits, WG_REAL reach,
-                                              int32_t sequence, WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
+                                              int32_t sequence, int32_t edges, WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
                                               int32_t *WG_RESTRICT status) {
     struct WG_NAME(wg_serial) arm;
     if (*status == WALKGEN_UNREACHABLE) {
-        if (WG_NAME(wg_driven_read)(p, reach, sequence, motion, data, &arm)) {
+        if (WG_NAME(wg_driven_read)(p, reach, sequence, edges, motion, data, &arm)) {
             WG_NAME(wg_closest)(&arm, limits, q, status);
         } else {
             WG_NAME(wg_no_row)(WG_NAME(wg_joints_of)(sequence), q, status);
@@ -82,10 +86,10 @@ static inline void WG_NAME(wg_closest_driven)(const WG_REAL *WG_RESTRICT p, cons
 /* As wg_inverse_reach: joint values [n] near a seed [n] that bring the foot to p, within the limits [n, 2] if that can be. */
 static inline void WG_NAME(wg_inverse_driven)(const WG_REAL *WG_RESTRICT p, const WG_REAL *WG_RESTRICT seed,
                                               const WG_REAL *WG_RESTRICT limits, WG_REAL reach, int32_t sequence,
-                                              WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
+                                              int32_t edges, WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
                                               int32_t *WG_RESTRICT status) {
     struct WG_NAME(wg_serial) arm;
-    if (WG_NAME(wg_driven_read)(p, reach, sequence, motion, data, &arm)) {
+    if (WG_NAME(wg_driven_read)(p, reach, sequence, edges, motion, data, &arm)) {
         WG_NAME(wg_inverse_near)(&arm, seed, limits, q, status);
     } else {
         WG_NAME(wg_no_row)(WG_NAME(wg_joints_of)(sequence), q, status);
@@ -96,7 +100,7 @@ static inline void WG_NAME(wg_inverse_driven)(const WG_REAL *WG_RESTRICT p, cons
  * neither is one, what wg_inverse_driven finds. */
 static inline void WG_NAME(wg_nearer_driven)(const WG_REAL *WG_RESTRICT p, const WG_REAL *WG_RESTRICT seed,
                                              const WG_REAL *WG_RESTRICT limits, WG_REAL reach, int32_t sequence,
-                                             WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
+                                             int32_t edges, WG_NAME(wg_driven_foot) motion, const void *data, WG_REAL *WG_RESTRICT q,
                                              int32_t *WG_RESTRICT status) {
     const int known = *status == WALKGEN_OK || *status == WALKGEN_SINGULAR;
     struct WG_NAME(wg_serial) arm;
@@ -104,7 +108,7 @@ static inline void WG_NAME(wg_nearer_driven)(const WG_REAL *WG_RESTRICT p, const
     struct WG_NAME(wg_box) bounds;
     WG_REAL row[WG_MOST_JOINTS], apart;
     int j;
-    if (!WG_NAME(wg_driven_read)(p, reach, sequence, motion, data, &arm) || !WG_NAME(wg_read_limits)(&arm, limits, &bounds) ||
+    if (!WG_NAME(wg_driven_read)(p, reach, sequence, edges, motion, data, &arm) || !WG_NAME(wg_read_limits)(&arm, limits, &bounds) ||
         !WG_NAME(wg_read_seed)(&arm, &bounds, seed, search.seed)) {
         WG_NAME(wg_no_row)(WG_NAME(wg_joints_of)(sequence), q, status);
         return;

@@ -79,7 +79,7 @@ def _descended(arm: Arm, box: Box, at: Stance, factor: Reals) -> tuple[Truths, R
     short = ~(np.max(np.abs(step), axis=-1) > EPSILON)
     last = np.where(better, reached & (after.gap > 0.25 * at.gap), reached | short)
     calmer = np.where(better, np.maximum(0.3 * factor, 1e-3), 8.0 * factor)
-    astray = np.flatnonzero(~np.isfinite(after.gap)) if arm.motion else np.zeros(0, np.intp)
+    astray = np.flatnonzero(~np.isfinite(after.gap)) if arm.ends else np.zeros(0, np.intp)
     at = move_to(at, after, better)
     if astray.size:
         met, found = meet_edges(arm.take(astray), after.q[astray], at.take(astray))

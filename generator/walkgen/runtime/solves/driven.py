@@ -19,7 +19,7 @@ _OK, _UNREACHABLE, _BAD_INPUT, _SINGULAR = (STATUSES.index(name) for name in ("O
 
 
 def closest_driven(
-    p: ArrayLike, limits: ArrayLike, reach: ArrayLike, sequence: int, callback: Callback, q: ArrayLike, status: ArrayLike
+    p: ArrayLike, limits: ArrayLike, reach: ArrayLike, sequence: int, edges: int, callback: Callback, q: ArrayLike, status: ArrayLike
 ) -> tuple[Reals, Integers]:
     """Where the status is UNREACHABLE, the joint values within the limits that bring the foot closest to a position.
 
@@ -28,7 +28,8 @@ def closest_driven(
         limits: lower and upper [..., n, 2], infinite where there is none.
         reach: about how far the foot gets [...], m.
         sequence: 1, then a binary digit a joint, base to foot: 0 turns, 1 slides; 1 <= n <= 16.
-        callback: the foot.
+        edges: how many margins the callback gives.
+        callback: the foot and margins.
         q: a guess [..., n].
         status: of the guess [...].
 
@@ -42,13 +43,13 @@ def closest_driven(
     values, states = guess.copy(), state.astype(np.int32)
     asked = np.flatnonzero(states == _UNREACHABLE)
     if asked.size:
-        motion = Motion(function, tuple(data)).take(asked)
+        motion = Motion(function, tuple(data), edges).take(asked)
         values[asked], states[asked] = all_closest(*_arm(target[asked], far[asked], sequence, motion), bounds[asked], guess[asked])
     return values.reshape(*shape, guess.shape[-1]), states.reshape(shape)
 
 
 def inverse_driven(
-    p: ArrayLike, q_seed: ArrayLike, limits: ArrayLike, reach: ArrayLike, sequence: int, callback: Callback
+    p: ArrayLike, q_seed: ArrayLike, limits: ArrayLike, reach: ArrayLike, sequence: int, edges: int, callback: Callback
 ) -> tuple[Reals, Integers]:
     """Joint values near a seed that bring the foot to a position.
 
@@ -58,6 +59,7 @@ def inverse_driven(
         limits: as of `closest_driven`; a solution within them goes before others.
         reach: as of `closest_driven`.
         sequence: as of `closest_driven`.
+        edges: as of `closest_driven`.
         callback: as of `closest_driven`.
 
     Returns:
@@ -65,11 +67,19 @@ def inverse_driven(
     """
     function, *given = callback
     shape, (target, seed, bounds, far, *data) = flat_rows((p, q_seed, limits, reach, *given), (1, 1, 2, 0, *(1 for _ in given)))
-    return answered(*_arm(target, far, sequence, Motion(function, tuple(data))), seed, bounds, shape)
+    return answered(*_arm(target, far, sequence, Motion(function, tuple(data), edges)), seed, bounds, shape)
 
 
 def nearer_driven(
-    p: ArrayLike, q_seed: ArrayLike, limits: ArrayLike, reach: ArrayLike, sequence: int, callback: Callback, q: ArrayLike, status: ArrayLike
+    p: ArrayLike,
+    q_seed: ArrayLike,
+    limits: ArrayLike,
+    reach: ArrayLike,
+    sequence: int,
+    edges: int,
+    callback: Callback,
+    q: ArrayLike,
+    status: ArrayLike,
 ) -> tuple[Reals, Integers]:
     """A solution, or one that a descent from the seed comes to, whichever is nearer to the seed.
 
@@ -79,6 +89,7 @@ def nearer_driven(
         limits: as of `inverse_driven`.
         reach: as of `inverse_driven`.
         sequence: as of `inverse_driven`.
+        edges: as of `inverse_driven`.
         callback: as of `inverse_driven`.
         q: joint values [..., n].
         status: theirs [...]; a solution where OK or SINGULAR.
@@ -89,7 +100,7 @@ def nearer_driven(
     function, *given = callback
     inputs, ranks = (p, q_seed, limits, reach, q, status, *given), (1, 1, 2, 0, 1, 0, *(1 for _ in given))
     shape, (target, seed, bounds, far, row, state, *data) = flat_rows(inputs, ranks)
-    arm, fine = _arm(target, far, sequence, Motion(function, tuple(data)))
+    arm, fine = _arm(target, far, sequence, Motion(function, tuple(data), edges))
     values, states = answered(None, fine, seed, bounds, (len(row),))
     known = (state == _OK) | (state == _SINGULAR)
     if arm is not None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from walkgen.runtime.solves.boxed import Box
-from walkgen.runtime.solves.resting import come_to_rest
+from walkgen.runtime.solves.edges import come_to_rest
 from walkgen.runtime.solves.rows import Integers, Reals, Truths
 from walkgen.runtime.solves.search import Search, bounding, fitted, read_limits, read_seed, searched
 from walkgen.runtime.solves.serial import Arm, Stance, every, reaches, read_arm, read_pose, some

@@ -16,11 +16,14 @@ _STEPS = 200
 _SADDLE_STEPS = 16
 _SADDLES = 3
 _FLAT = 1e-10
-_LITTLE, _ROUGH = 1e-3, 1024.0
+_LITTLE, _CALM = 1e-3, 256.0
 
 
-def come_to_rest(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
-    """Lead stances to rest where no way leads down, at most three times past a saddle or on from where it is slow: which get there [b]."""
+def settle_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
+    """Lead stances to rest where no joint that may move leads down: which get there [b].
+
+    At most three times past a saddle or on from where it is slow.
+    """
     at, rests = _slowed_down(arm, box, at)
     for _ in range(_SADDLES):
         astray, saddles = np.flatnonzero(~reaches(arm, at)), np.flatnonzero(~reaches(arm, at) & rests)
@@ -32,10 +35,10 @@ def come_to_rest(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
         below, there = boxed_descent(arm.take(rows), box.take(rows), at.q[rows])
         still, ends = _slowed_down(arm.take(rows), box.take(rows), below)
         at, rests[rows] = at.put(rows, below).put(rows[~there], still.take(np.flatnonzero(~there))), there | ends
-    return at, rests & _edges_stand(arm, box, at) if arm.motion else rests
+    return at, rests
 
 
-def _edges_stand(arm: Arm, box: Box, at: Stance) -> Truths:
+def edges_stand(arm: Arm, box: Box, at: Stance) -> Truths:
     """Whether the foot ends for joints at the same values when others move a little [b]: else a way along an edge may lead down."""
     stand, n = np.ones(len(at.q), bool), at.q.shape[1]
     for joint, other, way, side in product(range(n), range(n), (-1.0, 1.0), (-1.0, 1.0)):
@@ -52,8 +55,9 @@ def _edges_stand(arm: Arm, box: Box, at: Stance) -> Truths:
 def _slowed_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
     """Lead stances to where no joint that may move brings the foot nearer, be it a saddle: whether they get there in 200 steps."""
     size = np.maximum(arm.reach, arm.length)
-    flat, noise = size * (at.gap + size), 4.0 * EPSILON * (at.gap + size)
-    damping, fine = np.zeros(len(flat)), EPSILON * (_ROUGH if arm.motion else 1.0)
+    rough = arm.motion.rough if arm.motion else 1.0
+    flat, noise = size * (at.gap + size), max(4.0, rough / _CALM) * EPSILON * (at.gap + size)
+    damping, fine = np.zeros(len(flat)), EPSILON * rough
     for _ in range(_STEPS):
         free, slope = free_joints(box, at)
         steep = norm(slope)
@@ -67,12 +71,12 @@ def _slowed_down(arm: Arm, box: Box, at: Stance) -> tuple[Stance, Truths]:
         calm = np.where(damping[rows] < 1e-6 * flat[rows], 0.0, 0.1 * damping[rows])
         damped = np.where(better, calm, np.maximum(10.0 * damping[rows], 1e-7 * flat[rows]))
         here = move_to(at.take(rows), after, better)
-        astray = np.flatnonzero(found & ~np.isfinite(after.gap)) if arm.motion else np.zeros(0, np.intp)
+        astray = np.flatnonzero(found & ~np.isfinite(after.gap)) if arm.ends else np.zeros(0, np.intp)
         if astray.size:
             met, moved = meet_edges(arm.take(rows[astray]), after.q[astray], here.take(astray))
             here, damped[astray] = here.put(astray, moved), np.where(met, damping[rows[astray]], damped[astray])
         damping[rows], at = damped, at.put(rows, here)
-    return at, norm(free_joints(box, at)[1]) <= _FLAT * flat
+    return at, norm(free_joints(box, at)[1]) <= max(_FLAT, fine) * flat
 
 
 def _newton_step(matrix: Reals, free: Truths, slope: Reals, damping: Reals) -> tuple[Reals, Truths]:
@@ -118,7 +122,7 @@ def curvature(arm: Arm, at: Stance) -> Reals:
     if arm.motion is None:
         second = np.cross(turning[:, :, None, :], columns[:, None, :, :3])
     else:
-        second = np.moveaxis(arm.motion.at(arm.sliding, arm.size, at.q)[2], 1, -1)
+        second = np.moveaxis(arm.motion.at(arm.sliding, arm.size, at.q)[2][:, :3], 1, -1)
     matrix = matrix + np.einsum("bijk,bk->bij", second, at.error[:, :3])
     if arm.rotation is not None:
         vector = at.error[:, 3:] / arm.length[:, None]

@@ -21,38 +21,52 @@ EPSILON = float(np.finfo(float).eps)
 TOLERANCE = 1e-12
 _RIGID = 1e-6
 FAR = 20
+_POSITION = 3
 
 
 @dataclass(frozen=True)
 class Motion:
     """The function of q [b, n] that describes the chains instead of their axes, in the caller's lengths; what it takes after q [b, ...].
 
-    It gives the foot [3], its Jacobian [3, n] and second derivatives [3, n, n] in one row [b, 3 (1 + n + n n)], NaN where there is no foot.
+    It gives the foot [3] and margins [edges], their slopes [3 + edges, n] and second derivatives [3 + edges, n, n] in one row
+    [b, (3 + edges) (1 + n + n n)], NaN where there is no foot. A margin has no unit, it is positive where loops close and 0 where they
+    cease to, and goes there in proportion to q. Or it is `charted`, see `walkgen.runtime.solves.edges`.
     """
 
     function: Callable[..., Reals]
     data: tuple[Reals, ...]
+    edges: int = 0
+    charted: bool = False
+
+    @property
+    def rough(self) -> float:
+        """How many roundings slopes are known to."""
+        return EPSILON**-0.5 if self.charted else 1024.0
 
     def take(self, rows: Places) -> "Motion":
         """Some rows."""
-        return Motion(self.function, tuple(item[rows] for item in self.data))
+        return replace(self, data=tuple(item[rows] for item in self.data))
 
     def at(self, sliding: Truths, size: Integers, q: Reals) -> tuple[Reals, Reals, Reals, Truths]:
-        """Foot [b, 3], Jacobian [b, 3, n], second derivatives [b, 3, n, n] at q, all in the scale 2^-size [b]; which rows have them."""
-        n, count = len(sliding), len(q)
+        """Foot and margins [b, 3 + edges], their slopes [.., n] and second derivatives [.., n, n] at q, all in the scale 2^-size [b].
+
+        And which rows have a foot.
+        """
+        n, count, rows = len(sliding), len(q), 3 + self.edges
         with np.errstate(all="ignore"):
             own = np.where(sliding, np.ldexp(q, size[:, None]), q)
-            values = np.asarray(self.function(own, *self.data), float).reshape(count, 3 * (1 + n + n * n))
-            foot, slopes, bends = (
-                values[:, :3],
-                values[:, 3 : 3 + 3 * n].reshape(count, 3, n),
-                values[:, 3 + 3 * n :].reshape(count, 3, n, n),
+            values = np.asarray(self.function(own, *self.data), float).reshape(count, rows * (1 + n + n * n))
+            feet, slopes, bends = (
+                values[:, :rows],
+                values[:, rows : rows * (1 + n)].reshape(count, rows, n),
+                values[:, rows * (1 + n) :].reshape(count, rows, n, n),
             )
-            units = sliding.astype(int)
-            foot = np.ldexp(foot, -size[:, None])
-            slopes = np.ldexp(slopes, (units - 1) * size[:, None, None])
-            bends = np.ldexp(bends, (units[:, None] + units - 1) * size[:, None, None, None])
-        return foot, slopes, bends, every(np.isfinite(values))
+            units, lengths = sliding.astype(int), (np.arange(rows) < _POSITION).astype(int)
+            feet = np.ldexp(feet, -lengths * size[:, None])
+            slopes = np.ldexp(slopes, (units - lengths[:, None]) * size[:, None, None])
+            bends = np.ldexp(bends, (units[:, None] + units - lengths[:, None, None]) * size[:, None, None, None])
+        there = every(np.isfinite(feet[:, :3])) & every(every(np.isfinite(slopes[:, :3]))) & np.isfinite(bends[:, :3]).all((1, 2, 3))
+        return feet, slopes, bends, there
 
 
 @dataclass(frozen=True)
@@ -76,6 +90,11 @@ class Arm:
     reach: Reals
     tolerance: Reals
     motion: Motion | None = None
+
+    @property
+    def ends(self) -> bool:
+        """Whether edges where the foot ends are to be met."""
+        return self.motion is not None and not self.motion.charted
 
     def take(self, rows: Places) -> "Arm":
         """Some rows."""
@@ -222,9 +241,9 @@ def stance_at(arm: Arm, q: Reals) -> Stance:
 
 
 def _moved_to(arm: Arm, motion: Motion, q: Reals) -> Stance:
-    foot, slopes, _, there = motion.at(arm.sliding, arm.size, q)
-    error = np.where(there[:, None], foot - arm.target, np.inf)
-    jacobian = np.where(there[:, None, None], slopes, 0.0)
+    feet, slopes, _, there = motion.at(arm.sliding, arm.size, q)
+    error = np.where(there[:, None], feet[:, :_POSITION] - arm.target, np.inf)
+    jacobian = np.where(there[:, None, None], slopes[:, :_POSITION], 0.0)
     return Stance(q, jacobian, np.zeros((*q.shape, 3)), error, norm(error), np.zeros_like(q))
 
 

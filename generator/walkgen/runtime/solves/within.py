@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from walkgen.runtime.solves.boxed import boxed_descent
+from walkgen.runtime.solves.edges import come_to_rest
 from walkgen.runtime.solves.reach import flat_rows, in_the_callers_scale
-from walkgen.runtime.solves.resting import come_to_rest
 from walkgen.runtime.solves.rows import Integers, Reals, Truths
 from walkgen.runtime.solves.search import SPREAD_STARTS, Search, bounding, fitted, read_limits, read_seed, spread_starts
 from walkgen.runtime.solves.serial import Arm, Places, Stance, reaches, read_arm, stance_at
