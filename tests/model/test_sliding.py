@@ -36,3 +36,33 @@ def test_far_out_and_back():
     assert (status == OK).all()
     assert slid(back[:, 0]) == pytest.approx(1, rel=1e-9)
     assert set(close_triads(2, [[1.0], [1.1], [2.0]], start, (running_off,))[1]) <= {UNREACHABLE, NO_CONVERGENCE}
+
+
+def coming_back(least):
+    """A slider's way w with w ((1 - z)^2 + least^2) = 1: far out at z = 1, but not infinite."""
+
+    def closure(points):
+        z, u, y = np.moveaxis(points, -1, 0)
+        rate, none, inverse = 1 + 3 * u**2 / 16, np.zeros_like(u), (1 - z) ** 2 + least**2
+        return np.stack([slid(u) * inverse - 1, y - u / 4, rate * inverse, none, none - 0.25, none + 1], -1)
+
+    return closure
+
+
+def test_beyond_infinity_ends_early():
+    """In less than half of the 400 steps; what comes back from far out is still followed."""
+    parts = []
+
+    def counted(points):
+        parts.append(len(points))
+        return running_off(points)
+
+    start = np.array([0.0, unslid(1.0), unslid(1.0) / 4])
+    status = close_triads(2, [[2.0]], start, (counted,))[1]
+    assert status == NO_CONVERGENCE
+    assert sum(parts) < 1000  # 2059 in all 400 steps
+    for least in (0.1, 0.05, 0.02):
+        far = unslid(1 / (1 + least**2))
+        u, status = close_triads(2, [[2.0]], [0.0, far, far / 4], (coming_back(least),))
+        assert status == OK
+        assert slid(u[0, 0]) == pytest.approx(1 / (1 + least**2), rel=1e-9)

@@ -7,6 +7,9 @@
  * between assemblies on both sides of a dead point; and where it is much the same halfway, as it is not where the linkage comes to a dead point and
  * back. Else it is cut to a quarter. The guess after the first step is the secant's. So the result is the assembly that the linkage moves to from
  * the start without passing a dead point, or none.
+ *
+ * A slider that runs off to infinity ends this early: far out, one over its way u + u^3 / 16 goes to 0 in proportion to the part. Where it has done so for three
+ * halvings and is 0 before the end of the way, the way leads beyond infinity.
  */
 #include "walkgen_math.h"
 #include "walkgen_status.h"
@@ -15,6 +18,8 @@
 #ifndef WG_MOST_UNKNOWNS
 #define WG_MOST_UNKNOWNS 8
 #define WG_MOST_OF_POINT 128
+#define WG_FAR_OUT WG_C(6.0)
+#define WG_STEADY WG_C(0.02)
 #endif
 #if WG_REAL_BITS == 64
 #define WALKGEN_TRIADS_F64
@@ -184,8 +189,43 @@ static inline int WG_NAME(wg_triads_step)(struct WG_NAME(wg_triads_way) * linkag
     return 1;
 }
 
+/* How the farthest unknown went out: which, at which part one over its way was halved last, how fast it fell, and for how many halvings alike. */
+struct WG_NAME(wg_triads_flight) {
+    int unknown, alike;
+    WG_REAL part, inverse, rate;
+};
+
+/* Whether the farthest unknown runs off to infinity before the end of the way. */
+static inline int WG_NAME(wg_triads_runs_off)(const struct WG_NAME(wg_triads_way) * linkage, struct WG_NAME(wg_triads_flight) * flight) {
+    WG_REAL inverse, rate;
+    int i, far = 0;
+    for (i = 1; i < linkage->unknowns; ++i) {
+        far = WG_ABS(linkage->u[i]) > WG_ABS(linkage->u[far]) ? i : far;
+    }
+    if (!(WG_ABS(linkage->u[far]) > WG_FAR_OUT)) {
+        flight->unknown = -1;
+        return 0;
+    }
+    inverse = WG_C(1.0) / (linkage->u[far] * (WG_C(16.0) + linkage->u[far] * linkage->u[far])); /* of 16 times the way in sizes */
+    if (flight->unknown != far || !(inverse / flight->inverse <= WG_C(1.0))) {
+        flight->unknown = far;
+        flight->alike = 0;
+        flight->rate = WG_C(0.0);
+    } else if (inverse / flight->inverse <= WG_C(0.5)) {
+        rate = (flight->inverse - inverse) / (linkage->part - flight->part);
+        flight->alike = WG_ABS(rate - flight->rate) <= WG_STEADY * WG_ABS(rate) ? flight->alike + 1 : 0;
+        flight->rate = rate;
+    } else {
+        return 0;
+    }
+    flight->part = linkage->part;
+    flight->inverse = inverse;
+    return flight->alike >= 2 && linkage->part + WG_C(1.25) * inverse / flight->rate < WG_C(1.0);
+}
+
 /* From the start to the drives. */
 static inline int32_t WG_NAME(wg_triads_move)(struct WG_NAME(wg_triads_way) * linkage) {
+    struct WG_NAME(wg_triads_flight) flight = {-1, 0, WG_C(0.0), WG_C(0.0), WG_C(0.0)};
     WG_REAL length = WG_C(1.0), slope[WG_MOST_UNKNOWNS];
     int turn, i;
     if (!WG_NAME(wg_triads_newton)(linkage, linkage->part, WG_ROUGH, linkage->u, &linkage->determinant)) {
@@ -199,6 +239,9 @@ static inline int32_t WG_NAME(wg_triads_move)(struct WG_NAME(wg_triads_way) * li
         if (WG_NAME(wg_triads_step)(linkage, linkage->part, next, slope)) {
             length = WG_C(2.0) * (next - linkage->part);
             linkage->part = next;
+            if (next < WG_C(1.0) && WG_NAME(wg_triads_runs_off)(linkage, &flight)) {
+                return WALKGEN_NO_CONVERGENCE;
+            }
         } else {
             length = WG_C(0.25) * (next - linkage->part);
         }
@@ -221,7 +264,8 @@ static inline int32_t WG_NAME(wg_triads_move)(struct WG_NAME(wg_triads_way) * li
  * reached      [given] z where the status is OK, else where the linkage comes to a dead point
  * u            [unknowns] there; both are NaN with BAD_INPUT
  * status       OK; UNREACHABLE: on the way the linkage comes to a dead point, or something before the triads does not assemble; SINGULAR:
- *              z is such a point; NO_CONVERGENCE: the start is no assembly, or 400 steps were not enough; BAD_INPUT: z is not finite
+ *              z is such a point; NO_CONVERGENCE: the start is no assembly, a slider runs off to infinity, or 400 steps were not enough;
+ *              BAD_INPUT: z is not finite
  */
 static inline void WG_NAME(wg_approach)(int32_t given, int32_t unknowns, const WG_REAL *z, const WG_REAL *start, WG_NAME(wg_closure) closure,
                                         const void *data, WG_REAL *reached, WG_REAL *u, int32_t *status) {

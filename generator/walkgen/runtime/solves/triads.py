@@ -20,6 +20,7 @@ _OK, _UNREACHABLE, _BAD_INPUT, _SINGULAR, _NO_CONVERGENCE = (
 )
 _ROUGH, _FINE, _LEAST_PART, _AT_THE_END = 1e-4, 1e-10, 1e-8, 1e-6
 _TURNS, _STEPS = 16, 400
+_FAR_OUT, _STEADY = 6.0, 0.02
 
 
 def close_triads(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) -> tuple[Reals, Integers]:
@@ -50,7 +51,7 @@ def approach(unknowns: int, z: ArrayLike, start: ArrayLike, callback: Callback) 
     Returns:
         What was reached [..., k], z where the status [...] is OK, and u [..., n] there. UNREACHABLE where the linkage comes to a dead point
         on the way, or something before the triads does not assemble; SINGULAR where z is such a point; NO_CONVERGENCE where the start is no
-        assembly, or 400 steps were not enough; BAD_INPUT where z is not finite, with NaN.
+        assembly, a slider runs off to infinity, or 400 steps were not enough; BAD_INPUT where z is not finite, with NaN.
     """
     given, point = np.asarray(z, float), np.asarray(start, float)
     shape = np.broadcast_shapes(given.shape[:-1], point.shape[:-1])
@@ -84,7 +85,7 @@ class _Move:
         """Of every row, once it is there or cannot go on."""
         count = len(self._to)
         status = np.where(np.isfinite(self._to).all(-1), _NO_CONVERGENCE, _BAD_INPUT).astype(np.int32)
-        part, length = self.part, np.ones(count)
+        part, length, flight = self.part, np.ones(count), _Flight(count)
         first = self._newton(np.arange(count), part, np.full(count, _ROUGH), self.u)
         self.u, self._determinant = first.u, first.determinant
         going = first.taken & (status != _BAD_INPUT)
@@ -97,9 +98,10 @@ class _Move:
             length[rows] = np.where(taken, 2.0, 0.25) * (further - part[rows])
             part[rows] = np.where(taken, further, part[rows])
             there, stuck = ~(part[rows] < 1.0), length[rows] < _LEAST_PART
+            lost = taken & ~there & flight.runs_off(rows, part[rows], self.u[rows])
             ended = np.where(part[rows] > 1.0 - _AT_THE_END, _SINGULAR, _UNREACHABLE)
             status[rows] = np.where(there, _OK, np.where(stuck, ended, status[rows]))
-            going[rows] = ~(there | stuck)
+            going[rows] = ~(there | stuck | lost)
         return status
 
     def way(self, part: Reals, rows: NDArray[np.intp] | slice = slice(None)) -> Reals:
@@ -164,6 +166,32 @@ class _Move:
         slopes = np.where(regular[:, None, None], slopes, np.eye(count))
         step = np.linalg.solve(slopes, r[..., None])[..., 0]
         return np.where(regular[:, None], step, np.nan), np.where(regular, determinant, 0.0)
+
+
+class _Flight:
+    """How the farthest unknowns went out: which, at which parts one over their way was halved last, how fast it fell, for how many."""
+
+    def __init__(self, count: int) -> None:
+        self._unknown, self._alike = np.full(count, -1), np.zeros(count, int)
+        self._part, self._inverse, self._rate = np.zeros(count), np.ones(count), np.zeros(count)
+
+    def runs_off(self, rows: NDArray[np.intp], part: Reals, u: Reals) -> Truths:
+        """Whether the farthest unknowns of rows run off to infinity before the ends of the ways, where one over their way goes to 0."""
+        far = np.argmax(np.abs(u), axis=-1)
+        most = np.take_along_axis(u, far[:, None], -1)[:, 0]
+        out, inverse = np.abs(most) > _FAR_OUT, 1.0 / (most * (16.0 + most**2))  # of 16 times the way in sizes
+        share = inverse / self._inverse[rows]
+        begun = out & ((self._unknown[rows] != far) | ~(share <= 1.0))
+        halved = out & ~begun & (share <= 0.5)
+        rate = (self._inverse[rows] - inverse) / (part - self._part[rows])
+        steady = np.abs(rate - self._rate[rows]) <= _STEADY * np.abs(rate)
+        self._unknown[rows] = np.where(out, far, -1)
+        self._alike[rows] = np.where(begun, 0, np.where(halved, np.where(steady, self._alike[rows] + 1, 0), self._alike[rows]))
+        self._rate[rows] = np.where(begun, 0.0, np.where(halved, rate, self._rate[rows]))
+        kept = begun | halved
+        self._part[rows], self._inverse[rows] = np.where(kept, part, self._part[rows]), np.where(kept, inverse, self._inverse[rows])
+        runs: Truths = halved & (self._alike[rows] >= 2) & (part + 1.25 * inverse / rate < 1.0)
+        return runs
 
 
 def _alike(determinant: Reals, other: Reals) -> Truths:
