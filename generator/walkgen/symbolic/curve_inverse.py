@@ -12,6 +12,7 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.branches import SINGULAR
 from walkgen.symbolic.curve import AIM, BOUNDS, Curve
+from walkgen.symbolic.curve_scan import CurveScan
 from walkgen.symbolic.curve_steps import CurveSteps
 from walkgen.symbolic.driven_search import DrivenSearch, admissible_words
 from walkgen.symbolic.forward import Route
@@ -50,7 +51,7 @@ class CurveInverse(Curve):
             "hold the first again, or the joint values of all that come closest."
         )
         words = signature(self.mechanism, self.leg.name, "inverse", [TARGET], self._results("q", "status"), doc, _SOURCE)
-        return Solve(words, self._locals, self._steps("q", "status"), callbacks=(self._curve,))
+        return self._solve(words, (), self._steps("q", "status"), (self._curve,))
 
     def inverse_branch(self) -> Solve:
         """One row by its number."""
@@ -81,15 +82,23 @@ class CurveInverse(Curve):
         doc = "Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input."
         words = signature(self.mechanism, self.leg.name, "inverse_distance", [TARGET], [output], doc, "as inverse")
         last = Step(self._distances(output), (*self._named_feet, "p", *parameters_of(self.mechanism), "distance"))
-        rows = (*self._locals, *self._results("rows", "row_states"))
-        return Solve(words, rows, (*self._steps("rows", "row_states"), last), callbacks=(self._curve,))
+        return self._solve(words, self._results("rows", "row_states"), (*self._steps("rows", "row_states"), last), (self._curve,))
 
     def _one(self, name: str, port: Port, choose: Callable[[Mechanism, Limb, int], Function], doc: str) -> Solve:
         outputs = [joint_port("q", self.leg.joints), _STATUS]
         words = signature(self.mechanism, self.leg.name, name, [TARGET, port], outputs, doc, _SOURCE)
         last = Step(choose(self.mechanism, self.leg, self._slots), ("rows", "row_states", port.name, "q", "status"))
-        rows = (*self._locals, *self._results("rows", "row_states"))
-        return Solve(words, rows, (*self._steps("rows", "row_states"), last), callbacks=(self._curve,))
+        return self._solve(words, self._results("rows", "row_states"), (*self._steps("rows", "row_states"), last), (self._curve,))
+
+    def _solve(self, words: Signature, ports: tuple[Port, ...], steps: tuple[Step, ...], callbacks: tuple[Solve, ...]) -> Solve:
+        """By the routine; without triads, by steps for targets that have none."""
+        own = (*self._locals, *ports)
+        found = Solve(words, own, steps, callbacks=callbacks)
+        if self.linkage.forward.triads:
+            return found
+        scan = CurveScan(self.mechanism, self.leg, self.linkage)
+        first, _, *others = steps
+        return replace(found, closed_form=Solve(words, (*own, *scan.locals), (first, *scan.steps(self._slots), *others)))
 
     # ---- steps
 
