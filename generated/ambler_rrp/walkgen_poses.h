@@ -33,6 +33,7 @@ static inline WG_REAL WG_NAME(wg_canonical)(const WG_REAL *geometry, const WG_RE
     WG_REAL largest = WG_C(0.0), farthest = WG_C(0.0), reach = WG_C(0.0), gap[3];
     const WG_REAL *beyond = chain->foot;
     int i, j, exponent = 0, sliding = 0;
+    chain->motion = NULL;
     for (chain->n = 0; sequence >> (chain->n + 1) > 0; ++chain->n) {
     }
     for (j = 0; j < 3; ++j) {
@@ -140,6 +141,7 @@ static inline void WG_NAME(wg_search_grid)(const struct WG_NAME(wg_chain) * chai
 /* The chain that leads the target back to the foot by the same joint values, last joint first. */
 static inline void WG_NAME(wg_reversed)(const struct WG_NAME(wg_chain) * chain, const WG_REAL target[3], struct WG_NAME(wg_chain) * back) {
     int i, j;
+    back->motion = NULL;
     back->n = chain->n;
     for (j = 0; j < 3; ++j) {
         back->slides[j] = chain->slides[2 - j];

@@ -64,6 +64,18 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Records:
+    """An argument of a routine: rows of one of its structs, which name functions that it calls back; empty rows have none."""
+
+    struct: str
+    rows: tuple[tuple[str | int, ...], ...]
+
+
+Argument = str | Decimal | int | Records
+"""Of a step: a name, a literal, or records."""
+
+
+@dataclass(frozen=True)
 class Signature:
     """A generated function: `<robot>_<owner>_<name>`; `owner` is a leg, chain or route, or empty for the robot.
 

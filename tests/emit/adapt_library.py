@@ -10,7 +10,7 @@ void adapt_rows@(int rows, int nq, int feet, int platforms, const REAL *geometry
                  const REAL *targets, const REAL *normal, const REAL *start, const REAL *weights, REAL *q, int32_t *status, REAL *cost) {
     for (int i = 0; i < rows; ++i)
         wg_adapt@(geometry, topology, limits, targets + 3 * feet * i, normal + 3 * platforms * i, start + nq * i, weights + 4 * i, nq, feet,
-                  platforms, q + nq * i, status + i, cost + i);
+                  platforms, NULL, NULL, q + nq * i, status + i, cost + i);
 }
 void velocity_rows@(int rows, int nq, int feet, int platforms, const REAL *geometry, const int32_t *topology, const REAL *limits,
                     const REAL *q, const REAL *xd, const REAL *qd0, const REAL *bounds, REAL *qd, int32_t *status);

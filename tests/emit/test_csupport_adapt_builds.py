@@ -14,7 +14,7 @@ _ONE = {
     "walkgen_adapt.h": """
 void one@(const REAL *g, const int32_t *t, const REAL *x, REAL *q, int32_t *status);
 void one@(const REAL *g, const int32_t *t, const REAL *x, REAL *q, int32_t *status) {
-    wg_adapt@(g, t, x, x, x, x, x, 9, 2, 2, q, status, q + 9);
+    wg_adapt@(g, t, x, x, x, x, x, 9, 2, 2, NULL, NULL, q, status, q + 9);
 }
 """,
     "walkgen_adapt_velocity.h": """

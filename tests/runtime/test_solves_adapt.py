@@ -8,6 +8,7 @@ from oracles import theory
 from oracles.trees import Ground, Robot, chapter_module, random_ground, unit
 from walkgen.runtime.solves.adapt import adapt, plane_normal
 from walkgen.runtime.solves.adapt_criterion import Criterion, derivatives
+from walkgen.runtime.solves.adapt_legs import leg_of
 from walkgen.runtime.solves.tree import middle_and_spans, motion, read_tree
 
 OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE = range(5)
@@ -63,7 +64,9 @@ def test_derivatives_are_exact(seed, serial):
     """The gradient against complex steps; the Hessian against differences of that gradient along legs that follow."""
     ground, q = random_ground(seed, serial)
     robot, chains = ground.robot, ground.robot.chains
-    slope = derivatives(criterion(ground), motion(criterion(ground).tree, q), q)
+    tree = criterion(ground).tree
+    legs = [leg_of(tree, foot, ground.robot.half) for foot in range(len(tree.legs))]
+    slope = derivatives(criterion(ground), motion(tree, q), legs, q)
     size = np.max(np.abs(slope.hessian))
     np.testing.assert_allclose(slope.gradient, ground.gradient(q), rtol=0, atol=1e-11 * size)
     steps = 1e-4 * np.eye(len(chains))

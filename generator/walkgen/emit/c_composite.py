@@ -8,7 +8,7 @@ from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_rest import Rest, in_order, own_locals
 from walkgen.graph.program import Call, Composite, Guard, Program
 from walkgen.graph.routines import ROUTINES
-from walkgen.signature import Port
+from walkgen.signature import Argument, Port, Records
 
 
 def composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> list[str]:
@@ -19,6 +19,8 @@ def composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], 
     lines += [f"{INDENT}int32_t {returned.name} = WALKGEN_OK;"] if returned else []
     used = {argument for call in composite.calls for argument in (*call.arguments, *(call.guard[1] if call.guard else ()))}
     lines += [f"{INDENT}(void){port.name};" for port in signature.inputs if port.name not in used]
+    listed = (argument for call in composite.calls for argument in call.arguments if isinstance(argument, Records))
+    lines += [line for records in listed for line in _record_lines(records, composite, printer)]
     lines += [line for step in in_order(composite) for line in _step_lines(step, composite, kernels, printer)]
     lines += [f"{INDENT}return {returned.name};"] if returned else []
     return lines
@@ -49,6 +51,16 @@ def _local(port: Port, composite: Composite, precision: Precision) -> str:
     start = " = {0}" if first is None or first.guard else ""
     shape = f"[{port.size}]" if port.shape else ""
     return f"{INDENT}{port_type(port, precision)} {port.name}{shape}{start if shape else start.replace('{0}', '0')};"
+
+
+def _record_lines(records: Records, composite: Composite, printer: CPrinter) -> Iterator[str]:
+    """The table, where it names anything."""
+    if any(records.rows):
+        known = {callback.signature.full_name: callback_name(callback.signature, printer.precision) for callback in composite.callbacks}
+        yield f"{INDENT}static const struct {_routine_name(records.struct, printer.precision)} {records.struct}s[] = {{"
+        for row in records.rows:
+            yield f"{INDENT * 2}{{{', '.join(known.get(str(entry)) or str(entry) for entry in row) or '0'}}},"
+        yield f"{INDENT}}};"
 
 
 def _step_lines(step: Call | Rest, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
@@ -110,20 +122,26 @@ def _routine_name(name: str, precision: Precision) -> str:
     return f"{name}_{precision.tag}" if precision.tag else name
 
 
-def _argument(argument: str | Decimal | int, composite: Composite, printer: CPrinter, *, by_address: bool) -> str:
+def _argument(argument: Argument, composite: Composite, printer: CPrinter, *, by_address: bool) -> str:
     """How a call names the value: arrays by their name, scalars by value where read, by address where written or guarded on."""
     if isinstance(argument, Decimal):
         return printer.constant(argument).text
     if isinstance(argument, int):
         return str(argument)
+    if isinstance(argument, Records):
+        return f"{argument.struct}s, {_data(composite.callbacks[0])}" if any(argument.rows) else "NULL, NULL"
     signature = composite.signature
     for callback in composite.callbacks:
         if argument == callback.signature.full_name:
-            data = "param" if any(port.name == "param" for port in callback.signature.inputs) else "NULL"
-            return f"{callback_name(callback.signature, printer.precision)}, {data}"
+            return f"{callback_name(callback.signature, printer.precision)}, {_data(callback)}"
     returned = signature.returned
     pointers = {port.name for port in signature.outputs if not port.shape and port is not returned}
     values = {port.name for port in composite.locals if not port.shape} | ({returned.name} if returned else set())
     if argument in pointers:
         return argument if by_address else f"*{argument}"
     return f"&{argument}" if by_address and argument in values else argument
+
+
+def _data(callback: Composite) -> str:
+    """What it takes after its point."""
+    return "param" if any(port.name == "param" for port in callback.signature.inputs) else "NULL"

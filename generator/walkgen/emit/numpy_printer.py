@@ -12,7 +12,7 @@ from walkgen.emit.python_text import OPERATORS, banner, listing, literal, shape_
 from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES, Routine
-from walkgen.signature import Port, Signature, Table
+from walkgen.signature import Argument, Port, Records, Signature, Table
 
 _FORMS: Mapping[Code, Form] = {
     **OPERATORS,
@@ -172,17 +172,23 @@ def _step(call: Call, public: Collection[Program], known: Collection[str], callb
         name, taken, written = routine.name, routine.taken, routine.inputs
     counted = isinstance(call.callee, str) and isinstance(call.arguments[0], int)
     given, results = (
-        [callbacks.get(str(argument)) or _argument(argument) for argument in arguments if argument not in known]
+        [_argument(argument, callbacks) for argument in arguments if argument not in known]
         for arguments in (call.arguments[counted:taken], call.arguments[written:])
     )
     step = f"    {', '.join(results)} = {name}({', '.join(given)})"
     return (f"    for _ in range({call.repeat}):", f"    {step}") if call.repeat > 1 else (step,)
 
 
-def _argument(argument: str | Decimal | int) -> str:
+def _argument(argument: Argument, callbacks: Mapping[str, str]) -> str:
     if isinstance(argument, Decimal):
         return literal(argument).text
-    return str(argument)
+    if isinstance(argument, Records):
+        return f"[{', '.join(_record(row, callbacks) for row in argument.rows if any(argument.rows))}]"
+    return callbacks.get(str(argument)) or str(argument)
+
+
+def _record(row: tuple[str | int, ...], callbacks: Mapping[str, str]) -> str:
+    return f"({', '.join(callbacks.get(str(entry)) or str(entry) for entry in row)})"
 
 
 def _table(table: Table) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
 
-from walkgen.signature import Port, Signature, Table
+from walkgen.signature import Argument, Port, Signature, Table
 
 
 class Code(Enum):
@@ -97,7 +97,6 @@ class Program:
         return sum(op.code not in (Code.INPUT, Code.CONSTANT) for op in self.ops)
 
 
-Argument = str | Decimal | int
 Guard = tuple[str, tuple[Argument, ...]]
 """A support routine that tells a truth in C, and its arguments."""
 
@@ -107,7 +106,7 @@ class Call:
     """One step of a Composite: a Program (emitted as a static kernel) or a support routine by its name.
 
     `arguments` name the Composite's inputs, locals, outputs, tables or callbacks, in the callee's order, inputs first; a Decimal is a
-    literal.
+    literal, Records list callbacks.
     With `guard` the step runs only where it holds.
     A Program may read what it writes, and `repeat` runs it that often.
     """

@@ -58,7 +58,7 @@ _KNOWN = (
     Routine("wg_schedule_phase", "walkgen_schedule.h", "schedule", inputs=4, outputs=1),
     Routine("wg_schedule_next_event", "walkgen_schedule.h", "schedule", inputs=5, outputs=2),
     Routine("wg_schedule_transfers", "walkgen_schedule.h", "schedule", inputs=8, outputs=3),
-    Routine("wg_adapt", "walkgen_adapt.h", "adapt", inputs=10, outputs=3),
+    Routine("wg_adapt", "walkgen_adapt.h", "adapt", inputs=11, outputs=3),
     Routine("wg_adapt_velocity", "walkgen_adapt_velocity.h", "adapt_velocity", inputs=11, outputs=2),
     Routine("wg_contact_least_squares", "walkgen_contact.h", "contact", inputs=8, inouts=1, outputs=5),
     Routine("wg_contact_limited", "walkgen_contact_limited.h", "contact", inputs=11, inouts=1, outputs=6),

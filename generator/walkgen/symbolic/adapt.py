@@ -1,6 +1,7 @@
 """The modular robot adapted to the ground: chain joints chosen for the feet's targets, and the same for velocities (theory 3.3)."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import chain
 
 import sympy
@@ -9,6 +10,7 @@ from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.model.walk import number
 from walkgen.signature import Port, Signature
 from walkgen.spec.branches import BRANCHED_JOINTS
+from walkgen.symbolic.adapt_driven import DrivenLeg, driven_legs, kind_of
 from walkgen.symbolic.adapt_rates import Posture
 from walkgen.symbolic.forward import flat
 from walkgen.symbolic.frames import Frame, Parameters, parameter_symbols
@@ -17,8 +19,8 @@ from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rate_damping import rate_damping
 from walkgen.symbolic.robot import joint_indices
 from walkgen.symbolic.rows import parameters_of
-from walkgen.symbolic.screws import Screws, limits_port, limits_step, screws
-from walkgen.symbolic.tape import Tape
+from walkgen.symbolic.screws import limits_port, limits_step, screws
+from walkgen.symbolic.tape import Tape, Vec
 
 _MOST = {"joints": 96, "feet": 16, "platforms": 16, "chain joints": 32}
 _STATUS = Port("status", kind="integer")
@@ -27,7 +29,7 @@ _NAN = float("nan")
 
 
 def adapt_functions(mechanism: Mechanism) -> dict[str, Callable[[], Derivation]]:
-    """Those that the robot has: it needs connecting chains, and legs of three joints; rates alone where any of these are a linkage's."""
+    """Those that the robot has: it needs connecting chains, and legs of three joints."""
     counts = {
         "joints": sum(len(limb.joints) for limb in mechanism.limbs),
         "feet": len(mechanism.legs),
@@ -37,8 +39,7 @@ def adapt_functions(mechanism: Mechanism) -> dict[str, Callable[[], Derivation]]
     branched = all(len(leg.joints) == BRANCHED_JOINTS for leg in mechanism.legs)
     if not counts["chain joints"] or not branched or any(counts[name] > most for name, most in _MOST.items()):
         return {}
-    rates: dict[str, Callable[[], Derivation]] = {"adapt_velocity": lambda: adapt_velocity(mechanism)}
-    return rates if any(leg.linkage for leg in mechanism.legs) else {"adapt": lambda: adapt(mechanism), **rates}
+    return {"adapt": lambda: adapt(mechanism), "adapt_velocity": lambda: adapt_velocity(mechanism)}
 
 
 def adapt(mechanism: Mechanism) -> Solve:
@@ -59,8 +60,9 @@ def adapt(mechanism: Mechanism) -> Solve:
         "A zero normal stands for that of the targets' least-squares plane, NaN in start for the middle of the limits."
     )
     words = signature(mechanism, "", "adapt", inputs, outputs, doc, _SOURCE)
-    arguments = ("tree", "topology", "limits", "targets", "normal", "start", "weights", len(joints), feet, platforms)
-    return _solve(mechanism, words, Step("wg_adapt", (*arguments, "q", "status", "cost")))
+    legs, callbacks = driven_legs(mechanism)
+    arguments = ("tree", "topology", "limits", "targets", "normal", "start", "weights", len(joints), feet, platforms, legs)
+    return replace(_solve(mechanism, words, Step("wg_adapt", (*arguments, "q", "status", "cost"))), callbacks=callbacks)
 
 
 def adapt_velocity(mechanism: Mechanism) -> Solve:
@@ -111,15 +113,18 @@ def _tree(mechanism: Mechanism, tape: Tape) -> Iterator[sympy.Expr]:
     """Six numbers a joint, then the feet, then rotation and origin of every platform, in the root platform's frame."""
     parameters = parameter_symbols(mechanism)
     platforms = [_platform(mechanism, index, parameters, tape) for index in range(len(mechanism.platforms))]
-    limbs = [screws((limb,), parameters, tape, platforms[limb.platform]) for limb in mechanism.limbs]
-    yield from chain.from_iterable(screw.numbers for limb in limbs for screw in limb.joints)
-    yield from chain.from_iterable(_tips(mechanism, limbs))
+    feet = list[Vec]()
+    for limb in mechanism.limbs:
+        if limb.linkage is not None:
+            yield from DrivenLeg(mechanism, limb).numbers()
+            feet.append(DrivenLeg(mechanism, limb).foot)
+            continue
+        own = screws((limb,), parameters, tape, platforms[limb.platform])
+        yield from chain.from_iterable(screw.numbers for screw in own.joints)
+        feet += [own.tip.origin] if limb.child is None else []
+    yield from chain.from_iterable(feet)
     for platform in platforms:
         yield from (*flat(platform.rotation), *platform.origin)
-
-
-def _tips(mechanism: Mechanism, limbs: list[Screws]) -> Iterator[tuple[sympy.Expr, ...]]:
-    return (limb.tip.origin for limb in limbs[len(mechanism.chains) :])
 
 
 def _platform(mechanism: Mechanism, index: int, parameters: Parameters, tape: Tape) -> Frame:
@@ -133,7 +138,7 @@ def _topology(mechanism: Mechanism) -> Iterator[sympy.Integer]:
         places = joint_indices(mechanism, limb)
         yield from (sympy.Integer(carriers[limb.platform] if place == places[0] else place - 1) for place in places)
     for limb in mechanism.limbs:
-        yield from (sympy.Integer(joint.kind == "prismatic") for joint in limb.joints)
+        yield from (sympy.Integer(kind_of(joint, driven=limb.linkage is not None)) for joint in limb.joints)
     yield from (sympy.Integer(_last(mechanism, (*mechanism.ancestors(leg.platform), leg))) for leg in mechanism.legs)
     yield from map(sympy.Integer, carriers)
 

@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
 
 import sympy
 
 from walkgen.model.mechanism import Limb, Mechanism
-from walkgen.signature import Port, Table
+from walkgen.signature import Argument, Port, Table
 from walkgen.symbolic.closure import assembled_port, drive_count, driven_closure, point_parameters, unknowns_port
 from walkgen.symbolic.closure_steps import unknown_slopes
 from walkgen.symbolic.driven_steps import closed_by_steps, way_ports
@@ -82,7 +81,7 @@ class _Closing:
         self._tables: list[Table] = []
         self._callbacks: list[Solve] = []
         self._slopes: list[Step] = []
-        self._found: set[tuple[str, str | Decimal | int]] = set()
+        self._found: set[tuple[str, Argument]] = set()
 
     def result(self, derivation: Derivation, form: Solve | None) -> Solve:
         """The function with its closings, and what stands in for it where there are no routines."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 
-from walkgen.model.classify import CURVE, inverse_class
+from walkgen.model.classify import inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
 from walkgen.spec.branches import BRANCHED_JOINTS
 from walkgen.spec.functions import TERRAIN_FUNCTIONS
@@ -12,19 +12,17 @@ from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.closing import closed
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
-from walkgen.symbolic.curve_inverse import curve_inverse
 from walkgen.symbolic.curved_soles import curved_sole_functions
-from walkgen.symbolic.driven_search import admissible_driven, inverse_driven
+from walkgen.symbolic.driven_search import inverse_driven
 from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.gait import gait_functions
-from walkgen.symbolic.held_inverse import held_inverse
 from walkgen.symbolic.inverse import inverse, inverse_branch
 from walkgen.symbolic.leg_functions import DYNAMICS, SPRUNG, LegFunctions
 from walkgen.symbolic.likeness import of_legs
 from walkgen.symbolic.limits import inverse_admissible, inverse_distance, inverse_near, within_limits
 from walkgen.symbolic.linkage_functions import LINKAGE, linkage_function
-from walkgen.symbolic.linkage_inverse import linkage_inverse
+from walkgen.symbolic.linkage_rows import inverses
 from walkgen.symbolic.rates import inverse_acceleration, inverse_velocity
 from walkgen.symbolic.rates_together import inverse_velocity_acceleration
 from walkgen.symbolic.reach import inverse_pose, inverse_pose_driven, inverse_reach
@@ -191,22 +189,12 @@ def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[De
         builders = FLAT if inverse_class(mechanism, leg).name else {}
         yield from (build(mechanism, leg) for name, build in builders.items() if wanted(name))
     elif leg.linkage is not None:
-        yield from (function for function in _linkage_inverse(mechanism, leg) if wanted(function.signature.name))
+        yield from (function for function in inverses(mechanism, leg) if wanted(function.signature.name))
     elif inverse_class(mechanism, leg).name:
         yield from (build(mechanism, leg) for name, build in BRANCHED.items() if wanted(name))
     elif wanted("inverse_admissible"):
         yield inverse_admissible(mechanism, leg)
     yield from _path_inverse(mechanism, Route(leg.name, (leg,)), wanted)
-
-
-def _linkage_inverse(mechanism: Mechanism, leg: Limb) -> Iterable[Derivation]:
-    """By what leads from the foot to the drives."""
-    found, linkage = inverse_class(mechanism, leg).name, leg.linkage
-    if linkage is None or not found:
-        return (admissible_driven(mechanism, leg),)
-    if found == CURVE:
-        return curve_inverse(mechanism, leg)
-    return held_inverse(mechanism, leg) if linkage.forward.triads or linkage.inverse.triads else linkage_inverse(mechanism, leg)
 
 
 def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:

@@ -74,14 +74,18 @@ class DrivenSearch:
     @property
     def bounds(self) -> Step:
         """The limits, and about how far the foot gets from the base."""
-        tape, parameters = Tape(), parameter_symbols(self.mechanism)
+        tape = Tape()
         limits = [bound for joint in self.route.joints for bound in self._limits(joint)]
         words = signature(self.mechanism, self.route.owner, "search_bounds", [], self.ports, "", "")
+        return Step(tape.function(words, [*limits, self.reach]), (*parameters_of(self.mechanism), *(port.name for port in self.ports)))
+
+    @property
+    def reach(self) -> sympy.Expr:
+        """About how far the foot gets from the base."""
         linkage = self.route.limbs[-1].linkage
         assert linkage is not None
         lengths = [sympy.sqrt(dot(way, way)) for way in self._ways()]
-        reach = 2 * expression(linkage.size, parameters) + sympy.Add(*lengths)
-        return Step(tape.function(words, [*limits, reach]), (*parameters_of(self.mechanism), *(port.name for port in self.ports)))
+        return 2 * expression(linkage.size, parameter_symbols(self.mechanism)) + sympy.Add(*lengths)
 
     @property
     def closest(self) -> Step:

@@ -1,11 +1,10 @@
 """A Function: a signature, named intermediates and outputs, each a small sympy expression in what came before."""
 
 from dataclasses import dataclass
-from decimal import Decimal
 
 import sympy
 
-from walkgen.signature import Port, Signature, Table
+from walkgen.signature import Argument, Port, Signature, Table
 
 
 class Truth(sympy.Function):
@@ -135,8 +134,8 @@ class Step:
     """
 
     callee: Function | str
-    arguments: tuple[str | Decimal | int, ...]
-    guard: tuple[str, tuple[str | Decimal | int, ...]] | None = None
+    arguments: tuple[Argument, ...]
+    guard: tuple[str, tuple[Argument, ...]] | None = None
     repeat: int = 1
 
 
@@ -146,8 +145,8 @@ class Solve:
 
     `closed_form` computes the same map without routines, for targets that have none: a Function, or a Solve of Functions alone.
     `tables` are constants that routines read, named among a step's arguments; `callbacks` are functions that routines call with a point,
-    which they pass on with the runtime parameters: an argument names one by its full name. `slopes` tell how inputs of the last step that
-    earlier ones compute move with the runtime parameters: for an input `x` they write `x_d_param`.
+    which they pass on with the runtime parameters: an argument names one by its full name, or Records several. `slopes` tell how inputs of
+    the last step that earlier ones compute move with the runtime parameters: for an input `x` they write `x_d_param`.
     """
 
     signature: Signature

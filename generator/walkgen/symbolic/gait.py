@@ -9,7 +9,7 @@ from itertools import accumulate
 
 from walkgen.model.gait import Gait, Schedule
 from walkgen.model.mechanism import Mechanism
-from walkgen.signature import Port, Table
+from walkgen.signature import Argument, Port, Table
 from walkgen.spec.checks_gait import gait_owner
 from walkgen.symbolic.function import Solve, Step
 from walkgen.symbolic.ports import signature
@@ -97,11 +97,11 @@ class GaitFunctions:
         routine = (_LIST_ROUTINES if listed else _ROUTINES)[name]
         return Solve(words, (), (Step(routine, (*numbers, *ports)),), tables=tables)
 
-    def _numbers(self, owner: str, name: str) -> tuple[tuple[Table, ...], tuple[str | Decimal | int, ...]]:
+    def _numbers(self, owner: str, name: str) -> tuple[tuple[Table, ...], tuple[Argument, ...]]:
         """Constant tables, and what stands before the inputs in the routine's arguments."""
         gait, prefix = self.gait, f"{self.mechanism.name}_{owner}"
         tables = _event_tables(gait, prefix, name) if isinstance(gait, Schedule) else _cycle_tables(gait, prefix)
-        numbers: list[str | Decimal | int] = [*(table.name for table in tables), self._legs]
+        numbers: list[Argument] = [*(table.name for table in tables), self._legs]
         if isinstance(gait, Gait):
             numbers.append(_decimal(gait.period))
         if name.startswith("foot") and gait.lift is not None:

@@ -55,7 +55,7 @@ def held_inverse(mechanism: Mechanism, leg: Limb) -> Iterator[Solve]:
     """`inverse` and what is chosen or measured of its rows."""
     assert leg.linkage is not None
     held = HeldInverse(mechanism, leg, leg.linkage)
-    yield from (held.inverse(), held.inverse_branch(), held.inverse_near(), held.inverse_admissible(), held.inverse_distance())
+    yield from (build() for build in (held.inverse, held.inverse_branch, held.inverse_near, held.inverse_admissible, held.inverse_distance))
 
 
 class HeldInverse:

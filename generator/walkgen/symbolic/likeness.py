@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from decimal import Decimal
 
 from walkgen.model.mechanism import Limb
-from walkgen.signature import Signature
+from walkgen.signature import Argument, Signature
 from walkgen.symbolic.function import Derivation, Function, Solve, Step
 
-Arguments = tuple[str | Decimal | int, ...]
+Arguments = tuple[Argument, ...]
 
 
 def of_legs(legs: Iterable[Limb], derived: Callable[[Limb], Iterable[Derivation]]) -> Iterator[Derivation]:

@@ -1,6 +1,6 @@
 """All drives that put a linkage's foot on a target: the plane turned to hold it, then dyad after dyad back to the drives."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -68,13 +68,15 @@ class Arrival:
     state: sympy.Expr
 
 
-def linkage_inverse(mechanism: Mechanism, leg: Limb) -> tuple[Solve | Function, ...]:
+def linkage_inverse(mechanism: Mechanism, leg: Limb) -> Iterator[Solve | Function]:
     """`inverse` and what is chosen or measured of its rows, of a linkage that dyads alone place, whether drives or the foot hold it."""
     found = inverse_class(mechanism, leg)
     results = row_ports(leg, found, "q", "status")
-    rows = dyad_rows(mechanism, leg, "inverse", results)
-    near, admissible = _inverse_near(mechanism, leg, found), _inverse_admissible(mechanism, leg, found)
-    return (rows, _inverse_branch(mechanism, leg, found), near, admissible, _inverse_distance(mechanism, leg, found))
+    yield dyad_rows(mechanism, leg, "inverse", results)
+    yield _inverse_branch(mechanism, leg, found)
+    yield _inverse_near(mechanism, leg, found)
+    yield _inverse_admissible(mechanism, leg, found)
+    yield _inverse_distance(mechanism, leg, found)
 
 
 def _inverse_branch(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Function:

@@ -2,8 +2,8 @@
  *
  * Where the start does not let every foot reach its target, the chains first reduce what is missing (walkgen_adapt_approach.h); where
  * that, or the descent (walkgen_adapt_descent.h), ends early, other starts are tried, always the same ones.
- * At most 96 joints, of which 32 of chains, 16 feet, 16 platforms: at most 64 kB of stack in double, 36 kB in float (gcc -O2).
- * walkgen_math.h explains the macros.
+ * At most 96 joints, of which 32 of chains, 16 feet, 16 platforms: at most 70 kB of stack in double, 38 kB in float (gcc -O2), and
+ * what functions of legs take. walkgen_math.h explains the macros.
  */
 #include "walkgen_adapt_approach.h"
 #include "walkgen_adapt_descent.h"
@@ -86,7 +86,8 @@ static inline void WG_NAME(wg_adapt_ground)(const WG_REAL *targets, const WG_REA
 /* The task of these inputs: whether they are one. */
 static inline int WG_NAME(wg_adapt_read)(const WG_REAL *geometry, const int32_t *topology, const WG_REAL *limits, const WG_REAL *targets,
                                          const WG_REAL *normal, const WG_REAL *start, const WG_REAL *weights, int32_t nq, int32_t feet,
-                                         int32_t platforms, struct WG_NAME(wg_adapt_problem) * problem) {
+                                         int32_t platforms, const struct WG_NAME(wg_driven_leg) * driven, const void *data,
+                                         struct WG_NAME(wg_adapt_problem) * problem) {
     struct WG_NAME(wg_adapt_criterion) *criterion = &problem->criterion;
     struct WG_NAME(wg_tree) *tree = &criterion->tree;
     int i, foot, fine = WG_NAME(wg_read_tree)(geometry, topology, nq, feet, platforms, tree) && WG_NAME(wg_tree_limits_fit)(limits, nq);
@@ -113,7 +114,7 @@ static inline int WG_NAME(wg_adapt_read)(const WG_REAL *geometry, const int32_t 
     }
     WG_NAME(wg_adapt_ground)(targets, normal, criterion);
     for (foot = 0; foot < feet; ++foot) {
-        WG_NAME(wg_adapt_leg_of)(tree, foot, criterion->half, &problem->legs[foot]);
+        WG_NAME(wg_adapt_leg_of)(tree, foot, criterion->half, driven == NULL ? NULL : driven + foot, data, &problem->legs[foot]);
         criterion->led[foot] = 0;
         for (i = tree->base[foot]; i >= 0; i = tree->parent[i]) {
             criterion->led[foot] |= limits[2 * i] < limits[2 * i + 1];
@@ -173,20 +174,23 @@ static inline int WG_NAME(wg_adapt_search)(const struct WG_NAME(wg_adapt_problem
  * cost) within the chains' limits [nq, 2] (infinite where none). normal: the terrain's at every platform [platforms, 3], (0, 0, 0) for that
  * of the targets' least-squares plane. start: joint values to begin with [nq], the middle of the limits where not finite; legs take the
  * pose nearest to it and follow. weights: w_lim, w_n, w_h, the height h of platforms over their feet. geometry and topology:
- * walkgen_tree.h. OK where Phi is stationary; UNREACHABLE where no tried pose of the chains lets every foot reach its target, which q comes
- * closest to; NO_CONVERGENCE where the descent ended early; BAD_INPUT and NaN. */
+ * walkgen_tree.h. driven [feet]: functions of the legs that have some instead of axes, called with data; NULL where none has. OK where Phi is
+ * stationary; UNREACHABLE where no tried pose of the chains lets every foot reach its target, which q comes closest to; NO_CONVERGENCE where
+ * the descent ended early; BAD_INPUT and NaN, also where the functions have no foot. */
 static inline void WG_NAME(wg_adapt)(const WG_REAL *WG_RESTRICT geometry, const int32_t *WG_RESTRICT topology,
                                      const WG_REAL *WG_RESTRICT limits, const WG_REAL *WG_RESTRICT targets,
                                      const WG_REAL *WG_RESTRICT normal, const WG_REAL *WG_RESTRICT start,
                                      const WG_REAL *WG_RESTRICT weights, int32_t nq, int32_t feet, int32_t platforms,
-                                     WG_REAL *WG_RESTRICT q, int32_t *WG_RESTRICT status, WG_REAL *WG_RESTRICT cost) {
+                                     const struct WG_NAME(wg_driven_leg) * driven, const void *data, WG_REAL *WG_RESTRICT q,
+                                     int32_t *WG_RESTRICT status, WG_REAL *WG_RESTRICT cost) {
     static const int32_t states[4] = {WALKGEN_OK, WALKGEN_NO_CONVERGENCE, WALKGEN_UNREACHABLE, WALKGEN_BAD_INPUT};
     struct WG_NAME(wg_adapt_problem) problem;
     struct WG_NAME(wg_adapt_stand) best;
     int i, foot;
     *status = WALKGEN_BAD_INPUT;
     *cost = best.cost = WG_NAN;
-    if (WG_NAME(wg_adapt_read)(geometry, topology, limits, targets, normal, start, weights, nq, feet, platforms, &problem)) {
+    if (WG_NAME(wg_adapt_read)(geometry, topology, limits, targets, normal, start, weights, nq, feet, platforms, driven, data,
+                               &problem)) {
         *status = states[WG_NAME(wg_adapt_search)(&problem, &best)];
     }
     for (i = 0; i < nq && *status != WALKGEN_BAD_INPUT; ++i) {

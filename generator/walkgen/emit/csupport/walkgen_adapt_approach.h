@@ -54,7 +54,7 @@ static inline void WG_NAME(wg_adapt_approach)(const struct WG_NAME(wg_adapt_prob
             matrix[a][b] = a == b ? damping : WG_C(0.0);
         }
     }
-    WG_NAME(wg_tree_motion_at)(tree, stand->q, at);
+    WG_NAME(wg_adapt_motion_at)(problem, stand->q, at);
     for (foot = 0; foot < tree->feet; ++foot) {
         const WG_REAL *gap = stand->legs[foot].gap;
         if (problem->criterion.led[foot] && WG_NAME(wg_norm)(gap) > WG_C(0.0)) {

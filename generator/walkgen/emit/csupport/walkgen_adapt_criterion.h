@@ -5,8 +5,8 @@
  * The chain joints c are free, every leg follows: dq_leg/dc = B = -J_leg^-1 J_c, the closed form of the null space N = [1; B]. With
  * lambda = J_leg^-T dPhi/dq_leg the legs' own curvature is -sum_ik (lambda . d2p/dq_i dq_k) N_i N_k, so no third tensor is formed.
  */
+#include "walkgen_adapt_legs.h"
 #include "walkgen_damped.h"
-#include "walkgen_tree.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_ADAPT_CRITERION_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_ADAPT_CRITERION_F32))
 #if WG_REAL_BITS == 64
@@ -97,6 +97,31 @@ static inline void WG_NAME(wg_adapt_bend)(const struct WG_NAME(wg_tree) * tree, 
     }
 }
 
+/* The same for a leg's own joints at q where a function describes the leg. */
+static inline void WG_NAME(wg_adapt_bend_driven)(const struct WG_NAME(wg_tree) * tree, const struct WG_NAME(wg_tree_motion) * at,
+                                                 const struct WG_NAME(wg_adapt_mover) * mover, const WG_REAL force[3],
+                                                 const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL q[3],
+                                                 struct WG_NAME(wg_adapt_slope) * slope) {
+    struct WG_NAME(wg_motion) here;
+    WG_REAL own[3];
+    int i, a, b;
+    if (leg->chain.motion == NULL) {
+        return;
+    }
+    WG_NAME(wg_motion_at)(&leg->chain, q, &here);
+    WG_NAME(wg_tree_turned)(at, leg->base, 1, force, own);
+    for (i = 0; i < 9; ++i) {
+        const int row = i / 3, column = i % 3;
+        const WG_REAL bent = WG_NAME(wg_dot)(own, row < column ? here.second[row][column] : here.second[column][row]);
+        for (a = 0; a < mover->chains; ++a) {
+            for (b = 0; b < mover->chains; ++b) {
+                const WG_REAL share = bent * mover->follow[a][row] * mover->follow[b][column];
+                slope->hessian[tree->place[mover->joint[a]]][tree->place[mover->joint[b]]] -= share;
+            }
+        }
+    }
+}
+
 /* How a leg follows its chain joints where it stands: its Jacobian, row-major, and the mover of its foot. The status says whether the leg
  * is damped: below singular values of epsilon, as walkgen_damped.h says. */
 static inline int32_t WG_NAME(wg_adapt_null_space)(const struct WG_NAME(wg_tree) * tree, const struct WG_NAME(wg_tree_motion) * at,
@@ -129,8 +154,9 @@ static inline int32_t WG_NAME(wg_adapt_null_space)(const struct WG_NAME(wg_tree)
 
 /* Add what a leg's joints contribute through their limits. */
 static inline void WG_NAME(wg_adapt_leg_slope)(const struct WG_NAME(wg_adapt_criterion) * criterion,
-                                               const struct WG_NAME(wg_tree_motion) * at, int foot, const WG_REAL *pull,
-                                               const WG_REAL *curve, struct WG_NAME(wg_adapt_slope) * slope) {
+                                               const struct WG_NAME(wg_tree_motion) * at, const struct WG_NAME(wg_adapt_leg) * leg,
+                                               int foot, const WG_REAL *q, const WG_REAL *pull, const WG_REAL *curve,
+                                               struct WG_NAME(wg_adapt_slope) * slope) {
     const struct WG_NAME(wg_tree) *tree = &criterion->tree;
     struct WG_NAME(wg_adapt_mover) mover;
     WG_REAL J[9], transposed[9], force[3];
@@ -142,6 +168,7 @@ static inline void WG_NAME(wg_adapt_leg_slope)(const struct WG_NAME(wg_adapt_cri
     }
     WG_NAME(wg_damped_inverse_3)(transposed, pull, WG_C(0.0), WG_C(0.0), force, &status);
     WG_NAME(wg_adapt_bend)(tree, at, &mover, force, slope);
+    WG_NAME(wg_adapt_bend_driven)(tree, at, &mover, force, leg, q, slope);
     for (a = 0; a < mover.chains; ++a) {
         const int row = tree->place[mover.joint[a]];
         for (i = 0; i < 3; ++i) {
@@ -208,8 +235,8 @@ static inline void WG_NAME(wg_adapt_height_slope)(const struct WG_NAME(wg_adapt_
 
 /* Exact first and second derivatives; no leg that chains lead stands in a singular pose. */
 static inline void WG_NAME(wg_adapt_slope_at)(const struct WG_NAME(wg_adapt_criterion) * criterion,
-                                              const struct WG_NAME(wg_tree_motion) * at, const WG_REAL *q,
-                                              struct WG_NAME(wg_adapt_slope) * slope) {
+                                              const struct WG_NAME(wg_tree_motion) * at, const struct WG_NAME(wg_adapt_leg) * legs,
+                                              const WG_REAL *q, struct WG_NAME(wg_adapt_slope) * slope) {
     const struct WG_NAME(wg_tree) *tree = &criterion->tree;
     struct WG_NAME(wg_adapt_mover) mover;
     WG_REAL pull[WG_TREE_JOINTS], curve[WG_TREE_JOINTS];
@@ -227,13 +254,14 @@ static inline void WG_NAME(wg_adapt_slope_at)(const struct WG_NAME(wg_adapt_crit
         }
     }
     for (foot = 0; foot < tree->feet; ++foot) {
-        WG_REAL own_pull[3], own_curve[3];
+        WG_REAL own[3], own_pull[3], own_curve[3];
         for (i = 0; i < 3; ++i) {
+            own[i] = q[tree->leg[foot][i]];
             own_pull[i] = pull[tree->leg[foot][i]];
             own_curve[i] = curve[tree->leg[foot][i]];
         }
         if (criterion->led[foot]) {
-            WG_NAME(wg_adapt_leg_slope)(criterion, at, foot, own_pull, own_curve, slope);
+            WG_NAME(wg_adapt_leg_slope)(criterion, at, legs + foot, foot, own, own_pull, own_curve, slope);
         }
     }
     for (m = 1; m < tree->platforms; ++m) {

@@ -109,11 +109,11 @@ static inline int WG_NAME(wg_adapt_descend)(const struct WG_NAME(wg_adapt_proble
     struct WG_NAME(wg_tree_motion) at;
     WG_REAL least = WG_INFINITY, damping = WG_C(0.0);
     int index[WG_TREE_CHAINS], turn, i, stationary = 0, polishes = 0, stalls = 0;
-    WG_NAME(wg_tree_motion_at)(&problem->criterion.tree, stand.q, &at);
+    WG_NAME(wg_adapt_motion_at)(problem, stand.q, &at);
     for (turn = 0; turn < 100; ++turn) {
         WG_REAL size = WG_C(0.0), parts = WG_C(0.0);
         int count, steeper;
-        WG_NAME(wg_adapt_slope_at)(&problem->criterion, &at, stand.q, &slope);
+        WG_NAME(wg_adapt_slope_at)(&problem->criterion, &at, problem->legs, stand.q, &slope);
         count = WG_NAME(wg_adapt_free)(problem, &stand, &slope, index);
         for (i = 0; i < count; ++i) {
             size = WG_HYPOT(size, slope.gradient[index[i]]);

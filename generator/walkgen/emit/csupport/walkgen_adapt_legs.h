@@ -1,7 +1,7 @@
 /* walkgen_adapt_legs.h: legs that follow their platform, each foot on its target; walkgen_math.h explains the macros.
  *
  * A leg is continued by Newton from its last pose; where that does not reach the target to rounding, or leads far away, the closed form
- * (walkgen_inverse_general.h) gives all poses, of which the nearest on the same sheet (sign of det J) counts.
+ * (walkgen_inverse_general.h, or a function of the leg) gives all poses, of which the nearest on the same sheet (sign of det J) counts.
  */
 #include "walkgen_inverse_general.h"
 #include "walkgen_tree.h"
@@ -17,10 +17,26 @@
 #define WG_REGULAR WG_C(1e-5)
 #endif
 
+#ifndef WG_MOST_ROWS
+#define WG_MOST_ROWS 96
+#endif
+
+/* Joint values [n][3] that bring a foot to a target, given with a seed [6], and their statuses [n]. */
+typedef void (*WG_NAME(wg_driven_rows))(const WG_REAL *aim, WG_REAL *rows, int32_t *states, const void *data);
+
+/* A leg that functions describe instead of its axes (no motion: axes do), in the frame of its platform: its foot; at most WG_MOST_ROWS
+ * poses, of which there are `slots`; one pose somewhere, for where none of those is known. */
+struct WG_NAME(wg_driven_leg) {
+    WG_NAME(wg_driven_foot) motion;
+    WG_NAME(wg_driven_rows) rows, somewhere;
+    int32_t slots, platform;
+};
+
 /* A foot's last three joints at q = 0, as wg_inverse_general takes them too. reach: the longest lever of a turning joint, or 1; spans: the
- * unit of each joint's distance. */
+ * unit of each joint's distance; driven: what has the poses where the chain has a function. */
 struct WG_NAME(wg_adapt_leg) {
     struct WG_NAME(wg_chain) chain;
+    const struct WG_NAME(wg_driven_leg) * driven;
     WG_REAL geometry[21], reach, spans[3];
     int32_t sequence;
     int base;
@@ -32,11 +48,16 @@ struct WG_NAME(wg_adapt_pose) {
     int sheet;
 };
 
-/* The leg of a foot; half: the unit of every joint's distance [nq]. */
+/* The leg of a foot; half: the unit of every joint's distance [nq]; driven: what describes it instead of axes, or NULL. */
 static inline void WG_NAME(wg_adapt_leg_of)(const struct WG_NAME(wg_tree) * tree, int foot, const WG_REAL *half,
+                                            const struct WG_NAME(wg_driven_leg) * driven, const void *data,
                                             struct WG_NAME(wg_adapt_leg) * leg) {
     WG_REAL arm[3], swept[3];
     int i, j;
+    leg->driven = driven;
+    leg->chain.motion = driven != NULL ? driven->motion : NULL;
+    leg->chain.data = data;
+    leg->chain.frame = leg->chain.motion != NULL ? tree->frames + 12 * driven->platform : NULL;
     leg->base = tree->base[foot];
     leg->sequence = 1;
     leg->reach = WG_C(0.0);
@@ -51,11 +72,11 @@ static inline void WG_NAME(wg_adapt_leg_of)(const struct WG_NAME(wg_tree) * tree
             leg->chain.point[j][i] = leg->geometry[6 * j + 3 + i] = tree->joints[6 * joint + 3 + i];
         }
         leg->spans[j] = half[joint];
-        leg->chain.slides[j] = tree->slides[joint];
-        leg->sequence = 2 * leg->sequence + tree->slides[joint];
+        leg->chain.slides[j] = tree->slides[joint] == 1;
+        leg->sequence = 2 * leg->sequence + leg->chain.slides[j];
         WG_NAME(wg_add)(leg->chain.foot, WG_C(-1.0), leg->chain.point[j], arm);
         WG_NAME(wg_cross)(leg->chain.axis[j], arm, swept);
-        leg->reach = tree->slides[joint] ? leg->reach : WG_MAX(WG_NAME(wg_norm)(swept), leg->reach);
+        leg->reach = leg->chain.slides[j] ? leg->reach : WG_MAX(WG_NAME(wg_norm)(swept), leg->reach);
     }
     leg->reach = leg->reach > WG_C(0.0) ? leg->reach : WG_C(1.0);
 }
@@ -92,18 +113,89 @@ static inline void WG_NAME(wg_adapt_unwound)(const struct WG_NAME(wg_adapt_leg) 
     }
 }
 
+/* All poses at a target, turned back to q = 0: their number. A leg's own function has them in the frame of its platform, near a seed where
+ * it does not know them all; where its drives stand in a dead point they hold no foot there, and the pose is INFEASIBLE. */
+static inline int WG_NAME(wg_adapt_rows)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL target[3], const WG_REAL seed[3],
+                                         int somewhere, WG_REAL rows[3 * WG_MOST_ROWS], int32_t status[WG_MOST_ROWS]) {
+    const WG_REAL *frame = leg->chain.frame;
+    struct WG_NAME(wg_motion) here;
+    WG_REAL aim[6], arm[3];
+    int i, slots;
+    if (leg->chain.motion == NULL) {
+        WG_NAME(wg_inverse_general)(leg->geometry, target, leg->sequence, rows, status);
+        return WG_NAME(wg_slots_of)(leg->sequence);
+    }
+    WG_NAME(wg_add)(target, WG_C(-1.0), frame + 9, arm);
+    for (i = 0; i < 3; ++i) {
+        aim[i] = frame[i] * arm[0] + frame[3 + i] * arm[1] + frame[6 + i] * arm[2];
+        aim[3 + i] = seed[i];
+    }
+    (somewhere ? leg->driven->somewhere : leg->driven->rows)(aim, rows, status, leg->chain.data);
+    slots = somewhere ? 1 : leg->driven->slots;
+    for (i = 0; i < slots; ++i) {
+        if (status[i] == WALKGEN_OK || status[i] == WALKGEN_SINGULAR) {
+            WG_NAME(wg_motion_at)(&leg->chain, rows + 3 * i, &here);
+            WG_NAME(wg_add)(here.foot, WG_C(-1.0), target, arm);
+            status[i] = WG_NAME(wg_norm)(arm) <= WG_REGULAR * leg->reach ? status[i] : WALKGEN_INFEASIBLE;
+        }
+    }
+    return slots;
+}
+
+/* Down to rounding. */
+static inline int WG_NAME(wg_adapt_there)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL aim[3], WG_REAL gap) {
+    WG_REAL size = WG_C(0.0);
+    int i;
+    for (i = 0; i < 3; ++i) {
+        size += WG_ABS(leg->chain.foot[i]) + WG_ABS(aim[i]);
+    }
+    return gap <= WG_C(64.0) * WG_EPSILON * size;
+}
+
+/* Of a driven leg, none of whose rows reaches the target: a pose that comes as close as any nearby, from that of the rows and of the
+ * reference, or of somewhere else, that is closest. Whether there is one. */
+static inline int WG_NAME(wg_adapt_nearby)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL aim[3], const WG_REAL reference[3],
+                                           int slots, WG_REAL rows[3 * WG_MOST_ROWS], int32_t status[WG_MOST_ROWS], WG_REAL q[3]) {
+    struct WG_NAME(wg_motion) here;
+    WG_REAL away[3], tried[3], least = WG_INFINITY;
+    int i;
+    for (i = -1; i <= slots; ++i) {
+        if (i == slots && (least < WG_INFINITY || !WG_NAME(wg_adapt_rows)(leg, aim, reference, 1, rows, status))) {
+            break;
+        }
+        WG_NAME(wg_adapt_unwound)(leg, i < 0 ? reference : i < slots ? rows + 3 * i : rows, reference, tried);
+        WG_NAME(wg_motion_at)(&leg->chain, tried, &here);
+        WG_NAME(wg_add)(here.foot, WG_C(-1.0), aim, away);
+        if (WG_NAME(wg_norm)(away) < least) {
+            least = WG_NAME(wg_norm)(away);
+            WG_NAME(wg_add)(tried, WG_C(0.0), tried, q);
+        }
+    }
+    return least < WG_INFINITY && WG_NAME(wg_nearest)(&leg->chain, aim, 3, q) < WG_INFINITY;
+}
+
 /* The pose of the closed form nearest to a reference: one that reaches the target, a regular one first. 0 where q is no number. */
 static inline int WG_NAME(wg_adapt_closed)(const struct WG_NAME(wg_adapt_leg) * leg, const struct WG_NAME(wg_tree_motion) * at,
                                            const WG_REAL target[3], const WG_REAL reference[3], struct WG_NAME(wg_adapt_pose) * pose) {
     struct WG_NAME(wg_motion) here;
-    WG_REAL aim[3], rows[12], q[3], least = WG_INFINITY;
-    int32_t status[4];
-    int i, k, rank, best = 3, reaching = 0;
-    const int slots = WG_NAME(wg_slots_of)(leg->sequence);
+    WG_REAL aim[3], rows[3 * WG_MOST_ROWS], q[3], least = WG_INFINITY;
+    int32_t status[WG_MOST_ROWS];
+    int i, k, rank, slots, best = 3, reaching = 0;
     WG_NAME(wg_tree_moved_back)(at, leg->base, target, aim);
-    WG_NAME(wg_inverse_general)(leg->geometry, aim, leg->sequence, rows, status);
+    slots = WG_NAME(wg_adapt_rows)(leg, aim, reference, 0, rows, status);
     for (i = 0; i < slots; ++i) {
         reaching |= status[i] == WALKGEN_OK || status[i] == WALKGEN_SINGULAR;
+    }
+    if (!reaching && leg->chain.motion != NULL && status[0] != WALKGEN_BAD_INPUT) {
+        if (!WG_NAME(wg_adapt_nearby)(leg, aim, reference, slots, rows, status, q)) {
+            return 0;
+        }
+        WG_NAME(wg_motion_at)(&leg->chain, q, &here);
+        WG_NAME(wg_add)(here.foot, WG_C(-1.0), aim, rows);
+        reaching = WG_NAME(wg_adapt_there)(leg, aim, WG_NAME(wg_norm)(rows));
+        WG_NAME(wg_add)(q, WG_C(0.0), q, rows);
+        status[0] = WALKGEN_OK;
+        slots = 1;
     }
     for (i = 0; i < slots; ++i) {
         WG_REAL distance;
@@ -136,8 +228,8 @@ static inline int WG_NAME(wg_adapt_closed)(const struct WG_NAME(wg_adapt_leg) * 
 /* Newton on the foot's position as long as the gap halves: whether it is down to rounding, and where that is. */
 static inline int WG_NAME(wg_adapt_newton)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL aim[3], WG_REAL q[3],
                                            struct WG_NAME(wg_motion) * here) {
-    WG_REAL away[3], step[3], gap, size = WG_C(0.0);
-    int i, turn;
+    WG_REAL away[3], step[3], gap;
+    int turn;
     WG_NAME(wg_motion_at)(&leg->chain, q, here);
     WG_NAME(wg_add)(here->foot, WG_C(-1.0), aim, away);
     gap = WG_NAME(wg_norm)(away);
@@ -148,10 +240,7 @@ static inline int WG_NAME(wg_adapt_newton)(const struct WG_NAME(wg_adapt_leg) * 
             break;
         }
     }
-    for (i = 0; i < 3; ++i) {
-        size += WG_ABS(leg->chain.foot[i]) + WG_ABS(aim[i]);
-    }
-    return gap <= WG_C(64.0) * WG_EPSILON * size;
+    return WG_NAME(wg_adapt_there)(leg, aim, gap);
 }
 
 /* The pose that continues the last one, on its sheet: whether there is one. */
@@ -159,9 +248,9 @@ static inline int WG_NAME(wg_adapt_followed)(const struct WG_NAME(wg_adapt_leg) 
                                              const WG_REAL target[3], const struct WG_NAME(wg_adapt_pose) * last,
                                              struct WG_NAME(wg_adapt_pose) * pose) {
     struct WG_NAME(wg_motion) here;
-    WG_REAL aim[3], rows[12], q[3], most = WG_C(0.0), least = WG_INFINITY;
-    int32_t status[4];
-    int i, reached, found = 0;
+    WG_REAL aim[3], rows[3 * WG_MOST_ROWS], q[3], most = WG_C(0.0), least = WG_INFINITY;
+    int32_t status[WG_MOST_ROWS];
+    int i, reached, slots, found = 0;
     WG_NAME(wg_tree_moved_back)(at, leg->base, target, aim);
     *pose = *last;
     pose->gap[0] = pose->gap[1] = pose->gap[2] = WG_C(0.0);
@@ -172,8 +261,8 @@ static inline int WG_NAME(wg_adapt_followed)(const struct WG_NAME(wg_adapt_leg) 
     if (reached && most <= WG_C(0.5) && WG_NAME(wg_adapt_sheet)(leg, &here) == last->sheet) {
         return 1;
     }
-    WG_NAME(wg_inverse_general)(leg->geometry, aim, leg->sequence, rows, status);
-    for (i = 0; i < WG_NAME(wg_slots_of)(leg->sequence); ++i) {
+    slots = WG_NAME(wg_adapt_rows)(leg, aim, last->q, 0, rows, status);
+    for (i = 0; i < slots; ++i) {
         WG_NAME(wg_adapt_unwound)(leg, rows + 3 * i, last->q, q);
         WG_NAME(wg_motion_at)(&leg->chain, q, &here);
         if (status[i] == WALKGEN_OK && WG_NAME(wg_adapt_sheet)(leg, &here) == last->sheet &&

@@ -1,6 +1,5 @@
 /* walkgen_adapt_stand.h: a robot whose feet stand on their targets while its chain joints move: what wg_adapt compares. */
 #include "walkgen_adapt_criterion.h"
-#include "walkgen_adapt_legs.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_ADAPT_STAND_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_ADAPT_STAND_F32))
 #if WG_REAL_BITS == 64
@@ -27,6 +26,32 @@ struct WG_NAME(wg_adapt_stand) {
 /* A joint value within its limits. */
 static inline WG_REAL WG_NAME(wg_adapt_clamped)(const struct WG_NAME(wg_adapt_problem) * problem, int joint, WG_REAL q) {
     return WG_MIN(WG_MAX(q, problem->limits[2 * joint]), problem->limits[2 * joint + 1]);
+}
+
+/* The tree at q; feet of driven legs are moved as their functions say. */
+static inline void WG_NAME(wg_adapt_motion_at)(const struct WG_NAME(wg_adapt_problem) * problem, const WG_REAL *q,
+                                               struct WG_NAME(wg_tree_motion) * at) {
+    const struct WG_NAME(wg_tree) *tree = &problem->criterion.tree;
+    int foot, i;
+    WG_NAME(wg_tree_motion_at)(tree, q, at);
+    for (foot = 0; foot < tree->feet; ++foot) {
+        const int *joint = tree->leg[foot];
+        struct WG_NAME(wg_motion) here;
+        WG_REAL own[3], hung[3];
+        if (problem->legs[foot].chain.motion == NULL) {
+            continue;
+        }
+        for (i = 0; i < 3; ++i) {
+            own[i] = q[joint[i]];
+        }
+        WG_NAME(wg_motion_at)(&problem->legs[foot].chain, own, &here);
+        for (i = 0; i < 3; ++i) {
+            WG_NAME(wg_tree_turned)(at, tree->base[foot], 0, here.column[i], at->axis[joint[i]]);
+        }
+        WG_NAME(wg_tree_turned)(at, joint[2], 0, tree->footholds + 3 * foot, hung);
+        WG_NAME(wg_tree_moved)(at, tree->base[foot], here.foot, at->shift[joint[2]]);
+        WG_NAME(wg_add)(at->shift[joint[2]], WG_C(-1.0), hung, at->shift[joint[2]]);
+    }
 }
 
 /* Whether every led leg reaches its target and has an inverse of its Jacobian. */
@@ -64,7 +89,7 @@ static inline int WG_NAME(wg_adapt_stand_at)(const struct WG_NAME(wg_adapt_probl
         }
         stand->missed += problem->criterion.led[foot] ? WG_NAME(wg_dot)(pose->gap, pose->gap) : WG_C(0.0);
     }
-    WG_NAME(wg_tree_motion_at)(tree, stand->q, at);
+    WG_NAME(wg_adapt_motion_at)(problem, stand->q, at);
     stand->cost = WG_NAME(wg_adapt_value)(&problem->criterion, at, stand->q);
     return 1;
 }

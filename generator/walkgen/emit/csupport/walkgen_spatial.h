@@ -1,9 +1,10 @@
-/* walkgen_spatial.h: vectors, and a foot moved by up to three joints given by their axes; walkgen_math.h explains the macros.
+/* walkgen_spatial.h: vectors, and a foot moved by up to three joints given by their axes, or by three as a function has it; walkgen_math.h
+ * explains the macros.
  *
  * wg_nearest leads joint values to a local minimum of the foot's distance to a target: Newton on the equations while that helps, then
  * Newton on half the squared distance with the eigenvalues of its matrix made positive, damped as far as the distance needs it to fall.
  */
-#include "walkgen_math.h"
+#include "walkgen_driven_foot.h"
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_SPATIAL_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_SPATIAL_F32))
 #if WG_REAL_BITS == 64
@@ -14,10 +15,14 @@
 #define WG_LEAST WG_C(1e-36)
 #endif
 
-/* Joints at q = 0, base to foot: unit axes through points; a joint slides along its axis or turns about it. */
+/* Joints at q = 0, base to foot: unit axes through points; a joint slides along its axis or turns about it. Of three joints a function may
+ * have the foot instead (NULL where it does not), in a frame: its rotation [9], its origin [3]. */
 struct WG_NAME(wg_chain) {
     int n, slides[3];
     WG_REAL axis[3][3], point[3][3], foot[3];
+    WG_NAME(wg_driven_foot) motion;
+    const void *data;
+    const WG_REAL *frame;
 };
 
 /* The foot at some q, its Jacobian by columns, and second derivatives [i][j] for i <= j. */
@@ -89,10 +94,41 @@ static inline void WG_NAME(wg_moved)(const struct WG_NAME(wg_chain) *chain, int 
     WG_NAME(wg_add)(point, WG_C(1.0), chain->point[joint], point);
 }
 
+/* wg_motion_at by the chain's function; NaN and no derivatives where it has no foot. */
+static inline void WG_NAME(wg_driven_motion)(const struct WG_NAME(wg_chain) *chain, const WG_REAL q[3], struct WG_NAME(wg_motion) *at) {
+    const WG_REAL *frame = chain->frame;
+    WG_REAL values[39];
+    int i, j, k, row, fine = 1;
+    chain->motion(q, values, chain->data);
+    for (i = 0; i < 39; ++i) {
+        fine = fine && isfinite(values[i]);
+    }
+    for (row = 0; row < 3; ++row) {
+        at->foot[row] = fine ? frame[9 + row] : WG_NAN;
+        for (j = 0; j < 3; ++j) {
+            at->column[j][row] = at->second[0][j][row] = at->second[1][j][row] = at->second[2][j][row] = WG_C(0.0);
+        }
+        for (i = 0; i < 3 && fine; ++i) {
+            const WG_REAL share = frame[3 * row + i];
+            at->foot[row] += share * values[i];
+            for (j = 0; j < 3; ++j) {
+                at->column[j][row] += share * values[3 + 3 * i + j];
+                for (k = j; k < 3; ++k) {
+                    at->second[j][k][row] += share * values[12 + 9 * i + 3 * j + k];
+                }
+            }
+        }
+    }
+}
+
 /* Foot, Jacobian and second derivatives at q: what lies beyond a joint moves with it. */
 static inline void WG_NAME(wg_motion_at)(const struct WG_NAME(wg_chain) *chain, const WG_REAL q[3], struct WG_NAME(wg_motion) *at) {
     WG_REAL direction[3][3];
     int i, j;
+    if (chain->motion != NULL) {
+        WG_NAME(wg_driven_motion)(chain, q, at);
+        return;
+    }
     for (i = 0; i < 3; ++i) {
         at->foot[i] = chain->foot[i];
     }

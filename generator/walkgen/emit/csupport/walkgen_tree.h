@@ -3,6 +3,7 @@
  * geometry: for every joint its unit axis and a point on it, then every foot [3], then every platform's rotation [9] and origin [3], all at
  * q = 0 in the root platform's frame. topology: every joint's parent, every joint's kind (1 slides), every foot's last joint, every
  * platform's last joint; -1 is the root platform. The last three joints of a foot's path are its leg; all others are chain joints.
+ * Joints of a leg that is no chain of axes, of kind 1 or, where q is an angle, 2, slide in the columns of its foot's Jacobian.
  * At most 96 joints, of which 32 of chains, 16 feet and 16 platforms: struct wg_tree takes 1.1 kB, struct wg_tree_motion 14 kB (double).
  */
 #include "walkgen_spatial.h"
@@ -40,7 +41,7 @@ static inline int WG_NAME(wg_tree_sort)(struct WG_NAME(wg_tree) * tree) {
     int placed[WG_TREE_JOINTS], sweep, j, count = 0;
     for (j = 0; j < tree->nq; ++j) {
         placed[j] = 0;
-        if (tree->parent[j] < -1 || tree->parent[j] >= tree->nq || tree->slides[j] < 0 || tree->slides[j] > 1) {
+        if (tree->parent[j] < -1 || tree->parent[j] >= tree->nq || tree->slides[j] < 0 || tree->slides[j] > 2) {
             return 0;
         }
     }
@@ -97,7 +98,7 @@ static inline int WG_NAME(wg_tree_chains)(struct WG_NAME(wg_tree) * tree) {
         if (tree->place[j] < 0) {
             continue;
         }
-        if (tree->chains == WG_TREE_CHAINS || (tree->parent[j] >= 0 && tree->place[tree->parent[j]] < 0)) {
+        if (tree->chains == WG_TREE_CHAINS || tree->slides[j] > 1 || (tree->parent[j] >= 0 && tree->place[tree->parent[j]] < 0)) {
             return 0;
         }
         tree->place[j] = tree->chains;
@@ -228,7 +229,7 @@ static inline int WG_NAME(wg_tree_range)(const WG_REAL limit[2], int slides, WG_
     const int bounded = isfinite(limit[0]) && isfinite(limit[1]), counted = bounded && limit[1] > limit[0];
     const WG_REAL nearest = limit[0] > WG_C(0.0) ? limit[0] : limit[1] < WG_C(0.0) ? limit[1] : WG_C(0.0);
     *middle = bounded ? WG_C(0.5) * limit[0] + WG_C(0.5) * limit[1] : nearest;
-    *half = counted ? WG_C(0.5) * limit[1] - WG_C(0.5) * limit[0] : slides ? WG_C(1.0) : WG_PI;
+    *half = counted ? WG_C(0.5) * limit[1] - WG_C(0.5) * limit[0] : slides == 1 ? WG_C(1.0) : WG_PI;
     return counted;
 }
 

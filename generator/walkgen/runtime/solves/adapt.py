@@ -5,7 +5,9 @@ that leaves a leg without a pose is one that did not. Where the start does not l
 what is missing; after that, and where the descent ends early, other starts are tried, always the same ones.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +15,7 @@ from numpy.typing import ArrayLike
 from walkgen.runtime.solves.adapt_approach import approached
 from walkgen.runtime.solves.adapt_criterion import Criterion
 from walkgen.runtime.solves.adapt_descent import descended
-from walkgen.runtime.solves.adapt_legs import leg_of
+from walkgen.runtime.solves.adapt_legs import Driven, leg_of
 from walkgen.runtime.solves.adapt_stand import Problem, Stand
 from walkgen.runtime.solves.tree import Integers, Reals, Tree, broadcast_rows, limits_fit, middle_and_spans, read_tree
 from walkgen.signature import STATUSES
@@ -22,6 +24,9 @@ _OK, _UNREACHABLE, _BAD_INPUT, _NO_CONVERGENCE = (STATUSES.index(name) for name 
 _FLAT = 1e-10
 _STARTS = 8
 _GOLDEN = 0.6180339887498949
+
+DrivenLeg = tuple[Any, ...]
+"""Its motion, rows and pose somewhere, each with what it takes after its point; how many rows; its platform; () of a leg of axes."""
 
 
 def adapt(
@@ -35,6 +40,7 @@ def adapt(
     nq: int,
     feet: int,
     platforms: int,
+    driven: Sequence[DrivenLeg] = (),
 ) -> tuple[Reals, Integers, Reals]:
     """Joint values that put every foot on its target and minimise the criterion of adapt_criterion.py within the chains' limits.
 
@@ -50,31 +56,49 @@ def adapt(
         nq: number of joints.
         feet: k.
         platforms: m.
+        driven: of the legs that functions describe instead of axes; empty where none is.
 
     Returns:
         q [..., nq], status [...] and Phi [...]: OK where Phi is stationary; UNREACHABLE where no tried pose of the chains lets every foot
-        reach its target, which q comes closest to; NO_CONVERGENCE where the descent ended early; BAD_INPUT with NaN.
+        reach its target, which q comes closest to; NO_CONVERGENCE where the descent ended early; BAD_INPUT with NaN, also where the
+        functions have no foot.
     """
-    inputs = [np.asarray(item, float) for item in (geometry, topology, limits, targets, normal, start, weights)]
-    shape, rows = broadcast_rows(inputs, (1, 1, 2, 2, 2, 1, 1))
+    data = next((leg[0][1:] for leg in driven if leg), ())
+    inputs = [np.asarray(item, float) for item in (geometry, topology, limits, targets, normal, start, weights, *data)]
+    shape, rows = broadcast_rows(inputs, (1, 1, 2, 2, 2, 1, 1, *(1 for _ in data)))
     q, status, cost = np.full((*shape, nq), np.nan), np.full(shape, _BAD_INPUT, np.int32), np.full(shape, np.nan)
     for place in np.ndindex(shape):
-        answer = _answer([row[place] for row in rows], nq, feet, platforms)
+        answer = _answer([row[place] for row in rows], nq, feet, platforms, driven)
         if answer is not None:
             q[place], status[place], cost[place] = answer
     return q, status, cost
 
 
-def _answer(row: Sequence[Reals], nq: int, feet: int, platforms: int) -> tuple[Reals, int, float] | None:
+def _answer(row: Sequence[Reals], nq: int, feet: int, platforms: int, driven: Sequence[DrivenLeg]) -> tuple[Reals, int, float] | None:
     """Of one row, None where its input is bad."""
-    numbers, links, bounds, aims, normals, first, weigh = row
+    numbers, links, bounds, aims, normals, first, weigh, *data = row
     tree = read_tree(numbers, links, nq, feet, platforms)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # what is no number ends as BAD_INPUT
-        problem = None if tree is None else _problem(tree, bounds, aims, normals, first, weigh)
+        if tree is None:
+            return None
+        described = [_described(tree, leg, data) if leg else None for leg in driven or [()] * feet]
+        problem = _problem(tree, described, bounds, aims, normals, first, weigh)
         return None if problem is None else _solved(problem)
 
 
-def _problem(tree: Tree, limits: Reals, targets: Reals, normal: Reals, start: Reals, weights: Reals) -> Problem | None:
+def _described(tree: Tree, leg: DrivenLeg, data: Sequence[Reals]) -> Driven:
+    """The leg's functions with what they take in this row."""
+    motion, rows, somewhere = (partial(_called, function, data) for function, *_ in leg[:3])
+    return Driven(motion, rows, somewhere, tree.rotations[leg[4]], tree.origins[leg[4]])
+
+
+def _called(function: Callable[..., Any], data: Sequence[Reals], point: Reals) -> Any:
+    return function(point, *data)
+
+
+def _problem(
+    tree: Tree, driven: Sequence[Driven | None], limits: Reals, targets: Reals, normal: Reals, start: Reals, weights: Reals
+) -> Problem | None:
     """None where an input is no number, a lower limit lies above its upper one, or a weight is negative."""
     given = np.concatenate([targets.ravel(), normal.ravel(), weights])
     if not (np.isfinite(given).all() and (weights[:3] >= 0.0).all() and limits_fit(limits)):
@@ -86,7 +110,7 @@ def _problem(tree: Tree, limits: Reals, targets: Reals, normal: Reals, start: Re
     free = limits[:, 0] < limits[:, 1]
     led = tuple(bool(free[list(tree.path(base))].any()) for base in tree.bases)
     criterion = Criterion(tree, weights, middle, spans, counted, _normals(normal, targets), means, standing, led)
-    legs = tuple(leg_of(tree, foot, spans) for foot in range(len(tree.legs)))
+    legs = tuple(leg_of(tree, foot, spans, own) for foot, own in enumerate(driven))
     reference = np.where(np.isfinite(start), start, middle)
     return Problem(criterion, legs, targets, limits[:, 0], limits[:, 1], spans, reference)
 

@@ -6,11 +6,13 @@ The chain joints c are free, every leg follows: dq_leg/dc = B = -J_leg^-1 J_c, t
 lambda = J_leg^-T dPhi/dq_leg the legs' own curvature is -sum_ik (lambda . d2p/dq_i dq_k) N_i N_k, so no third tensor is formed.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from walkgen.runtime.solves.adapt_legs import Leg
 from walkgen.runtime.solves.tree import Motion, Reals, Tree, columns
 
 
@@ -59,7 +61,7 @@ class Derivatives:
     size: Reals
 
 
-def derivatives(criterion: Criterion, at: Motion, q: Reals) -> Derivatives:
+def derivatives(criterion: Criterion, at: Motion, legs: Sequence[Leg], q: Reals) -> Derivatives:
     """Exact first and second derivatives; no leg that chains move stands in a singular pose."""
     tree, limit = criterion.tree, criterion.weights[0]
     chains = list(tree.chains)
@@ -72,7 +74,7 @@ def derivatives(criterion: Criterion, at: Motion, q: Reals) -> Derivatives:
         if not criterion.led[foot]:
             continue
         own = [place[joint] for joint in path]
-        part = _leg_part(criterion, at, foot, pull[list(leg)], curve[list(leg)])
+        part = _leg_part(criterion, at, foot, legs[foot], q[list(leg)], pull[list(leg)], curve[list(leg)])
         gradient[own] += part.gradient
         hessian[np.ix_(own, own)] += part.hessian
         diagonal[own] += part.diagonal
@@ -98,13 +100,16 @@ def null_space(tree: Tree, at: Motion, foot: int) -> tuple[Reals, Reals, Reals]:
     return np.asarray(-np.linalg.solve(own, carried)), own, carried
 
 
-def _leg_part(criterion: Criterion, at: Motion, foot: int, pull: Reals, curve: Reals) -> Derivatives:
+def _leg_part(criterion: Criterion, at: Motion, foot: int, leg: Leg, q: Reals, pull: Reals, curve: Reals) -> Derivatives:
     tree = criterion.tree
     follow, own, carried = null_space(tree, at, foot)
     joints = (*tree.path(tree.bases[foot]), *tree.legs[foot])
     null = np.vstack([np.eye(carried.shape[1]), follow])
     force = np.asarray(np.linalg.solve(own.T, pull))
     bent = _second(tree, at, joints, np.hstack([carried, own]), force)
+    if leg.driven is not None:
+        force = force if leg.base < 0 else at.rotations[leg.base].T @ force
+        bent[-3:, -3:] += np.einsum("k,kij->ij", force, leg.driven.foot(q)[2])
     hessian = follow.T @ (curve[:, None] * follow) - null.T @ bent @ null
     return Derivatives(follow.T @ pull, hessian, curve @ follow**2, np.abs(follow.T) @ np.abs(pull))
 

@@ -24,7 +24,7 @@ def descended(problem: Problem, stand: Stand) -> tuple[Stand, bool]:
     """
     best, least, stationary, damping, polishes, stalls = stand, np.inf, False, 0.0, 0, 0
     for _ in range(_STEPS):
-        slope = derivatives(problem.criterion, stand.at, stand.q)
+        slope = derivatives(problem.criterion, stand.at, problem.legs, stand.q)
         free = _free(problem, stand, slope)
         size = float(np.linalg.norm(slope.gradient[free]))
         steeper = not size < least

@@ -63,6 +63,18 @@ def stand_at(problem: Problem, q: Reals, last: Stand | None = None) -> Stand | N
             return None
         poses.append(pose)
         q[list(leg.joints)] = pose.q
-    at = motion(problem.tree, q)
+    at = _moved(problem, q)
     missed = sum(float(pose.gap @ pose.gap) for led, pose in zip(problem.criterion.led, poses, strict=True) if led)
     return Stand(q, at, tuple(poses), problem.criterion.value(at, q), missed)
+
+
+def _moved(problem: Problem, q: Reals) -> Motion:
+    """The tree at q; feet of driven legs are moved as their functions say."""
+    tree, at = problem.tree, motion(problem.tree, q)
+    for foot, leg in enumerate(problem.legs):
+        if leg.driven is not None:
+            own = list(leg.joints)
+            place, jacobian, _ = leg.driven.foot(q[own])
+            at.axes[own] = np.array([at.turned(leg.base, column) for column in jacobian.T])
+            at.shifts[own[-1]] = at.moved(leg.base, place) - at.turned(own[-1], tree.feet[foot])
+    return at

@@ -1,5 +1,6 @@
 """Vectors, and a foot moved by up to three joints given by their axes: what the general inverse iterates on; see walkgen_spatial.h."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,13 +17,15 @@ _ROUNDOFF = float(2.0 * np.finfo(float).eps)
 class Chain:
     """Joints at q = 0, base to foot: unit `axes` [..., n, 3] through `points` [..., n, 3], and the `foot` [..., 3].
 
-    `kinds` has a letter for every joint: R turns about its axis, P moves along it.
+    `kinds` has a letter for every joint: R turns about its axis, P moves along it. Of three joints a function may have the foot instead,
+    as `motion` gives it.
     """
 
     kinds: str
     axes: Reals
     points: Reals
     foot: Reals
+    driven: "Callable[[Reals], tuple[Reals, Reals, Reals]] | None" = None
 
     def reversed(self, target: Reals) -> "Chain":
         """The chain that leads the target back to the foot by the same joint values, last joint first."""
@@ -74,6 +77,8 @@ def moved(chain: Chain, joint: int, q: Reals, point: Reals) -> Reals:
 
 def foot_of(chain: Chain, q: Reals) -> Reals:
     """The foot at q [..., n]."""
+    if chain.driven is not None:
+        return chain.driven(q)[0]
     point = chain.foot
     for joint in range(len(chain.kinds) - 1, -1, -1):
         point = moved(chain, joint, q[..., joint], point)
@@ -82,6 +87,8 @@ def foot_of(chain: Chain, q: Reals) -> Reals:
 
 def motion(chain: Chain, q: Reals) -> tuple[Reals, Reals, Reals]:
     """The foot [..., 3], its Jacobian [..., 3, n] and its second derivatives [..., 3, n, n] at q."""
+    if chain.driven is not None:
+        return chain.driven(q)
     n = len(chain.kinds)
     foot = chain.foot
     directions: list[Reals] = []

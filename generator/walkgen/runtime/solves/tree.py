@@ -17,14 +17,16 @@ _LEG = 3
 class Tree:
     """Joints at q = 0 in the root platform's frame, and what hangs on what; -1 is the root platform.
 
-    `axes` and `points` [nq, 3]; `slides` and `parents` [nq]; `feet` [k, 3]; `rotations` [m, 3, 3] and `origins` [m, 3]; `order`: parents
-    first; `legs`: every foot's last three joints; `bases`: the joint that carries each leg; `chains`: all other joints, in the order of q;
-    `carriers`: the joint that carries each platform; `homes`: the platform that each foot belongs to, the nearest on its path.
+    `axes` and `points` [nq, 3]; `slides`, `turns` and `parents` [nq]; `feet` [k, 3]; `rotations` [m, 3, 3] and `origins` [m, 3]; `order`:
+    parents first; `legs`: every foot's last three joints; `bases`: the joint that carries each leg; `chains`: all other joints, in the
+    order of q; `carriers`: the joint that carries each platform; `homes`: the platform that each foot belongs to, the nearest on its path.
+    Joints of a leg that is no chain of axes slide in the columns of its foot's Jacobian, and those whose q is an angle turn as well.
     """
 
     axes: Reals
     points: Reals
     slides: NDArray[np.bool_]
+    turns: NDArray[np.bool_]
     parents: tuple[int, ...]
     feet: Reals
     rotations: Reals
@@ -46,7 +48,7 @@ class Tree:
 
     def sequence(self, foot: int) -> int:
         """A leg's joints: 1, then a binary digit a joint, 1 where it slides."""
-        return int("1" + "".join("1" if self.slides[joint] else "0" for joint in self.legs[foot]), 2)
+        return int("1" + "".join("0" if self.turns[joint] else "1" for joint in self.legs[foot]), 2)
 
     def leg_geometry(self, foot: int) -> Reals:
         """Axis and point of a leg's joints, then the foot, at q = 0 [21]."""
@@ -84,7 +86,7 @@ def read_tree(geometry: ArrayLike, topology: ArrayLike, nq: int, feet: int, plat
     parents, kinds = links[:nq].tolist(), links[nq : 2 * nq]
     last, carriers = links[2 * nq : 2 * nq + feet].tolist(), links[2 * nq + feet : 2 * nq + feet + platforms].tolist()
     order = _order(parents, nq)
-    if order is None or not set(kinds.tolist()) <= {0, 1} or any(not -1 <= joint < nq for joint in (*last, *carriers)):
+    if order is None or not set(kinds.tolist()) <= {0, 1, 2} or any(not -1 <= joint < nq for joint in (*last, *carriers)):
         return None
     legs = _legs(parents, last)
     if legs is None:
@@ -92,7 +94,7 @@ def read_tree(geometry: ArrayLike, topology: ArrayLike, nq: int, feet: int, plat
     taken = {joint for leg in legs for joint in leg}
     chains = tuple(joint for joint in range(nq) if joint not in taken)
     bases = tuple(parents[leg[0]] for leg in legs)
-    foreign = any(parents[joint] in taken for joint in chains) or any(joint in taken for joint in (*bases, *carriers))
+    foreign = any(parents[joint] in taken or kinds[joint] > 1 for joint in chains) or any(joint in taken for joint in (*bases, *carriers))
     if foreign or len(chains) > MOST_CHAIN_JOINTS:
         return None
     parts, rest = numbers[: 6 * nq].reshape(nq, 2, 3), numbers[6 * nq :]
@@ -100,7 +102,8 @@ def read_tree(geometry: ArrayLike, topology: ArrayLike, nq: int, feet: int, plat
     return Tree(
         axes=parts[:, 0],
         points=parts[:, 1],
-        slides=kinds == 1,
+        slides=kinds > 0,
+        turns=kinds != 1,
         parents=tuple(parents),
         feet=rest[: 3 * feet].reshape(feet, 3),
         rotations=frames[:, :9].reshape(platforms, 3, 3),
@@ -126,7 +129,7 @@ def middle_and_spans(tree: Tree, limits: Reals) -> tuple[Reals, Reals, NDArray[n
     counted = bounded & (upper > lower)
     low, high = np.where(bounded, lower, 0.0), np.where(bounded, upper, 0.0)
     middle = np.where(bounded, 0.5 * low + 0.5 * high, np.minimum(np.maximum(0.0, lower), upper))
-    return middle, np.where(counted, 0.5 * high - 0.5 * low, np.where(tree.slides, 1.0, np.pi)), counted
+    return middle, np.where(counted, 0.5 * high - 0.5 * low, np.where(tree.turns, np.pi, 1.0)), counted
 
 
 def limits_fit(limits: Reals) -> bool:
