@@ -79,23 +79,35 @@ static inline void WG_NAME(wg_adapt_approach)(const struct WG_NAME(wg_adapt_prob
     }
 }
 
+/* How many steps of the chains are tried: more where what a leg misses is only about as far as its function tells. */
+static inline int WG_NAME(wg_adapt_approaches)(const struct WG_NAME(wg_adapt_problem) * problem) {
+    int foot, most = 15;
+    for (foot = 0; foot < problem->criterion.tree.feet; ++foot) {
+        most = problem->legs[foot].chain.motion != NULL ? 60 : most;
+    }
+    return most;
+}
+
 /* A stand from these chain joints on in which every led foot reaches its target, or one that misses no more than the first. 0 where a
  * leg's pose is no number. */
 static inline int WG_NAME(wg_adapt_reach)(const struct WG_NAME(wg_adapt_problem) * problem, struct WG_NAME(wg_adapt_stand) * stand) {
     struct WG_NAME(wg_adapt_stand) other;
     struct WG_NAME(wg_tree_motion) at;
     WG_REAL damping = WG_C(0.01);
-    int turn;
+    const int most = WG_NAME(wg_adapt_approaches)(problem);
+    int turn, worse = 0;
     if (!WG_NAME(wg_adapt_stand_at)(problem, NULL, stand, &at)) {
         return 0;
     }
-    for (turn = 0; turn < 15 && stand->missed > WG_C(0.0); ++turn) {
+    for (turn = 0; turn < most && worse < 15 && stand->missed > WG_C(0.0); ++turn) {
         WG_NAME(wg_adapt_approach)(problem, stand, damping, &at, &other);
         if (WG_NAME(wg_adapt_stand_at)(problem, NULL, &other, &at) && other.missed < stand->missed) {
             *stand = other;
             damping *= WG_C(0.25);
+            worse = 0;
         } else {
             damping *= WG_C(4.0);
+            ++worse;
         }
     }
     return 1;

@@ -17,14 +17,14 @@
 #define WG_REGULAR WG_C(1e-5)
 #endif
 
-#ifndef WG_MOST_ROWS
-#define WG_MOST_ROWS 96
+#ifndef WG_DRIVEN_ROWS
+#define WG_DRIVEN_ROWS 96
 #endif
 
 /* Joint values [n][3] that bring a foot to a target, given with a seed [6], and their statuses [n]. */
 typedef void (*WG_NAME(wg_driven_rows))(const WG_REAL *aim, WG_REAL *rows, int32_t *states, const void *data);
 
-/* A leg that functions describe instead of its axes (no motion: axes do), in the frame of its platform: its foot; at most WG_MOST_ROWS
+/* A leg that functions describe instead of its axes (no motion: axes do), in the frame of its platform: its foot; at most WG_DRIVEN_ROWS
  * poses, of which there are `slots`; one pose somewhere, for where none of those is known. */
 struct WG_NAME(wg_driven_leg) {
     WG_NAME(wg_driven_foot) motion;
@@ -116,7 +116,7 @@ static inline void WG_NAME(wg_adapt_unwound)(const struct WG_NAME(wg_adapt_leg) 
 /* All poses at a target, turned back to q = 0: their number. A leg's own function has them in the frame of its platform, near a seed where
  * it does not know them all; where its drives stand in a dead point they hold no foot there, and the pose is INFEASIBLE. */
 static inline int WG_NAME(wg_adapt_rows)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL target[3], const WG_REAL seed[3],
-                                         int somewhere, WG_REAL rows[3 * WG_MOST_ROWS], int32_t status[WG_MOST_ROWS]) {
+                                         int somewhere, WG_REAL rows[3 * WG_DRIVEN_ROWS], int32_t status[WG_DRIVEN_ROWS]) {
     const WG_REAL *frame = leg->chain.frame;
     struct WG_NAME(wg_motion) here;
     WG_REAL aim[6], arm[3];
@@ -155,7 +155,7 @@ static inline int WG_NAME(wg_adapt_there)(const struct WG_NAME(wg_adapt_leg) * l
 /* Of a driven leg, none of whose rows reaches the target: a pose that comes as close as any nearby, from that of the rows and of the
  * reference, or of somewhere else, that is closest. Whether there is one. */
 static inline int WG_NAME(wg_adapt_nearby)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL aim[3], const WG_REAL reference[3],
-                                           int slots, WG_REAL rows[3 * WG_MOST_ROWS], int32_t status[WG_MOST_ROWS], WG_REAL q[3]) {
+                                           int slots, WG_REAL rows[3 * WG_DRIVEN_ROWS], int32_t status[WG_DRIVEN_ROWS], WG_REAL q[3]) {
     struct WG_NAME(wg_motion) here;
     WG_REAL away[3], tried[3], least = WG_INFINITY;
     int i;
@@ -178,8 +178,8 @@ static inline int WG_NAME(wg_adapt_nearby)(const struct WG_NAME(wg_adapt_leg) * 
 static inline int WG_NAME(wg_adapt_closed)(const struct WG_NAME(wg_adapt_leg) * leg, const struct WG_NAME(wg_tree_motion) * at,
                                            const WG_REAL target[3], const WG_REAL reference[3], struct WG_NAME(wg_adapt_pose) * pose) {
     struct WG_NAME(wg_motion) here;
-    WG_REAL aim[3], rows[3 * WG_MOST_ROWS], q[3], least = WG_INFINITY;
-    int32_t status[WG_MOST_ROWS];
+    WG_REAL aim[3], rows[3 * WG_DRIVEN_ROWS], q[3], least = WG_INFINITY;
+    int32_t status[WG_DRIVEN_ROWS];
     int i, k, rank, slots, best = 3, reaching = 0;
     WG_NAME(wg_tree_moved_back)(at, leg->base, target, aim);
     slots = WG_NAME(wg_adapt_rows)(leg, aim, reference, 0, rows, status);
@@ -248,8 +248,8 @@ static inline int WG_NAME(wg_adapt_followed)(const struct WG_NAME(wg_adapt_leg) 
                                              const WG_REAL target[3], const struct WG_NAME(wg_adapt_pose) * last,
                                              struct WG_NAME(wg_adapt_pose) * pose) {
     struct WG_NAME(wg_motion) here;
-    WG_REAL aim[3], rows[3 * WG_MOST_ROWS], q[3], most = WG_C(0.0), least = WG_INFINITY;
-    int32_t status[WG_MOST_ROWS];
+    WG_REAL aim[3], rows[3 * WG_DRIVEN_ROWS], q[3], most = WG_C(0.0), least = WG_INFINITY;
+    int32_t status[WG_DRIVEN_ROWS];
     int i, reached, slots, found = 0;
     WG_NAME(wg_tree_moved_back)(at, leg->base, target, aim);
     *pose = *last;

@@ -9,7 +9,7 @@ from walkgen.runtime.solves.adapt_solve import cholesky
 from walkgen.runtime.solves.adapt_stand import Problem, Stand, stand_at
 from walkgen.runtime.solves.tree import Reals, columns
 
-_APPROACHES = 15
+_APPROACHES, _DRIVEN_APPROACHES = 15, 60
 _MARGIN = 0.01
 
 
@@ -18,15 +18,15 @@ def approached(problem: Problem, q: Reals) -> Stand | None:
 
     None where a leg's pose is no number.
     """
-    best, damping = stand_at(problem, q), 1e-2
-    for _ in range(_APPROACHES):
-        if best is None or best.missed == 0.0:
+    best, damping, worse = stand_at(problem, q), 1e-2, 0
+    for _ in range(_DRIVEN_APPROACHES if any(leg.driven for leg in problem.legs) else _APPROACHES):
+        if best is None or best.missed == 0.0 or worse == _APPROACHES:
             break
         other = stand_at(problem, problem.clamped(best.q + _step(problem, best, damping)))
         if other is not None and other.missed < best.missed:
-            best, damping = other, 0.25 * damping
+            best, damping, worse = other, 0.25 * damping, 0
         else:
-            damping *= 4.0
+            damping, worse = 4.0 * damping, worse + 1
     return best
 
 
