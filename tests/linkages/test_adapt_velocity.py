@@ -71,7 +71,7 @@ def test_where_it_does_not_assemble_is_bad_input(robot):
 
 
 def test_its_absence_is_explained(built):
-    with pytest.raises(UnsupportedMechanism, match="three joints in series"):
+    with pytest.raises(UnsupportedMechanism, match="exactly three q"):
         built(ROBOT).c.adapt(np.zeros((3, 3)))
     with pytest.raises(UnsupportedMechanism):
         built(ROBOT).c.casadi("adapt_velocity")

@@ -53,9 +53,8 @@ _NEEDS = {
     **dict.fromkeys(
         (*_STABILITY, "tipping_acceleration", "tipping_time", "tipping_tilt", "tipping_speed_limit"), "it stands on fewer than two points"
     ),
-    "adapt": "it takes connecting chains with joints, and legs of exactly three joints in series, which follow by their closed form: not "
-    "legs with linkages, which have inverse_near; legs of more joints have freedom of their own, those of fewer miss targets, and so do "
-    "those on curved soles, which move in planes and put their feet flat",
+    "adapt": "it takes connecting chains with joints, and legs of exactly three q, which follow: those of more have freedom of their own, "
+    "those of fewer miss targets, and so do those on curved soles, which move in planes and put their feet flat",
     "adapt_velocity": "it takes connecting chains with joints, and legs of exactly three q: those of more have freedom of their own, "
     "those of fewer, and those on curved soles, do not move their feet every way",
     "settle": "it takes three legs, mass and the ground that [[terrain]] describes",
