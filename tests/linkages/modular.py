@@ -142,3 +142,22 @@ def criterion(robot, q, targets, weights=WEIGHTS):
     pose, normal = robot.platform_poses(q)[1], normal * np.sign(normal[2])
     height = normal @ (pose[:3, 3] - targets[1:].mean(axis=0)) - weights[3]
     return weights[0] * share @ share + weights[1] * (1 - normal @ pose[:3, 2]) + weights[2] * height**2
+
+
+def walking():
+    """The robot of the tests of walks on Bessonov's legs, which yaw freely there, with a crawl."""
+    text = (SPECS.parent / "tests" / "gait" / "duo.toml").read_text(encoding="utf-8")
+    legs = bessonov("[0.4, 2.6]").replace("d = 0.0\n", "d = 0.0\nlimits_deg = [-70, 70]\n", 1)
+    head, chains = text[: text.index("[leg_designs.leg]")], text[text.index("[chain_designs.waist]") : text.index("[[terrain]]")]
+    sides = ("front_left", 0.0, 0.22), ("front_right", 0.0, -0.22), ("rear_left", -0.6, 0.22), ("rear_right", -0.6, -0.22)
+    stance = ", ".join(f"{name} = [{x}, {y}, -0.585]" for name, x, y in sides)
+    gait = f"""[gait.crawl]
+kind = "crawl"
+period = 2.0
+stride = 0.12
+lift = 0.02
+left = ["front_left", "rear_left"]
+right = ["front_right", "rear_right"]
+stance = {{ {stance} }}
+"""
+    return f"{head}{legs}{chains}{gait}".replace('design = "leg"', 'design = "bessonov"').replace("[parameters]\nl = 0.3\n", "")

@@ -10,6 +10,8 @@ from oracles.measure import difference
 from walkgen.model.assemble import assemble
 from walkgen.spec.read import read
 from walkgen.symbolic.adapt import adapt_functions
+from walkgen.walking import walked
+from walkgen.walking_request import Wanted
 
 OK, UNREACHABLE, BAD_INPUT, SINGULAR, NO_CONVERGENCE = range(5)
 MIXED = modular.mixed()
@@ -31,7 +33,7 @@ def posed(robot, count, seed):
     return q, robot.foot_positions(q)
 
 
-@pytest.mark.parametrize("count", [100, pytest.param(2000, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("count", [100, pytest.param(400, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("name", ["mixed", *OTHERS])
 def test_targets_of_poses_are_reached(built, name, count):
     """From the middle of the limits, and from the pose; cost and feet by the robot's own platforms and feet."""
@@ -225,3 +227,14 @@ def test_legs_of_other_counts_have_none(tmp_path):
     spec = tmp_path / "modular.toml"
     spec.write_text(modular.three(design, "pantograph"))
     assert not adapt_functions(assemble(read(spec)))
+
+
+@pytest.mark.nightly
+def test_a_walk_over_waves_adapts_its_chains(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    spec = tmp_path / "walking.toml"
+    spec.write_text(modular.walking())
+    walk = walked(spec, Wanted(adapt=True, terrain="0.02*sin(3*x)")).walk
+    assert all(fault.kind != "chains" for fault in walk.faults)
+    assert np.ptp(walk.q[:, :2], axis=0).min() > 1e-3
+    assert walk.slip < 1e-12

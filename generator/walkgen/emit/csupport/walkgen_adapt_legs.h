@@ -152,12 +152,12 @@ static inline int WG_NAME(wg_adapt_there)(const struct WG_NAME(wg_adapt_leg) * l
     return gap <= WG_C(64.0) * WG_EPSILON * size;
 }
 
-/* Of a driven leg, none of whose rows reaches the target: a pose that comes as close as any nearby, from that of the rows and of the
- * reference, or of somewhere else, that is closest. Whether there is one. */
+/* Of a driven leg, none of whose rows reaches the target: the first row becomes a pose that comes as close as any nearby, from that of the
+ * rows and of the reference, or of somewhere else, that is closest. How many rows there are: 1, or 0 where there is no foot. */
 static inline int WG_NAME(wg_adapt_nearby)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL aim[3], const WG_REAL reference[3],
-                                           int slots, WG_REAL rows[3 * WG_DRIVEN_ROWS], int32_t status[WG_DRIVEN_ROWS], WG_REAL q[3]) {
+                                           int slots, WG_REAL rows[3 * WG_DRIVEN_ROWS], int32_t status[WG_DRIVEN_ROWS]) {
     struct WG_NAME(wg_motion) here;
-    WG_REAL away[3], tried[3], least = WG_INFINITY;
+    WG_REAL away[3], tried[3], q[3], least = WG_INFINITY;
     int i;
     for (i = -1; i <= slots; ++i) {
         if (i == slots && (least < WG_INFINITY || !WG_NAME(wg_adapt_rows)(leg, aim, reference, 1, rows, status))) {
@@ -171,7 +171,13 @@ static inline int WG_NAME(wg_adapt_nearby)(const struct WG_NAME(wg_adapt_leg) * 
             WG_NAME(wg_add)(tried, WG_C(0.0), tried, q);
         }
     }
-    return least < WG_INFINITY && WG_NAME(wg_nearest)(&leg->chain, aim, 3, q) < WG_INFINITY;
+    if (!(least < WG_INFINITY)) {
+        return 0;
+    }
+    least = WG_NAME(wg_nearest)(&leg->chain, aim, 3, q);
+    WG_NAME(wg_add)(q, WG_C(0.0), q, rows);
+    status[0] = WG_NAME(wg_adapt_there)(leg, aim, least) ? WALKGEN_OK : WALKGEN_UNREACHABLE;
+    return 1;
 }
 
 /* The pose of the closed form nearest to a reference: one that reaches the target, a regular one first. 0 where q is no number. */
@@ -187,15 +193,8 @@ static inline int WG_NAME(wg_adapt_closed)(const struct WG_NAME(wg_adapt_leg) * 
         reaching |= status[i] == WALKGEN_OK || status[i] == WALKGEN_SINGULAR;
     }
     if (!reaching && leg->chain.motion != NULL && status[0] != WALKGEN_BAD_INPUT) {
-        if (!WG_NAME(wg_adapt_nearby)(leg, aim, reference, slots, rows, status, q)) {
-            return 0;
-        }
-        WG_NAME(wg_motion_at)(&leg->chain, q, &here);
-        WG_NAME(wg_add)(here.foot, WG_C(-1.0), aim, rows);
-        reaching = WG_NAME(wg_adapt_there)(leg, aim, WG_NAME(wg_norm)(rows));
-        WG_NAME(wg_add)(q, WG_C(0.0), q, rows);
-        status[0] = WALKGEN_OK;
-        slots = 1;
+        slots = WG_NAME(wg_adapt_nearby)(leg, aim, reference, slots, rows, status);
+        reaching = slots > 0 && status[0] == WALKGEN_OK;
     }
     for (i = 0; i < slots; ++i) {
         WG_REAL distance;
@@ -222,7 +221,7 @@ static inline int WG_NAME(wg_adapt_closed)(const struct WG_NAME(wg_adapt_leg) * 
             }
         }
     }
-    return 1;
+    return best < 3;
 }
 
 /* Newton on the foot's position as long as the gap halves: whether it is down to rounding, and where that is. */
