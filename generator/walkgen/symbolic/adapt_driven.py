@@ -46,7 +46,7 @@ class DrivenLeg:
     @cached_property
     def callbacks(self) -> tuple[Solve, ...]:
         """In the order of the routine's struct."""
-        return self.search.motion, self._called("adapt_rows", self._inverse), self._called("adapt_somewhere", self._somewhere)
+        return self.search.foot, self._called("adapt_rows", self._inverse), self._called("adapt_somewhere", self._somewhere)
 
     @cached_property
     def search(self) -> DrivenSearch:

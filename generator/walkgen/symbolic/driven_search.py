@@ -113,20 +113,29 @@ class DrivenSearch:
     @cached_property
     def motion(self) -> Solve:
         """The foot and margins with their derivatives, as the routines call it."""
+        return self._motion("motion", _MOST_EDGES)
+
+    @cached_property
+    def foot(self) -> Solve:
+        """The foot alone with its derivatives."""
+        return self._motion("foot", 0)
+
+    def _motion(self, name: str, most: int) -> Solve:
+        """With so many margins at the most."""
         port, tape = joint_port("q", self.route.joints), Tape()
         linkage = self.route.limbs[-1].linkage
         assert linkage is not None
         kinematics = DrivenKinematics(self.route.limbs, linkage, symbols_of(port), parameter_symbols(self.mechanism), tape)
         count = len(self.route.joints)
         seconds = {pair: kinematics.second(*pair) for pair in ((i, j) for j in range(count) for i in range(j + 1))}
-        margins = kinematics.margins(_MOST_EDGES)
+        margins = kinematics.margins(most)
         values = [*kinematics.position, *(value for value, _, _ in margins)]
         values += [column[row] for row in range(3) for column in kinematics.jacobian]
         values += [slope for _, slopes, _ in margins for slope in slopes]
         values += [seconds[min(i, j), max(i, j)][row] for row in range(3) for i in range(count) for j in range(count)]
         values += [bend for _, _, bends in margins for row in bends for bend in row]
-        words = signature(self.mechanism, self.route.owner, "motion_at", [port], [Port("motion", (len(values),))], "", "")
-        return called_back(tape.function(words, values), "motion")
+        words = signature(self.mechanism, self.route.owner, f"{name}_at", [port], [Port("motion", (len(values),))], "", "")
+        return called_back(tape.function(words, values), name)
 
     def _limits(self, joint: Joint) -> tuple[sympy.Expr, sympy.Expr]:
         """A cylinder is never shorter than nothing."""
