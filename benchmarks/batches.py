@@ -11,6 +11,7 @@ import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,20 +39,57 @@ ASKED = {"foot_jacobian": {"double": 10, "float": 15}, "inverse": {"double": 7, 
 """How many times faster than the C library's loop, in the cache, with AVX-512."""
 
 
+def harness() -> ctypes.CDLL:
+    """Loops in C: for few rows a call from Python would cost more than what it calls."""
+    build = compile_one(Source("harness", "", (HERE.parent / "harness.c").read_text()), ("-O2",))
+    found = ctypes.CDLL(str(build.library))
+    found.time_arrays.restype = found.time_copies.restype = ctypes.c_double
+    return found
+
+
 @dataclass(frozen=True)
 class Call:
     """One function on all rows: its arrays, those read first."""
 
+    harness: ctypes.CDLL
     function: Any
     arrays: tuple[Array, ...]
 
-    def __call__(self) -> None:
-        self.function(ctypes.c_size_t(len(self.arrays[0])), *(array.ctypes.data_as(ctypes.c_void_p) for array in self.arrays))
+    def __call__(self) -> float:
+        """ns a row."""
+        rows = len(self.arrays[0])
+        places = [ctypes.c_void_p(array.ctypes.data) for array in self.arrays]
+        function = ctypes.cast(self.function, ctypes.c_void_p)
+        answer: float = self.harness.time_arrays(
+            function, *map(ctypes.c_size_t, (_calls(rows), rows)), *places, *[None] * (3 - len(places))
+        )
+        return answer
 
     @property
     def bytes(self) -> int:
         """Read and written, a row."""
         return sum(array.nbytes for array in self.arrays) // len(self.arrays[0])
+
+
+@dataclass(frozen=True)
+class Copy:
+    """memcpy that reads and writes as many bytes together."""
+
+    harness: ctypes.CDLL
+    source: Array
+    target: Array
+
+    def __call__(self) -> float:
+        """ns a row."""
+        rows = len(self.source)
+        sizes = map(ctypes.c_size_t, (_calls(rows), rows, self.source.nbytes // rows))
+        answer: float = self.harness.time_copies(*sizes, *(ctypes.c_void_p(array.ctypes.data) for array in (self.source, self.target)))
+        return answer
+
+
+def _calls(rows: int) -> int:
+    """Short ones are run some times at once."""
+    return max(1, 20_000 // rows)
 
 
 def folder() -> Any:
@@ -73,45 +111,40 @@ def _exported(text: str) -> str:
     return f"#pragma GCC visibility push(default)\n{text}\n"
 
 
-def calls(found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, Call]:
+def calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, Call]:
     """Jacobian and inverse of feet that are reached."""
     inputs = leg.draw(rows, "limits")
     q, p = inputs.q.astype(real), inputs.p.astype(real)
     name = f"mero_leg{tag}_leg"
     return {
-        "foot_jacobian": Call(found[f"{name}_foot_jacobian_batch"], (q, np.zeros((rows, 9), real))),
-        "inverse": Call(found[f"{name}_inverse_batch"], (p, np.zeros((rows, 12), real), np.zeros((rows, 4), np.int32))),
+        "foot_jacobian": Call(timer, found[f"{name}_foot_jacobian_batch"], (q, np.zeros((rows, 9), real))),
+        "inverse": Call(timer, found[f"{name}_inverse_batch"], (p, np.zeros((rows, 12), real), np.zeros((rows, 4), np.int32))),
     }
 
 
-def timed(runners: Mapping[str, Callable[[], Any]], repetitions: int, rows: int) -> dict[str, float]:
-    """Median ns a row of each, in turn; short ones are run some times at once."""
+def medians(runners: Mapping[str, Callable[[], float]], repetitions: int) -> dict[str, float]:
+    """Of what each says, asked in turn."""
     times: dict[str, list[float]] = {name: [] for name in runners}
-    loops = max(1, 20_000 // rows)
     for _ in range(repetitions):
         for name, run in runners.items():
-            start = time.thread_time_ns()
-            for _ in range(loops):
-                run()
-            times[name].append((time.thread_time_ns() - start) / rows / loops)
+            times[name].append(run())
     return {name: statistics.median(values) for name, values in times.items()}
 
 
 def compiled(place: Any, repetitions: int) -> list[dict[str, Any]]:
     """Every build, precision, function and number of rows."""
-    entries = []
+    entries, timer = [], harness()
     for kind, tag, real in (("double", "", np.float64), ("float", "_f32", np.float32)):
         built = {name: library(place, f"mero_leg{tag}.c", flags) for name, flags in BUILDS.items()}
         for span, rows in ROWS.items():
-            made = {name: calls(found, tag, real, rows) for name, found in built.items()}
+            made = {name: calls(timer, found, tag, real, rows) for name, found in built.items()}
             for function in ASKED:
-                runners: dict[str, Callable[[], Any]] = {name: each[function] for name, each in made.items()}
+                runners: dict[str, Callable[[], float]] = {name: each[function] for name, each in made.items()}
                 count = made["lanes"][function].bytes
-                source, target = (np.ones(count * rows // 16), np.zeros(count * rows // 16))
-                runners["memcpy of as many bytes"] = lambda source=source, target=target: ctypes.memmove(
-                    target.ctypes.data, source.ctypes.data, source.nbytes
+                runners["memcpy of as many bytes"] = Copy(
+                    timer, np.ones((rows, count // 2), np.int8), np.zeros((rows, count // 2), np.int8)
                 )
-                ns = timed(runners, repetitions if rows < 10_000 else max(3, repetitions // 20), rows)
+                ns = medians(runners, repetitions if rows < 10_000 else max(3, repetitions // 20))
                 entries.append({"function": function, "real": kind, "rows": rows, "span": span, "bytes": count, "ns": ns})
     return entries
 
@@ -134,7 +167,16 @@ def from_python(place: Any, repetitions: int) -> list[dict[str, Any]]:
         "foot_jacobian": {"walkgen": lambda: own.foot_jacobian(inputs.q), "NumPy": lambda: by_hand(inputs.q)},
         "inverse": {"walkgen": lambda: own.inverse(inputs.p), "NumPy": lambda: leg.expected(leg.FUNCTIONS[4], inputs)},
     }
-    return [{"function": name, "rows": rows, "ns": timed(pair, max(3, repetitions // 20), rows)} for name, pair in pairs.items()]
+    return [{"function": name, "rows": rows, "ns": _timed(pair, max(3, repetitions // 20), rows)} for name, pair in pairs.items()]
+
+
+def _timed(pair: Mapping[str, Callable[[], Any]], repetitions: int, rows: int) -> dict[str, float]:
+    def ns(run: Callable[[], Any]) -> float:
+        start = time.thread_time_ns()
+        run()
+        return (time.thread_time_ns() - start) / rows
+
+    return medians({name: partial(ns, run) for name, run in pair.items()}, repetitions)
 
 
 def show(entries: Sequence[dict[str, Any]], python: Sequence[dict[str, Any]]) -> None:

@@ -1,6 +1,7 @@
 /* harness.c: times one function through a pointer, so that nothing inlines into the loop; every contestant has this signature. */
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 #include <time.h>
 
 #ifndef WIDTH
@@ -10,6 +11,7 @@ enum { INPUTS = WIDTH };
 
 typedef int32_t (*row_function)(const double *in, int32_t branch, double *out, int32_t *status);
 typedef size_t (*batch_function)(size_t rows, const double *in, const int32_t *branch, double *out, int32_t *status);
+typedef size_t (*arrays_function)(size_t rows, const void *in, void *out, void *status);
 
 #define ENTRY __attribute__((visibility("default")))
 
@@ -60,4 +62,27 @@ ENTRY double time_batch(batch_function function, size_t rows, const double *in, 
     const double stop = now();
     sink = (int32_t)answer;
     return (stop - start) / (double)rows;
+}
+
+/* ns a row of as many calls on the same arrays, one of input and one or two of output, of any precision. */
+ENTRY double time_arrays(arrays_function function, size_t calls, size_t rows, const void *in, void *out, void *status) {
+    size_t answer = 0;
+    const double start = now();
+    for (size_t call = 0; call < calls; ++call) {
+        answer += function(rows, in, out, status);
+    }
+    const double stop = now();
+    sink = (int32_t)answer;
+    return (stop - start) / (double)rows / (double)calls;
+}
+
+/* The same of memcpy, a row being `bytes`. */
+ENTRY double time_copies(size_t calls, size_t rows, size_t bytes, const void *in, void *out) {
+    const double start = now();
+    for (size_t call = 0; call < calls; ++call) {
+        memcpy(out, in, rows * bytes);
+        __asm__ volatile("" : : "r"(out) : "memory");
+    }
+    const double stop = now();
+    return (stop - start) / (double)rows / (double)calls;
 }

@@ -19,14 +19,10 @@
 #if !defined(WALKGEN_BATCH)
 #define WALKGEN_BATCH
 #define WG_LANES 32
-#if defined(WALKGEN_VECTORS) && defined(WALKGEN_SHUFFLEVECTOR)
-#define WG_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
-#else
-#define WG_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (WG_X4_BITS){i, j, k, l})
-#endif
 #define WG_FEW_ROWS 4
 #define WG_MOST_GIVEN 48
 #define WG_MOST_FOUND 32
+#define WG_MOST_STATUSES 8
 
 /* On lines of the cache, which vectors then never cross. */
 #if defined(__GNUC__)
@@ -56,12 +52,8 @@ struct wg_array {
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_BATCH_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_BATCH_F32))
 #if WG_REAL_BITS == 64
 #define WALKGEN_BATCH_F64
-#define WG_X4 wg_x4
-#define WG_X4_BITS wg_bits_x4
 #else
 #define WALKGEN_BATCH_F32
-#define WG_X4 wg_x4_f32
-#define WG_X4_BITS wg_bits_x4_f32
 #endif
 
 /* One row, its numbers side by side. */
@@ -75,68 +67,7 @@ struct WG_NAME(wg_laned) {
 };
 
 #if defined(WALKGEN_VECTORS)
-struct WG_NAME(wg_square) {
-    WG_X4 line[4];
-};
-
-/* Rows become columns. */
-WG_INLINE struct WG_NAME(wg_square) WG_NAME(wg_transposed)(struct WG_NAME(wg_square) s) {
-    const WG_X4 low_ab = WG_SHUFFLE(s.line[0], s.line[1], 0, 4, 2, 6), high_ab = WG_SHUFFLE(s.line[0], s.line[1], 1, 5, 3, 7);
-    const WG_X4 low_cd = WG_SHUFFLE(s.line[2], s.line[3], 0, 4, 2, 6), high_cd = WG_SHUFFLE(s.line[2], s.line[3], 1, 5, 3, 7);
-    s.line[0] = WG_SHUFFLE(low_ab, low_cd, 0, 1, 4, 5);
-    s.line[1] = WG_SHUFFLE(high_ab, high_cd, 0, 1, 4, 5);
-    s.line[2] = WG_SHUFFLE(low_ab, low_cd, 2, 3, 6, 7);
-    s.line[3] = WG_SHUFFLE(high_ab, high_cd, 2, 3, 6, 7);
-    return s;
-}
-
-WG_INLINE struct WG_NAME(wg_square) WG_NAME(wg_square_at)(const WG_REAL *from, ptrdiff_t step) {
-    struct WG_NAME(wg_square) s;
-    memcpy(&s.line[0], from, sizeof s.line[0]);
-    memcpy(&s.line[1], from + step, sizeof s.line[1]);
-    memcpy(&s.line[2], from + 2 * step, sizeof s.line[2]);
-    memcpy(&s.line[3], from + 3 * step, sizeof s.line[3]);
-    return s;
-}
-
-/* The first lines, all four where `lines` is at least 4. */
-WG_INLINE void WG_NAME(wg_put_square)(struct WG_NAME(wg_square) s, WG_REAL *to, ptrdiff_t step, int lines) {
-    memcpy(to, &s.line[0], sizeof s.line[0]);
-    memcpy(to + step, &s.line[1], sizeof s.line[1]);
-    memcpy(to + 2 * step, &s.line[2], sizeof s.line[2]);
-    if (lines > 3) {
-        memcpy(to + 3 * step, &s.line[3], sizeof s.line[3]);
-    }
-}
-
-/* A whole block of rows of three numbers or more, side by side, four rows at a time. Of three a fourth is read too: there is a row after. */
-WG_INLINE void WG_NAME(wg_gather_turned)(const WG_REAL *numbers, ptrdiff_t step, int size, WG_REAL (*WG_RESTRICT given)[WG_LANES]) {
-    for (int lane = 0; lane < WG_LANES; lane += 4, numbers += 4 * step) {
-        for (int element = 0; element < size; element += 4) {
-            const int start = size < 4 || element + 4 <= size ? element : size - 4;
-            const struct WG_NAME(wg_square) rows = WG_NAME(wg_square_at)(numbers + start, step);
-            WG_NAME(wg_put_square)(WG_NAME(wg_transposed)(rows), &given[start][lane], WG_LANES, size);
-        }
-    }
-}
-
-/* The same back. A fourth number after three is the next row's first, which that row then sets; the last row is not written whole. */
-WG_INLINE void WG_NAME(wg_scatter_turned)(WG_REAL *numbers, ptrdiff_t step, int size, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
-    for (int lane = 0; lane < WG_LANES; lane += 4, numbers += 4 * step) {
-        const int last = size < 4 && lane + 4 == WG_LANES;
-        for (ptrdiff_t ahead = 0; ahead < 4 * step; ahead += (ptrdiff_t)(64 / sizeof(WG_REAL))) {
-            __builtin_prefetch(numbers + WG_LANES * step + ahead, 1); /* the next block's */
-        }
-        for (int element = 0; element < size; element += 4) {
-            const int start = size < 4 || element + 4 <= size ? element : size - 4;
-            const struct WG_NAME(wg_square) columns = WG_NAME(wg_square_at)(&found[start][lane], WG_LANES);
-            WG_NAME(wg_put_square)(WG_NAME(wg_transposed)(columns), numbers + start, step, last ? 3 : 4);
-        }
-        for (int element = 0; last && element < size; ++element) {
-            numbers[3 * step + element] = found[element][lane + 3];
-        }
-    }
-}
+#include "walkgen_turned.h"
 #endif
 
 /* Whether numbers can be read and written as such: aligned, and those of a row side by side. */
@@ -181,6 +112,13 @@ WG_CALLED void WG_NAME(wg_gather)(const struct wg_array *array, ptrdiff_t first,
 WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first, int count, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
     char *start = array->data + first * array->row;
     int element = 0;
+#if defined(WALKGEN_VECTORS)
+    if (array->kind == WG_STATUS && count == WG_LANES && array->size > 3 && array->element == (ptrdiff_t)sizeof(int32_t) &&
+        array->row == array->size * array->element) {
+        WG_NAME(wg_scatter_statuses)(start, array->size, found);
+        return;
+    }
+#endif
     if (WG_NAME(wg_is_plain)(array)) {
         WG_REAL *numbers = (WG_REAL *)(void *)start;
         const ptrdiff_t step = array->row / (ptrdiff_t)sizeof(WG_REAL), across = array->element / (ptrdiff_t)sizeof(WG_REAL);
@@ -315,7 +253,4 @@ WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t
     }
     return bad;
 }
-
-#undef WG_X4
-#undef WG_X4_BITS
 #endif

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_csupport_trig_together import needs_avx2
+from test_csupport_trig_together import has, needs_avx2
 
 from walkgen import pipeline
 from walkgen.emit.c_declaration import function_name
@@ -22,6 +22,8 @@ WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 QUICK = tuple(flag for flag in FLAGS if flag not in {"-O0", "-O2"})
 """walkgen's own flags but the level."""
 AVX2 = ("-O2", "-mavx2", "-mfma")
+AVX512 = ("-O2", "-mavx512f", "-mavx512dq", "-mavx512vl", "-mfma", "-mprefer-vector-width=512")
+needs_avx512 = pytest.mark.skipif(not all(map(has, ("avx512f", "avx512dq", "avx512vl"))), reason="this processor has no AVX-512")
 BUILDS = {
     "any processor": ("-O2",),
     "AVX2 in plain C": ("-O2", "-mavx2", "-mfma", "-DWALKGEN_PLAIN"),
@@ -133,11 +135,49 @@ def test_a_batch_has_them_in_every_build(made, precision, build):
 
 
 def check_build(made, precision, build, *flags):
+    code, library = leg_library(made, precision, build, *flags)
+    check_batches(library, code, precision)
+
+
+def leg_library(made, precision, build, *flags):
     code, folder = made("mero_leg")
     source = f"{'_'.join(part for part in ('mero_leg', precision.tag) if part)}.c"
     product = f"{build.replace(' ', '_')}_{source}.so"
     compiled(folder, source, product, *flags, "-shared", "-fPIC", *WARNINGS)
-    check_batches(ctypes.CDLL(str(folder / product)), code, precision)
+    return code, ctypes.CDLL(str(folder / product))
+
+
+def answers(library, code, precision, rows=200):
+    """Of every function with lanes, by name and port: the bits of a batch."""
+    real = np.float64 if precision is DOUBLE else np.float32
+    for each in laned(code):
+        name, signature = function_name(each.signature, precision), each.signature
+        found = results(signature, real, rows)
+        batched(library, name, signature, inputs(signature, real, rows, rows), found)
+        yield from (((name, port.name), bits(array)) for port, array in zip(signature.outputs, found, strict=True))
+
+
+@needs_avx512
+@PRECISIONS
+def test_avx512_has_the_bits_of_single_rows(made, precision):
+    check_build(made, precision, "AVX-512", *AVX512)
+
+
+@pytest.mark.nightly
+@needs_avx512
+@PRECISIONS
+def test_avx512_avx2_and_plain_c_have_equal_bits(made, precision):
+    builds = {
+        "AVX-512": AVX512,
+        "AVX2": AVX2,
+        "AVX2 in plain C": BUILDS["AVX2 in plain C"],
+        "blocks left out": (*AVX2, "-DWALKGEN_NO_BLOCKS"),
+    }
+    first, *others = (
+        dict(answers(leg_library(made, precision, name, *flags)[1], made("mero_leg")[0], precision)) for name, flags in builds.items()
+    )
+    assert len(first) > 15
+    assert all(other == first for other in others)
 
 
 @pytest.mark.nightly
