@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 
 import sympy
 
@@ -15,12 +16,13 @@ from walkgen.symbolic.function import Epsilon, Function, Residue, Solve, Step
 from walkgen.symbolic.path import Kinematics, Path, path_of, quarter_turned
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rate_damping import rate_damping
-from walkgen.symbolic.rates import REST, STATUS, damped_step, exact, jacobian_port, jacobian_step, rest_step, vector, words_of
+from walkgen.symbolic.rates import REST, STATUS, damped_step, exact, jacobian_port, jacobian_step, vector, words_of
 from walkgen.symbolic.rates_closed import closed_rates
 from walkgen.symbolic.split import factored
 from walkgen.symbolic.tape import IDENTITY, ZERO_VECTOR, Columns, Tape, Vec, dot, minus, symbols_of, times
 
 _V, _A = Port("v", (3,), "m/s"), Port("a", (3,), "m/s^2")
+_BIAS = Port("bias", (6,), "m/s^2 and rad/s^2")
 _OK, _NOT_SURE, _BAD_INPUT = (sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT"))
 _LEAST = sympy.Rational(1, 10**5)
 """Products of three numbers of a Jacobian of this norm do not vanish, in float either."""
@@ -38,7 +40,7 @@ def inverse_velocity_acceleration(mechanism: Mechanism, route: Route) -> Solve:
     if quick is not None:
         guard, names = ("wg_any_unreachable", ("status", 1)), (*(port.name for port in words.inputs), "qd", "qdd", "status")
         steps = (Step(quick, names), *(replace(step, guard=guard) for step in steps))
-    return Solve(words, (jacobian_port(route), REST, *_found(route)), steps, _closed_form(mechanism, route, words, path))
+    return Solve(words, (jacobian_port(route), _BIAS, REST, *_found(route)), steps, _closed_form(mechanism, route, words, path))
 
 
 # ---- any pose
@@ -54,24 +56,36 @@ def _one_after_the_other(mechanism: Mechanism, route: Route, path: PathFunctions
     return (
         jacobian_step(mechanism, route, path),
         damped_step(mechanism, route, "v", "rates", "first", unsure=unsure),
-        rest_step(mechanism, route, path, "rates"),
+        *_rest_steps(mechanism, route, path),
         damped_step(mechanism, route, "rest", "further", "second", unsure=unsure),
         Step(_joined(mechanism, route), ("rates", "further", "first", "second", "qd", "qdd", "status")),
     )
+
+
+def _rest_steps(mechanism: Mechanism, route: Route, path: PathFunctions) -> tuple[Step, Step]:
+    """q, rates -> bias, as `foot_bias_acceleration` computes it, whose code then serves; a, bias -> rest."""
+    moving = joint_port("q", route.joints), joint_port("qd", route.joints, "/s")
+    words = signature(mechanism, route.owner, "rates_bias", moving, (_BIAS,), "", words_of(route).source)
+    bias = path.tape.function(words, tuple(chain.from_iterable(path.motion.kinematics.bias(path.motion.qd))))
+    names = tuple(port.name for port in words.inputs[2:])
+    wanted = Signature(mechanism.name, route.owner, "rates_wanted", (_A, _BIAS), (REST,), "", "")
+    rest = Tape().function(wanted, minus(vector(_A), symbols_of(_BIAS)[:3]))
+    return Step(bias, ("q", "rates", *names, "bias")), Step(rest, ("a", "bias", "rest"))
 
 
 def _joined(mechanism: Mechanism, route: Route) -> Function:
     found, outputs = _found(route), (joint_port("qd", route.joints, "/s"), joint_port("qdd", route.joints, "/s^2"), STATUS)
     words = Signature(mechanism.name, route.owner, "rates_joined", found, outputs, "", "")
     rates, accelerations, (first,), (second,) = map(symbols_of, found)
-    return Tape().function(words, _together(rates, accelerations, first, second))
+    tape = Tape()
+    return tape.function(words, _together(rates, accelerations, first, second, tape))
 
 
 def _together(
-    rates: Sequence[sympy.Expr], accelerations: Sequence[sympy.Expr], first: sympy.Expr, second: sympy.Expr
+    rates: Sequence[sympy.Expr], accelerations: Sequence[sympy.Expr], first: sympy.Expr, second: sympy.Expr, tape: Tape
 ) -> tuple[sympy.Expr, ...]:
     """Both answers as one: all NaN of a bad input, else the first status where the second finds nothing worse."""
-    poison = sympy.Add(*(Residue(each) for each in (*rates, *accelerations)))
+    poison = tape.let("poison", sympy.Add(*(Residue(each) for each in (*rates, *accelerations))))
     status = chosen(either(same(first, _BAD_INPUT), same(second, _OK)), first, second)
     return (*(rate + poison for rate in (*rates, *accelerations)), status)
 
@@ -84,7 +98,7 @@ def _closed_form(mechanism: Mechanism, route: Route, words: Signature, path: Pat
     rest = tape.vector("wanted", minus(vector(_A), kinematics.bias(rates)[0]))
     *accelerations, second = closed_rates(kinematics.jacobian, rest, damping, tape)
     accelerations = [tape.let("acceleration", each) for each in accelerations]
-    return tape.function(words, _together(rates, accelerations, first, second))
+    return tape.function(words, _together(rates, accelerations, first, second, tape))
 
 
 # ---- three joints in series at a pose that is surely regular
