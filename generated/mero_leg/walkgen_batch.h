@@ -24,6 +24,12 @@
 #define WG_MOST_FOUND 32
 #define WG_MOST_STATUSES 8
 
+/* By fours, none in a loop: compilers make a call of the C library of that. */
+#define WG_COPY_4(to, from, at) memcpy((to) + (at), (from) + (at), 4 * sizeof *(from))
+#define WG_COPY_16(to, from, at) \
+    (WG_COPY_4(to, from, at), WG_COPY_4(to, from, (at) + 4), WG_COPY_4(to, from, (at) + 8), WG_COPY_4(to, from, (at) + 12))
+#define WG_COPY_LANES(to, from) ((void)WG_COPY_16(to, from, 0), (void)WG_COPY_16(to, from, 16))
+
 /* On lines of the cache, which vectors then never cross. */
 #if defined(__GNUC__)
 #define WG_ALIGNED __attribute__((aligned(64)))
@@ -89,6 +95,9 @@ WG_CALLED void WG_NAME(wg_gather)(const struct wg_array *array, ptrdiff_t first,
         }
 #endif
         (void)more;
+        for (; step == 1 && count == WG_LANES && element < array->size; ++element) {
+            WG_COPY_LANES(given[element], numbers + element * across);
+        }
         for (; element < array->size; ++element) {
             const WG_REAL *from = numbers + element * across;
             int lane = 0;
@@ -114,8 +123,8 @@ WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first
     int element = 0;
 #if defined(WALKGEN_VECTORS)
     if (array->kind == WG_STATUS && count == WG_LANES && array->size > 3 && array->element == (ptrdiff_t)sizeof(int32_t) &&
-        array->row == array->size * array->element) {
-        WG_NAME(wg_scatter_statuses)(start, array->size, found);
+        array->row == array->size * array->element && (uintptr_t)start % sizeof(int32_t) == 0) {
+        WG_NAME(wg_scatter_statuses)((int32_t *)(void *)start, array->size, found);
         return;
     }
 #endif
@@ -128,6 +137,9 @@ WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first
             return;
         }
 #endif
+        for (; step == 1 && count == WG_LANES && element < array->size; ++element) {
+            WG_COPY_LANES(numbers + element * across, found[element]);
+        }
         for (; element < array->size; ++element) {
             WG_REAL *to = numbers + element * across;
             int lane = 0;

@@ -87,16 +87,14 @@ WG_INLINE void WG_NAME(wg_scatter_turned)(WG_REAL *numbers, ptrdiff_t step, int 
 }
 
 /* Statuses of four branches or more, those of a row side by side. */
-WG_INLINE void WG_NAME(wg_scatter_statuses)(char *start, int size, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
+WG_INLINE void WG_NAME(wg_scatter_statuses)(int32_t *start, int size, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
     WG_ALIGNED WG_REAL numbers[WG_LANES * WG_MOST_STATUSES];
-    WG_ALIGNED int32_t statuses[WG_LANES * WG_MOST_STATUSES];
     WG_NAME(wg_scatter_turned)(numbers, size, size, found);
     for (int block = 0; block < size * WG_LANES; block += WG_LANES) {
         for (int at = 0; at < WG_LANES; ++at) {
-            statuses[block + at] = (int32_t)numbers[block + at];
+            start[block + at] = (int32_t)numbers[block + at];
         }
     }
-    memcpy(start, statuses, (size_t)size * WG_LANES * sizeof(int32_t));
 }
 
 #undef WG_X4

@@ -62,6 +62,49 @@
 #define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
 #define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
 #define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
+#elif defined(__OPTIMIZE_SIZE__)
+#if (WG_REAL_BITS == 64 && !defined(WALKGEN_SINES_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_SINES_F32))
+#if WG_REAL_BITS == 64
+#define WALKGEN_SINES_F64
+#else
+#define WALKGEN_SINES_F32
+#endif
+/* Where size counts, one call for all: sines, then cosines. */
+WG_CALLED void WG_NAME(wg_sines_2)(WG_REAL a0, WG_REAL a1, WG_REAL *turned) {
+    turned[0] = WG_SIN(a0), turned[4] = WG_COS(a0);
+    turned[1] = WG_SIN(a1), turned[5] = WG_COS(a1);
+}
+WG_CALLED void WG_NAME(wg_sines_3)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL *turned) {
+    WG_NAME(wg_sines_2)(a0, a1, turned);
+    turned[2] = WG_SIN(a2), turned[6] = WG_COS(a2);
+}
+WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a3, WG_REAL *turned) {
+    WG_NAME(wg_sines_3)(a0, a1, a2, turned);
+    turned[3] = WG_SIN(a3), turned[7] = WG_COS(a3);
+}
+#endif
+#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) \
+    do { \
+        WG_REAL wg_turned[8]; \
+        WG_NAME(wg_sines_2)(a0, a1, wg_turned); \
+        s0 = wg_turned[0], c0 = wg_turned[4], s1 = wg_turned[1], c1 = wg_turned[5]; \
+    } while (0)
+#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
+    do { \
+        WG_REAL wg_turned[8]; \
+        WG_NAME(wg_sines_3)(a0, a1, a2, wg_turned); \
+        s0 = wg_turned[0], c0 = wg_turned[4], s1 = wg_turned[1], c1 = wg_turned[5], s2 = wg_turned[2], c2 = wg_turned[6]; \
+    } while (0)
+#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    do { \
+        WG_REAL wg_turned[8]; \
+        WG_NAME(wg_sines_4)(a0, a1, a2, a3, wg_turned); \
+        s0 = wg_turned[0], c0 = wg_turned[4], s1 = wg_turned[1], c1 = wg_turned[5]; \
+        s2 = wg_turned[2], c2 = wg_turned[6], s3 = wg_turned[3], c3 = wg_turned[7]; \
+    } while (0)
+#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
+#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
+#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #else
 #define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1)
 #define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)

@@ -64,6 +64,7 @@ def build(
     output: Output = Path("generated"),
     check: Annotated[bool, typer.Option("--check", help="Change nothing; name the files that a build would change (exit code 1).")] = False,
     float32: Annotated[bool, typer.Option("--float32", help="Add a single-precision library.")] = False,
+    planar: Annotated[bool, typer.Option("--planar", help="Add C functions of component-major arrays, `_planar` beside `_batch`.")] = False,
     targets: Annotated[str, typer.Option(metavar="LIST", help="Any of c,casadi,numpy instead of the spec's targets.")] = "",
     no_fma: Annotated[bool, typer.Option("--no-fma", help="No fused multiply-add: equal bits on every machine.")] = False,
     verify: Annotated[Verify, typer.Option(help="Run the self-test; full: with strict warnings and sanitizers.")] = Verify.NONE,
@@ -72,7 +73,7 @@ def build(
     from walkgen import pipeline, selftest
     from walkgen.toolchain import FLAGS
 
-    options = pipeline.BuildOptions(targets=targets_of(targets), float32=float32, fma=not no_fma)
+    options = pipeline.BuildOptions(targets=targets_of(targets), float32=float32, fma=not no_fma, planar=planar)
     if check:
         _check_stale(specs, output, options)
         return

@@ -42,6 +42,7 @@ class BuildOptions:
     functions: tuple[str, ...] = ()
     float32: bool = False
     fma: bool = True
+    planar: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def generate(
     functions = shared(_bodies(spec, mechanism, options, progress))
     targets = options.targets or tuple(spec.generate.targets)
     digest = _digest(path, spec)
-    return RobotCode(mechanism, functions, digest, targets, options.fma, options.float32)
+    return RobotCode(mechanism, functions, digest, targets, options.fma, options.float32, options.planar)
 
 
 def _digest(path: Path, spec: RobotSpec) -> str:

@@ -27,7 +27,7 @@ class RobotCode:
     """All that the emitters know of a robot.
 
     `functions` are those asked for, in a fixed order; `digest` is the spec's sha256 in hexadecimal;
-    `fma` fuses multiply-add where the target has it.
+    `fma` fuses multiply-add where the target has it; `planar` adds functions of component-major arrays.
     """
 
     mechanism: Mechanism
@@ -36,6 +36,7 @@ class RobotCode:
     targets: tuple[str, ...] = ("c", "casadi", "numpy")
     fma: bool = True
     float32: bool = False
+    planar: bool = False
 
     @property
     def public(self) -> frozenset[Program]:

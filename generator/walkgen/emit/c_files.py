@@ -14,15 +14,17 @@ from walkgen.emit.c_composite import rest_functions
 from walkgen.emit.c_constants import macros
 from walkgen.emit.c_declaration import CFunction, function_name
 from walkgen.emit.c_function import batch_function, callback_function, composite_function, kernel, program_function, table_lines
-from walkgen.emit.c_lanes import laned
+from walkgen.emit.c_lanes import Laned, laned
+from walkgen.emit.c_planar import HEADER as PLANAR
+from walkgen.emit.c_planar import planar_functions
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
 from walkgen.emit.c_rows import NO_BATCHES, Part, Rows, first_parts, guard, last_parts, read_rows, row_headers
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
 
-Functions = Sequence[tuple[CFunction, CFunction]]
-"""Each with its batch."""
+Functions = Sequence[tuple[CFunction, tuple[CFunction, ...]]]
+"""Each with those of many rows."""
 
 _SUPPORT = Path(__file__).parent / "csupport"
 _INCLUDE = re.compile(r'^#include "(walkgen_\w+\.h)"', re.MULTILINE)
@@ -45,7 +47,7 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     kernels = _kernels(code, printer, {each.program for each in lanes.values()})
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     known = kernels | programs
-    functions = [(_public(body, known, printer), batch_function(body, lanes.get(body), precision)) for body in code.functions]
+    functions = [(_public(body, known, printer), _of_rows(code, body, lanes.get(body), precision)) for body in code.functions]
     rows = read_rows(code, tuple(lanes.values()), known, functions, precision)
     called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     callbacks = [callback_function(callback, known, printer) for callback in called_back]
@@ -53,11 +55,17 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks, *rests], functions, rows)
 
 
+def _of_rows(code: RobotCode, body: Program | Composite, lanes: Laned | None, precision: Precision) -> tuple[CFunction, ...]:
+    """The batch, and where it is asked for what takes component-major arrays."""
+    return (batch_function(body, lanes, precision), *(planar_functions(body, lanes, precision) if code.planar else ()))
+
+
 def support_headers(code: RobotCode) -> tuple[str, ...]:
     """Names of the csupport headers that the robot's sources include."""
     named = (
         *_ALWAYS,
         *row_headers(code),
+        *_planar_header(code),
         *(precision.header for precision in _precisions(code)),
         *_workspaces(code),
         *_routine_headers(code),
@@ -74,6 +82,10 @@ def _with_included(names: Iterable[str]) -> Iterator[str]:
 
 def _precisions(code: RobotCode) -> tuple[Precision, ...]:
     return (DOUBLE, FLOAT) if code.float32 else (DOUBLE,)
+
+
+def _planar_header(code: RobotCode) -> tuple[str, ...]:
+    return (PLANAR,) if code.planar else ()
 
 
 def _routine_headers(code: RobotCode) -> list[str]:
@@ -104,6 +116,7 @@ def _header(code: RobotCode, precision: Precision, functions: Functions) -> Arti
         includes=("walkgen_status.h", *_workspaces(code)) if precision is DOUBLE else (f"{code.mechanism.name}.h",),
         macros=macros(code) if precision is DOUBLE else (),
         functions=functions,
+        planar=code.planar,
     )
 
 
@@ -117,7 +130,7 @@ def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], fun
         f"{stem}.c",
         banner=banner(code, f"Straight-line code in {precision.real}."),
         defines=() if code.fma else ("WALKGEN_NO_FMA",),
-        includes=(f"{stem}.h", precision.header, *rows.headers, *dict.fromkeys(_routine_headers(code))),
+        includes=(f"{stem}.h", precision.header, *rows.headers, *_planar_header(code), *dict.fromkeys(_routine_headers(code))),
         once=bool(rows.names),
         parts=(
             *first_parts(rows, split=split),
@@ -140,7 +153,7 @@ def _halves(code: RobotCode, functions: Functions, rows: Rows) -> tuple[Function
 def _parts(functions: Functions, rows: Rows, opening: str) -> tuple[Part, Part]:
     """Functions, then their batches, but for those that are read twice."""
     single = tuple(function for function, _ in functions if function.name not in rows.names)
-    batches = tuple(batch for _, batch in functions if batch.name not in rows.names)
+    batches = tuple(each for _, of_rows in functions for each in of_rows if each.name not in rows.names)
     closing = ("", "#endif") if opening else ()
     guarded = Part(("", NO_BATCHES), batches, ("", "#endif", *closing)) if batches else Part((), (), closing)
     return Part(("", opening) if opening else (), single, ()), guarded

@@ -58,10 +58,10 @@ def read_rows(
     code: RobotCode,
     lanes: Sequence[Laned],
     known: Mapping[Program, CFunction],
-    functions: Sequence[tuple[CFunction, CFunction]],
+    functions: Sequence[tuple[CFunction, tuple[CFunction, ...]]],
     precision: Precision,
 ) -> Rows:
-    """The robot's functions with lanes; `known` is how each Program is written, `functions` each function with its batch."""
+    """The robot's functions with lanes; `known` is how each Program is written, `functions` each function with those of many rows."""
     used = {each.program: known[each.program] for each in lanes if each.owns_table}
     bodies = {each.body for each in lanes}
     return Rows(
@@ -69,7 +69,7 @@ def read_rows(
         kernels=tuple(read_twice(function) for program, function in used.items() if program not in code.public),
         blocks=tuple(line for each in lanes if each.owns_table for line in lane_lines(each, used[each.program].name, precision)),
         closest=tuple(line for each in lanes for line in closest_lines(each, precision)),
-        batches=tuple(batch for body, (_, batch) in zip(code.functions, functions, strict=True) if body in bodies),
+        batches=tuple(each for body, (_, of_rows) in zip(code.functions, functions, strict=True) if body in bodies for each in of_rows),
     )
 
 

@@ -1,0 +1,77 @@
+"""Functions over many rows whose like elements lie together, element after element: `_planar` beside `_batch`."""
+
+from collections.abc import Iterator
+from textwrap import wrap
+
+from walkgen.emit.artifact import Body
+from walkgen.emit.c_declaration import COLUMNS, INDENT, CFunction, declared, function_name, port_type
+from walkgen.emit.c_lanes import Laned, has_closest
+from walkgen.emit.c_printer import Precision
+from walkgen.signature import Port, Signature
+
+HEADER = "walkgen_planar.h"
+
+
+def planar_functions(body: Body, lanes: Laned | None, precision: Precision) -> tuple[CFunction, ...]:
+    """The function over component-major arrays; none of functions whose sizes only the caller knows.
+
+    Where there are lanes rows run side by side, in the same blocks as those of a batch.
+    """
+    signature = body.signature
+    if signature.counts or signature.workspace:
+        return ()
+    name = f"{function_name(signature, precision)}_planar"
+    ports = [_parameter(port, "const ", precision) for port in signature.inputs]
+    ports += [_parameter(port, "", precision) for port in signature.outputs]
+    head = declared(f"{'size_t' if signature.status else 'void'} {name}", ["size_t rows", "size_t stride", *ports])
+    lines = tuple(_row_by_row(signature, precision))
+    return (CFunction(name, head, (*_blocks(lanes, precision), *lines, "#endif") if lanes else lines),)
+
+
+def _parameter(port: Port, constant: str, precision: Precision) -> str:
+    return f"{constant}{port_type(port, precision)} *WG_RESTRICT {port.name}"
+
+
+def _blocks(lanes: Laned, precision: Precision) -> Iterator[str]:
+    signature = lanes.signature
+    closest = f"{function_name(signature, precision)}_closest" if has_closest(lanes.body) else "NULL"
+    arrays = ", ".join(map(_array, (*signature.inputs, *signature.outputs)))
+    yield "#if defined(WALKGEN_BLOCKS)"
+    yield from wrap(f"const struct wg_array arrays[] = {{{arrays}}};", COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2)
+    result = "return " if signature.status else "(void)"
+    yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
+    yield "#else"
+
+
+def _array(port: Port) -> str:
+    if port.name == "param":
+        return f"WG_SHARED(param, {port.size})"
+    return f"WG_PLANAR{'' if port.kind == 'real' else '_STATUS'}({port.name}, {port.size})"
+
+
+def _row_by_row(signature: Signature, precision: Precision) -> Iterator[str]:
+    """A row is read, computed and written; numbers of one element lie in a row themselves."""
+    given = [port for port in signature.inputs if port.shape and port.name != "param"]
+    found = [port for port in signature.outputs if port is not signature.returned]
+    arguments = [
+        "param" if port.name == "param" else f"{port.name}_row" if port.shape else f"{port.name}[row]" for port in signature.inputs
+    ]
+    call = declared(function_name(signature, precision), [*arguments, *(f"{port.name}_row" for port in found)]).replace(
+        "\n", f"\n{INDENT * 2}"
+    )
+    yield from ([f"{INDENT}size_t bad = 0;"] if signature.status else [])
+    yield f"{INDENT}for (size_t row = 0; row < rows; ++row) {{"
+    yield from (f"{INDENT * 2}{port_type(port, precision)} {port.name}_row[{port.size}];" for port in (*given, *found))
+    yield from (f"{INDENT * 2}WG_PLANAR_TAKE({port.name}, {port.size})" for port in given)
+    yield f"{INDENT * 2}{_answer(signature, call)};"
+    yield from (f"{INDENT * 2}WG_PLANAR_KEEP({port.name}, {port.size})" for port in found)
+    yield from ([f"{INDENT * 2}bad += status[row] != WALKGEN_OK;"] if signature.returned and signature.status else [])
+    yield f"{INDENT}}}"
+    yield from ([f"{INDENT}return bad;"] if signature.status else [])
+
+
+def _answer(signature: Signature, call: str) -> str:
+    """What becomes of the value that the function of one row returns."""
+    if signature.returned:
+        return f"{signature.returned.name}[row] = {call}"
+    return f"bad += {call} == 0" if signature.status else call
