@@ -42,6 +42,8 @@ def lines() -> Iterator[str]:
     )
     yield ""
     yield _size({entry["name"]: entry for entry in result("size")["entries"]})
+    yield ""
+    yield _robot(result("robot_compile_time")["seconds"]["walkgen's flags"])
 
 
 def _table(kinematics: dict[str, Any]) -> Iterator[str]:
@@ -77,6 +79,14 @@ def _size(found: dict[str, Entry]) -> str:
         f"without closest points and damping, CasADi's {casadi['bytes']}, by hand {hand['bytes']}; to compile, "
         f"{own['seconds'] / casadi['seconds']:.1f} times as long as CasADi's C, batches included, "
         f"{own['single'] / casadi['single']:.1f} times without."
+    )
+
+
+def _robot(seconds: dict[str, float]) -> str:
+    own, single = (seconds[name] / seconds["CasADi"] for name in ("walkgen", "without batches"))
+    return (
+        "`benchmarks/robot_compile_time.py`: the same functions of a whole robot, mero with its six legs and the routes to its feet, take "
+        f"{own:.2f} of the time of CasADi's C to compile, batches included, {single:.2f} without."
     )
 
 
