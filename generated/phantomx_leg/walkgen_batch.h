@@ -73,7 +73,16 @@ struct WG_NAME(wg_laned) {
 };
 
 #if defined(WALKGEN_VECTORS)
+#if WG_REAL_BITS == 64
+#define WG_X4 wg_x4
+#define WG_X4_BITS wg_bits_x4
+#else
+#define WG_X4 wg_x4_f32
+#define WG_X4_BITS wg_bits_x4_f32
+#endif
 #include "walkgen_turned.h"
+#undef WG_X4
+#undef WG_X4_BITS
 #endif
 
 /* Whether numbers can be read and written as such: aligned, and those of a row side by side. */

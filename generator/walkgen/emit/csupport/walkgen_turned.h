@@ -1,14 +1,7 @@
 /* walkgen_turned.h: whole blocks of rows become lanes, and lanes rows, in squares of four numbers; walkgen_batch.h alone includes this, where
  * WALKGEN_VECTORS is defined.
  */
-#if defined(WG_LANES)
-#if WG_REAL_BITS == 64
-#define WG_X4 wg_x4
-#define WG_X4_BITS wg_bits_x4
-#else
-#define WG_X4 wg_x4_f32
-#define WG_X4_BITS wg_bits_x4_f32
-#endif
+#if defined(WG_X4)
 #if defined(WALKGEN_SHUFFLEVECTOR)
 #define WG_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #else
@@ -100,8 +93,6 @@ WG_INLINE void WG_NAME(wg_scatter_statuses)(int32_t *start, int size, const WG_R
     }
 }
 
-#undef WG_X4
-#undef WG_X4_BITS
 #undef WG_SHUFFLE
 #undef WG_WIDE_ROW
 #endif
