@@ -8,7 +8,7 @@ from typing import Any
 
 from compiling import compile_all, first_words
 from leg import LegFunction
-from peers import walkgen_c
+from peers import walkgen_c, walkgen_libm
 from peers.source import HERE, Peer, Source
 from timing import METRICS, Bench, Contestant, Times, race
 
@@ -102,9 +102,11 @@ def best_of(entries: Iterable[Entry], metric: str) -> Entry | None:
 
 
 def ratios(entries: Sequence[Entry], rivals: Iterable[str]) -> dict[str, Entry]:
-    """walkgen over the best rival by each measure: with its default flags and with its best."""
+    """walkgen over the best rival by each measure: with its default flags, with its best, and with libm where that ran."""
     own = [entry for entry in entries if entry["peer"] == "walkgen"]
     kinds = {"default": [entry for entry in own if entry["form"] == "default flags"], "best": own}
+    with_libm = [entry for entry in entries if entry["peer"] == walkgen_libm.NAME]
+    kinds |= {"libm": with_libm} if with_libm else {}
     found: dict[str, Entry] = {}
     for metric in METRICS:
         rival = best_of((entry for entry in entries if entry["peer"] in rivals), metric)

@@ -17,7 +17,7 @@ from peers.source import HERE, Caller
 from report import packages, table, write
 from timing import METRICS, Bench, Times, pin_core
 
-PEERS = ("hand_c", "casadi_c", "sympy_c", "symforce_cpp", "wrenfold_cpp", "pinocchio_cpp")
+PEERS = ("walkgen_libm", "hand_c", "casadi_c", "sympy_c", "symforce_cpp", "wrenfold_cpp", "pinocchio_cpp")
 RIVALS = ("CasADi", "sympy cse", "symforce", "wrenfold")
 """The generators that walkgen is measured against; hand-written code and Pinocchio stand beside."""
 PACKAGES = ("casadi", "sympy", "symforce", "wrenfold", "pin", "numpy")
@@ -56,7 +56,7 @@ def show(function: LegFunction, entries: Sequence[Entry]) -> None:
     default = [entry for entry in own if entry["form"] == "default flags"]
     print(table(heads, [*rows, _row("walkgen, its own flags", default, own)]))
     for metric, ratio in ratios(entries, RIVALS).items():
-        shares = f"{ratio['default']:.3f} by default, {ratio['best']:.3f} with its best flags"
+        shares = f"{ratio['default']:.3f} by default, {ratio['best']:.3f} with its best flags, {ratio['libm']:.3f} with the C library"
         print(f"  walkgen / best rival ({ratio['rival']}), {metric}: {shares}")
     print()
 
