@@ -928,7 +928,9 @@ WG_INLINE void ambler_rpp_leg_acceleration_jacobian_kernel(const double *WG_REST
 }
 
 WG_INLINE void ambler_rpp_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status,
+    int wg_near) {
+    (void)wg_near;
     qd[2] = -v[2];
     qdd[2] = -a[2];
     const double reach_shift_z = q[1] + 0.8;
@@ -985,8 +987,7 @@ WG_CALLED int32_t ambler_rpp_leg_inverse_admissible_rest(const double *WG_RESTRI
 }
 
 WG_CALLED int32_t ambler_rpp_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, int32_t status, double *WG_RESTRICT qd,
-    double *WG_RESTRICT qdd) {
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     double J[9];
     double bias[6];
     double rest[3];
@@ -994,12 +995,16 @@ WG_CALLED int32_t ambler_rpp_leg_inverse_velocity_acceleration_rest(const double
     double further[3];
     int32_t first;
     int32_t second;
-    ambler_rpp_leg_foot_jacobian(q, J);
-    wg_damped_inverse(J, v, 3, 0.01, 0.01, rates, &first);
-    ambler_rpp_leg_foot_bias_acceleration(q, rates, bias);
-    ambler_rpp_leg_rates_wanted_kernel(a, bias, rest);
-    wg_damped_inverse(J, rest, 3, 0.01, 0.01, further, &second);
-    ambler_rpp_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    int32_t status = WALKGEN_OK;
+    ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        ambler_rpp_leg_foot_jacobian(q, J);
+        wg_damped_inverse(J, v, 3, 0.01, 0.01, rates, &first);
+        ambler_rpp_leg_foot_bias_acceleration(q, rates, bias);
+        ambler_rpp_leg_rates_wanted_kernel(a, bias, rest);
+        wg_damped_inverse(J, rest, 3, 0.01, 0.01, further, &second);
+        ambler_rpp_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    }
     return status;
 }
 
@@ -1158,9 +1163,12 @@ int32_t ambler_rpp_leg_inverse_acceleration(const double *WG_RESTRICT q, const d
 int32_t ambler_rpp_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     int32_t status = WALKGEN_OK;
-    ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status);
+    if (WG_SIZE_COUNTS) {
+        return ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
+    }
+    ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, status, qd, qdd);
+        status = ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;
 }

@@ -1113,11 +1113,13 @@ WG_INLINE void ambler_rrp_leg_acceleration_jacobian_kernel(const double *WG_REST
 }
 
 WG_INLINE void ambler_rrp_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status,
+    int wg_near) {
+    (void)wg_near;
     qd[2] = -v[2];
     qdd[2] = -a[2];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(q[1], sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_NEAR_SINCOS_2(q[1], sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
     const double shoulder_to_tip_x = cos_shoulder_elbow + 1.5;
     const double t1 = sin_shoulder_elbow*shoulder_to_tip_x;
     const double det = WG_FMA(-cos_shoulder_elbow, sin_shoulder_elbow, t1);
@@ -1188,8 +1190,7 @@ WG_CALLED int32_t ambler_rrp_leg_inverse_admissible_rest(const double *WG_RESTRI
 }
 
 WG_CALLED int32_t ambler_rrp_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, int32_t status, double *WG_RESTRICT qd,
-    double *WG_RESTRICT qdd) {
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     double J[9];
     double bias[6];
     double rest[3];
@@ -1197,12 +1198,16 @@ WG_CALLED int32_t ambler_rrp_leg_inverse_velocity_acceleration_rest(const double
     double further[3];
     int32_t first;
     int32_t second;
-    ambler_rrp_leg_foot_jacobian(q, J);
-    wg_damped_inverse(J, v, 3, 0.01, 0.01, rates, &first);
-    ambler_rrp_leg_foot_bias_acceleration(q, rates, bias);
-    ambler_rrp_leg_rates_wanted_kernel(a, bias, rest);
-    wg_damped_inverse(J, rest, 3, 0.01, 0.01, further, &second);
-    ambler_rrp_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    int32_t status = WALKGEN_OK;
+    ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        ambler_rrp_leg_foot_jacobian(q, J);
+        wg_damped_inverse(J, v, 3, 0.01, 0.01, rates, &first);
+        ambler_rrp_leg_foot_bias_acceleration(q, rates, bias);
+        ambler_rrp_leg_rates_wanted_kernel(a, bias, rest);
+        wg_damped_inverse(J, rest, 3, 0.01, 0.01, further, &second);
+        ambler_rrp_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    }
     return status;
 }
 
@@ -1361,9 +1366,12 @@ int32_t ambler_rrp_leg_inverse_acceleration(const double *WG_RESTRICT q, const d
 int32_t ambler_rrp_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     int32_t status = WALKGEN_OK;
-    ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status);
+    if (WG_SIZE_COUNTS) {
+        return ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
+    }
+    ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, status, qd, qdd);
+        status = ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;
 }

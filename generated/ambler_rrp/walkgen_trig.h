@@ -105,6 +105,15 @@ WG_INLINE WG_REAL WG_NAME(wg_atan2_lane)(WG_REAL y, WG_REAL x) {
     return extent <= WG_GREATEST_EXTENT ? near : WG_NAN;
 }
 
+/* Whether an angle, a point lies within the range. */
+WG_INLINE int WG_NAME(wg_angle_within)(WG_REAL x) { return WG_ABS(x) <= WG_FARTHEST; }
+
+WG_INLINE int WG_NAME(wg_point_within)(WG_REAL y, WG_REAL x) {
+    WG_REAL extent;
+    (void)WG_NAME(wg_atan2_near)(y, x, &extent);
+    return extent >= WG_LEAST_EXTENT && extent <= WG_GREATEST_EXTENT;
+}
+
 #if defined(WALKGEN_VECTORS) || defined(WALKGEN_PAIRS)
 /* Of angles beyond the range and of points too near or too far. */
 WG_CALLED WG_REAL WG_NAME(wg_sin_alone)(WG_REAL x) { return WG_NAME(wg_sin)(x); }

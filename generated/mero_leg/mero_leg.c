@@ -1139,7 +1139,8 @@ static void mero_leg_leg_inverse_geometry_kernel(double *WG_RESTRICT geometry) {
 }
 
 WG_INLINE void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status, double *WG_RESTRICT target) {
+    int32_t *WG_RESTRICT status, double *WG_RESTRICT target, int wg_near) {
+    (void)wg_near;
     target[0] = p[0];
     target[1] = p[1];
     const double rho_sign = WG_FMA(-2.0, WG_INDICATOR(2.0 <= (double)branch), 1.0);
@@ -1176,8 +1177,8 @@ WG_INLINE void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int3
     const double state = !isfinite(taint) ? 2.0 : (t6 ? 1.0 : (t5 ? 6.0 : (t2 ? 3.0 : 0.0)));
     *status = (int32_t)(state);
     double yaw_one_angle, gamma_2, thigh;
-    WG_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, knee_sin, knee_cos_plus, gamma_2, thigh_sin, thigh_cos,
-        thigh);
+    WG_NEAR_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, knee_sin, knee_cos_plus, gamma_2, thigh_sin,
+        thigh_cos, thigh);
     const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
     const double yaw_one = t2 ? 0.0 : yaw_one_half_open;
     const double yaw_one_checked = taint + yaw_one;
@@ -1338,10 +1339,12 @@ WG_INLINE void mero_leg_leg_acceleration_jacobian_kernel(const double *WG_RESTRI
 }
 
 WG_INLINE void mero_leg_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status,
+    int wg_near) {
+    (void)wg_near;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
-    WG_SINCOS_3(angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh, q[0], sin_yaw,
+    WG_NEAR_SINCOS_3(angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh, q[0], sin_yaw,
         cos_yaw);
     const double shank_to_tip_x = cos_thigh_shank*0.4;
     const double shank_to_tip_y = sin_thigh_shank*0.4;
@@ -1421,11 +1424,16 @@ WG_CALLED void mero_leg_leg_inverse_rest(double *WG_RESTRICT target, double *WG_
     wg_closest_yaw_pitch_pitch(geometry, target, q, status);
 }
 
-WG_CALLED int32_t mero_leg_leg_inverse_branch_rest(int32_t branch, int32_t status, double *WG_RESTRICT target,
+WG_CALLED int32_t mero_leg_leg_inverse_branch_rest(const double *WG_RESTRICT p, int32_t branch,
     double *WG_RESTRICT q) {
+    double target[3];
     double geometry[10];
-    mero_leg_leg_inverse_geometry_kernel(geometry);
-    wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
+    int32_t status = WALKGEN_OK;
+    mero_leg_leg_inverse_one_kernel(p, branch, q, &status, target, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        mero_leg_leg_inverse_geometry_kernel(geometry);
+        wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
+    }
     return status;
 }
 
@@ -1459,8 +1467,7 @@ WG_CALLED void mero_leg_leg_inverse_distance_rest(double *WG_RESTRICT rows, int3
 }
 
 WG_CALLED int32_t mero_leg_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, int32_t status, double *WG_RESTRICT qd,
-    double *WG_RESTRICT qdd) {
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     double J[9];
     double bias[6];
     double rest[3];
@@ -1468,12 +1475,16 @@ WG_CALLED int32_t mero_leg_leg_inverse_velocity_acceleration_rest(const double *
     double further[3];
     int32_t first;
     int32_t second;
-    mero_leg_leg_foot_jacobian(q, J);
-    wg_damped_inverse(J, v, 3, 0.02, 0.05, rates, &first);
-    mero_leg_leg_foot_bias_acceleration(q, rates, bias);
-    mero_leg_leg_rates_wanted_kernel(a, bias, rest);
-    wg_damped_inverse(J, rest, 3, 0.02, 0.05, further, &second);
-    mero_leg_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    int32_t status = WALKGEN_OK;
+    mero_leg_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        mero_leg_leg_foot_jacobian(q, J);
+        wg_damped_inverse(J, v, 3, 0.02, 0.05, rates, &first);
+        mero_leg_leg_foot_bias_acceleration(q, rates, bias);
+        mero_leg_leg_rates_wanted_kernel(a, bias, rest);
+        wg_damped_inverse(J, rest, 3, 0.02, 0.05, further, &second);
+        mero_leg_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    }
     return status;
 }
 
@@ -1579,9 +1590,12 @@ int32_t mero_leg_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q,
 int32_t mero_leg_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q) {
     double target[3];
     int32_t status = WALKGEN_OK;
-    mero_leg_leg_inverse_one_kernel(p, branch, q, &status, target);
+    if (WG_SIZE_COUNTS) {
+        return mero_leg_leg_inverse_branch_rest(p, branch, q);
+    }
+    mero_leg_leg_inverse_one_kernel(p, branch, q, &status, target, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = mero_leg_leg_inverse_branch_rest(branch, status, target, q);
+        status = mero_leg_leg_inverse_branch_rest(p, branch, q);
     }
     return status;
 }
@@ -1651,9 +1665,12 @@ int32_t mero_leg_leg_inverse_acceleration(const double *WG_RESTRICT q, const dou
 int32_t mero_leg_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     int32_t status = WALKGEN_OK;
-    mero_leg_leg_regular_rates_kernel(q, v, a, qd, qdd, &status);
+    if (WG_SIZE_COUNTS) {
+        return mero_leg_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
+    }
+    mero_leg_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = mero_leg_leg_inverse_velocity_acceleration_rest(q, v, a, status, qd, qdd);
+        status = mero_leg_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;
 }

@@ -2031,7 +2031,9 @@ static void mero_leg_param_leg_inverse_geometry_kernel(const double *WG_RESTRICT
 }
 
 WG_INLINE void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p, int32_t branch,
-    const double *WG_RESTRICT param, double *WG_RESTRICT q, int32_t *WG_RESTRICT status, double *WG_RESTRICT target) {
+    const double *WG_RESTRICT param, double *WG_RESTRICT q, int32_t *WG_RESTRICT status,
+    double *WG_RESTRICT target, int wg_near) {
+    (void)wg_near;
     target[0] = p[0];
     target[1] = p[1];
     const double shank_origin_x = param[0] + 0.35;
@@ -2065,7 +2067,7 @@ WG_INLINE void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p
     const double thigh_sin = WG_FMA(-rho_signed, across, offset_z*along);
     const double thigh_cos = WG_FMA(rho_signed, along, offset_z*across);
     double shank_angle, yaw_one_angle, gamma_2, thigh;
-    WG_ATAN2_4(-param[1], shank_x, shank_angle, p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, knee_sin,
+    WG_NEAR_ATAN2_4(-param[1], shank_x, shank_angle, p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, knee_sin,
         knee_cos_plus, gamma_2, thigh_sin, thigh_cos, thigh);
     const double slack = tolerance*(2.0*longest);
     const double outer2 = longest*(longest + slack);
@@ -2245,10 +2247,11 @@ WG_INLINE void mero_leg_param_leg_acceleration_jacobian_kernel(const double *WG_
 
 WG_INLINE void mero_leg_param_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT a, const double *WG_RESTRICT param, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status) {
+    int32_t *WG_RESTRICT status, int wg_near) {
+    (void)wg_near;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
-    WG_SINCOS_3(angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh, q[0], sin_yaw,
+    WG_NEAR_SINCOS_3(angle_thigh_shank, sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh, q[0], sin_yaw,
         cos_yaw);
     const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
     const double shank_to_tip_y = WG_FMA(-param[1], cos_thigh_shank, param[0]*sin_thigh_shank);
@@ -2329,11 +2332,16 @@ WG_CALLED void mero_leg_param_leg_inverse_rest(const double *WG_RESTRICT param, 
     wg_closest_yaw_pitch_pitch(geometry, target, q, status);
 }
 
-WG_CALLED int32_t mero_leg_param_leg_inverse_branch_rest(int32_t branch, const double *WG_RESTRICT param,
-    int32_t status, double *WG_RESTRICT target, double *WG_RESTRICT q) {
+WG_CALLED int32_t mero_leg_param_leg_inverse_branch_rest(const double *WG_RESTRICT p, int32_t branch,
+    const double *WG_RESTRICT param, double *WG_RESTRICT q) {
+    double target[3];
     double geometry[10];
-    mero_leg_param_leg_inverse_geometry_kernel(param, geometry);
-    wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
+    int32_t status = WALKGEN_OK;
+    mero_leg_param_leg_inverse_one_kernel(p, branch, param, q, &status, target, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        mero_leg_param_leg_inverse_geometry_kernel(param, geometry);
+        wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
+    }
     return status;
 }
 
@@ -2367,7 +2375,7 @@ WG_CALLED void mero_leg_param_leg_inverse_distance_rest(const double *WG_RESTRIC
 }
 
 WG_CALLED int32_t mero_leg_param_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT param, int32_t status,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
     double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     double J[9];
     double bias[6];
@@ -2376,12 +2384,16 @@ WG_CALLED int32_t mero_leg_param_leg_inverse_velocity_acceleration_rest(const do
     double further[3];
     int32_t first;
     int32_t second;
-    mero_leg_param_leg_foot_jacobian(q, param, J);
-    wg_damped_inverse(J, v, 3, 0.02, 0.05, rates, &first);
-    mero_leg_param_leg_foot_bias_acceleration(q, rates, param, bias);
-    mero_leg_param_leg_rates_wanted_kernel(a, bias, rest);
-    wg_damped_inverse(J, rest, 3, 0.02, 0.05, further, &second);
-    mero_leg_param_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    int32_t status = WALKGEN_OK;
+    mero_leg_param_leg_regular_rates_kernel(q, v, a, param, qd, qdd, &status, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        mero_leg_param_leg_foot_jacobian(q, param, J);
+        wg_damped_inverse(J, v, 3, 0.02, 0.05, rates, &first);
+        mero_leg_param_leg_foot_bias_acceleration(q, rates, param, bias);
+        mero_leg_param_leg_rates_wanted_kernel(a, bias, rest);
+        wg_damped_inverse(J, rest, 3, 0.02, 0.05, further, &second);
+        mero_leg_param_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    }
     return status;
 }
 
@@ -2746,9 +2758,12 @@ int32_t mero_leg_param_leg_inverse_branch(const double *WG_RESTRICT p, int32_t b
     const double *WG_RESTRICT param, double *WG_RESTRICT q) {
     double target[3];
     int32_t status = WALKGEN_OK;
-    mero_leg_param_leg_inverse_one_kernel(p, branch, param, q, &status, target);
+    if (WG_SIZE_COUNTS) {
+        return mero_leg_param_leg_inverse_branch_rest(p, branch, param, q);
+    }
+    mero_leg_param_leg_inverse_one_kernel(p, branch, param, q, &status, target, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = mero_leg_param_leg_inverse_branch_rest(branch, param, status, target, q);
+        status = mero_leg_param_leg_inverse_branch_rest(p, branch, param, q);
     }
     return status;
 }
@@ -2820,9 +2835,12 @@ int32_t mero_leg_param_leg_inverse_acceleration(const double *WG_RESTRICT q, con
 int32_t mero_leg_param_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     const double *WG_RESTRICT a, const double *WG_RESTRICT param, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     int32_t status = WALKGEN_OK;
-    mero_leg_param_leg_regular_rates_kernel(q, v, a, param, qd, qdd, &status);
+    if (WG_SIZE_COUNTS) {
+        return mero_leg_param_leg_inverse_velocity_acceleration_rest(q, v, a, param, qd, qdd);
+    }
+    mero_leg_param_leg_regular_rates_kernel(q, v, a, param, qd, qdd, &status, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = mero_leg_param_leg_inverse_velocity_acceleration_rest(q, v, a, param, status, qd, qdd);
+        status = mero_leg_param_leg_inverse_velocity_acceleration_rest(q, v, a, param, qd, qdd);
     }
     return status;
 }

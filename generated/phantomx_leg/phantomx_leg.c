@@ -1212,7 +1212,8 @@ static void phantomx_leg_right_front_inverse_geometry_kernel(double *WG_RESTRICT
 }
 
 WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_RESTRICT p, int32_t branch,
-    double *WG_RESTRICT q, int32_t *WG_RESTRICT status, double *WG_RESTRICT target) {
+    double *WG_RESTRICT q, int32_t *WG_RESTRICT status, double *WG_RESTRICT target, int wg_near) {
+    (void)wg_near;
     const double rho_sign = WG_FMA(-2.0, WG_INDICATOR(2.0 <= (double)branch), 1.0);
     const double knee_sign = WG_FMA(-2.0, WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0), 1.0);
     const double offset_x = p[0] - 0.1248;
@@ -1256,7 +1257,7 @@ WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_REST
     *status = (int32_t)(state);
     const double lift_thigh_sin = WG_FMA(-thigh_sin, 0.9756502324316491, thigh_cos*0.21933222279471182);
     double yaw_one_angle, gamma_2, thigh;
-    WG_ATAN2_3(-(rho_sign*target_y), rho_sign*target_x, yaw_one_angle, knee_sin, knee_cos_plus, gamma_2,
+    WG_NEAR_ATAN2_3(-(rho_sign*target_y), rho_sign*target_x, yaw_one_angle, knee_sin, knee_cos_plus, gamma_2,
         lift_thigh_sin, WG_FMA(-thigh_cos, 0.9756502324316491, -(thigh_sin*0.21933222279471182)), thigh);
     const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
     const double yaw_one = t4 ? 0.0 : yaw_one_half_open;
@@ -1445,11 +1446,12 @@ WG_INLINE void phantomx_leg_right_front_acceleration_jacobian_kernel(const doubl
 
 WG_INLINE void phantomx_leg_right_front_regular_rates_kernel(const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status) {
+    int32_t *WG_RESTRICT status, int wg_near) {
+    (void)wg_near;
     const double angle_thigh_tibia = q[1] - q[2];
     double sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh, sin_coxa, cos_coxa;
-    WG_SINCOS_3(angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia, q[1], sin_thigh, cos_thigh, q[0], sin_coxa,
-        cos_coxa);
+    WG_NEAR_SINCOS_3(angle_thigh_tibia, sin_thigh_tibia, cos_thigh_tibia, q[1], sin_thigh, cos_thigh, q[0],
+        sin_coxa, cos_coxa);
     const double tibia_to_tip_x = cos_thigh_tibia*0.13;
     const double tibia_to_tip_y = sin_thigh_tibia*0.13;
     const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
@@ -1540,11 +1542,16 @@ WG_CALLED void phantomx_leg_right_front_inverse_rest(double *WG_RESTRICT target,
     wg_closest_yaw_pitch_pitch(geometry, target, q, status);
 }
 
-WG_CALLED int32_t phantomx_leg_right_front_inverse_branch_rest(int32_t branch, int32_t status,
-    double *WG_RESTRICT target, double *WG_RESTRICT q) {
+WG_CALLED int32_t phantomx_leg_right_front_inverse_branch_rest(const double *WG_RESTRICT p, int32_t branch,
+    double *WG_RESTRICT q) {
+    double target[3];
     double geometry[10];
-    phantomx_leg_right_front_inverse_geometry_kernel(geometry);
-    wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
+    int32_t status = WALKGEN_OK;
+    phantomx_leg_right_front_inverse_one_kernel(p, branch, q, &status, target, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        phantomx_leg_right_front_inverse_geometry_kernel(geometry);
+        wg_closest_yaw_pitch_pitch_branch(geometry, target, branch, q, &status);
+    }
     return status;
 }
 
@@ -1578,8 +1585,7 @@ WG_CALLED void phantomx_leg_right_front_inverse_distance_rest(double *WG_RESTRIC
 }
 
 WG_CALLED int32_t phantomx_leg_right_front_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, int32_t status, double *WG_RESTRICT qd,
-    double *WG_RESTRICT qdd) {
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     double J[9];
     double bias[6];
     double rest[3];
@@ -1587,12 +1593,16 @@ WG_CALLED int32_t phantomx_leg_right_front_inverse_velocity_acceleration_rest(co
     double further[3];
     int32_t first;
     int32_t second;
-    phantomx_leg_right_front_foot_jacobian(q, J);
-    wg_damped_inverse(J, v, 3, 0.0026, 0.0026, rates, &first);
-    phantomx_leg_right_front_foot_bias_acceleration(q, rates, bias);
-    phantomx_leg_right_front_rates_wanted_kernel(a, bias, rest);
-    wg_damped_inverse(J, rest, 3, 0.0026, 0.0026, further, &second);
-    phantomx_leg_right_front_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    int32_t status = WALKGEN_OK;
+    phantomx_leg_right_front_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
+    if (wg_any_unreachable(&status, 1)) {
+        phantomx_leg_right_front_foot_jacobian(q, J);
+        wg_damped_inverse(J, v, 3, 0.0026, 0.0026, rates, &first);
+        phantomx_leg_right_front_foot_bias_acceleration(q, rates, bias);
+        phantomx_leg_right_front_rates_wanted_kernel(a, bias, rest);
+        wg_damped_inverse(J, rest, 3, 0.0026, 0.0026, further, &second);
+        phantomx_leg_right_front_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+    }
     return status;
 }
 
@@ -1698,9 +1708,12 @@ int32_t phantomx_leg_right_front_inverse(const double *WG_RESTRICT p, double *WG
 int32_t phantomx_leg_right_front_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q) {
     double target[3];
     int32_t status = WALKGEN_OK;
-    phantomx_leg_right_front_inverse_one_kernel(p, branch, q, &status, target);
+    if (WG_SIZE_COUNTS) {
+        return phantomx_leg_right_front_inverse_branch_rest(p, branch, q);
+    }
+    phantomx_leg_right_front_inverse_one_kernel(p, branch, q, &status, target, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = phantomx_leg_right_front_inverse_branch_rest(branch, status, target, q);
+        status = phantomx_leg_right_front_inverse_branch_rest(p, branch, q);
     }
     return status;
 }
@@ -1770,9 +1783,12 @@ int32_t phantomx_leg_right_front_inverse_acceleration(const double *WG_RESTRICT 
 int32_t phantomx_leg_right_front_inverse_velocity_acceleration(const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     int32_t status = WALKGEN_OK;
-    phantomx_leg_right_front_regular_rates_kernel(q, v, a, qd, qdd, &status);
+    if (WG_SIZE_COUNTS) {
+        return phantomx_leg_right_front_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
+    }
+    phantomx_leg_right_front_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
     if (wg_any_unreachable(&status, 1)) {
-        status = phantomx_leg_right_front_inverse_velocity_acceleration_rest(q, v, a, status, qd, qdd);
+        status = phantomx_leg_right_front_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;
 }

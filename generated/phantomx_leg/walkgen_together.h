@@ -154,6 +154,60 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
     } while (0)
 #endif
 
+/* The same in a function with `wg_near`: where it is 1 and an angle or a point is beyond the range, *status becomes UNREACHABLE and the
+ * function ends; its caller begins anew elsewhere, with 0. With no call on its way a function has no registers to save. */
+#undef WG_ANGLES_WITHIN_2
+#undef WG_ANGLES_WITHIN_3
+#undef WG_ANGLES_WITHIN_4
+#undef WG_POINTS_WITHIN
+#if defined(WALKGEN_VECTORS)
+#define WG_ANGLES_WITHIN_2(a0, a1) WG_NAME(wg_angles_within)(a0, a1, a0, a1)
+#define WG_ANGLES_WITHIN_3(a0, a1, a2) WG_NAME(wg_angles_within)(a0, a1, a2, a0)
+#define WG_ANGLES_WITHIN_4(a0, a1, a2, a3) WG_NAME(wg_angles_within)(a0, a1, a2, a3)
+#define WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3) WG_NAME(wg_points_within)(y0, x0, y1, x1, y2, x2, y3, x3)
+#elif defined(WALKGEN_PAIRS)
+#if WG_REAL_BITS == 64
+#define WG_ANGLES_WITHIN_2(a0, a1) wg_pair_within(a0, a1)
+#else
+#define WG_ANGLES_WITHIN_2(a0, a1) (WG_NAME(wg_angle_within)(a0) && WG_NAME(wg_angle_within)(a1))
+#endif
+#define WG_ANGLES_WITHIN_3(a0, a1, a2) (WG_ANGLES_WITHIN_2(a0, a1) && WG_NAME(wg_angle_within)(a2))
+#define WG_ANGLES_WITHIN_4(a0, a1, a2, a3) (WG_ANGLES_WITHIN_2(a0, a1) && WG_ANGLES_WITHIN_2(a2, a3))
+#define WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3) \
+    (WG_NAME(wg_point_within)(y0, x0) && WG_NAME(wg_point_within)(y1, x1) && WG_NAME(wg_point_within)(y2, x2) && WG_NAME(wg_point_within)(y3, x3))
+#else
+#define WG_ANGLES_WITHIN_2(a0, a1) 1
+#define WG_ANGLES_WITHIN_3(a0, a1, a2) 1
+#define WG_ANGLES_WITHIN_4(a0, a1, a2, a3) 1
+#define WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3) 1
+#endif
+
+#if !defined(WG_LEAVE_BEYOND)
+#define WG_LEAVE_BEYOND(within) \
+    if (wg_near && !WG_LIKELY(within)) { \
+        *status = WALKGEN_UNREACHABLE; \
+        return; \
+    }
+#define WG_NEAR_SINCOS_2(a0, s0, c0, a1, s1, c1) \
+    WG_LEAVE_BEYOND(WG_ANGLES_WITHIN_2(a0, a1)) \
+    WG_SINCOS_2(a0, s0, c0, a1, s1, c1)
+#define WG_NEAR_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
+    WG_LEAVE_BEYOND(WG_ANGLES_WITHIN_3(a0, a1, a2)) \
+    WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
+#define WG_NEAR_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+    WG_LEAVE_BEYOND(WG_ANGLES_WITHIN_4(a0, a1, a2, a3)) \
+    WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#define WG_NEAR_ATAN2_2(y0, x0, r0, y1, x1, r1) \
+    WG_LEAVE_BEYOND(WG_POINTS_WITHIN(y0, x0, y1, x1, y0, x0, y1, x1)) \
+    WG_ATAN2_2(y0, x0, r0, y1, x1, r1)
+#define WG_NEAR_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) \
+    WG_LEAVE_BEYOND(WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y0, x0)) \
+    WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
+#define WG_NEAR_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
+    WG_LEAVE_BEYOND(WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3)) \
+    WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
+#endif
+
 #if !defined(WG_CALLED_SINCOS)
 #define WG_CALLED_SINCOS(a, s, c) \
     { \

@@ -51,6 +51,12 @@ WG_INLINE WG_T WG_TN(wg_copysign)(WG_T x, WG_T sign) {
 
 #include "walkgen_trig_kernel.h"
 
+/* Whether all angles lie within the range of the polynomials. */
+WG_INLINE int WG_NAME(wg_angles_within)(WG_REAL x0, WG_REAL x1, WG_REAL x2, WG_REAL x3) {
+    const WG_T x = {x0, x1, x2, x3};
+    return WG_MOST_SIGNIFICANT(WG_TABS(x) <= WG_TK(WG_FARTHEST)) == 15;
+}
+
 /* Sines and cosines of four angles. */
 struct WG_NAME(wg_turned) {
     WG_REAL sine0, sine1, sine2, sine3, cosine0, cosine1, cosine2, cosine3;
@@ -60,7 +66,7 @@ WG_INLINE struct WG_NAME(wg_turned) WG_NAME(wg_sincos_together)(WG_REAL x0, WG_R
     const WG_T x = {x0, x1, x2, x3};
     WG_T s, c;
     WG_TN(wg_sincos_near)(x, &s, &c);
-    if (WG_LIKELY(WG_MOST_SIGNIFICANT(WG_TABS(x) <= WG_TK(WG_FARTHEST)) == 15)) {
+    if (WG_LIKELY(WG_NAME(wg_angles_within)(x0, x1, x2, x3))) {
         const struct WG_NAME(wg_turned) turned = {s[0], s[1], s[2], s[3], c[0], c[1], c[2], c[3]};
         return turned;
     } else {
@@ -69,6 +75,14 @@ WG_INLINE struct WG_NAME(wg_turned) WG_NAME(wg_sincos_together)(WG_REAL x0, WG_R
             WG_NAME(wg_cos_alone)(x0), WG_NAME(wg_cos_alone)(x1), WG_NAME(wg_cos_alone)(x2), WG_NAME(wg_cos_alone)(x3)};
         return turned;
     }
+}
+
+/* Whether all points lie within the range. */
+WG_INLINE int WG_NAME(wg_points_within)(WG_REAL y0, WG_REAL x0, WG_REAL y1, WG_REAL x1, WG_REAL y2, WG_REAL x2, WG_REAL y3, WG_REAL x3) {
+    const WG_T y = {y0, y1, y2, y3}, x = {x0, x1, x2, x3};
+    WG_T extent;
+    (void)WG_TN(wg_atan2_near)(y, x, &extent);
+    return WG_MOST_SIGNIFICANT((extent >= WG_TK(WG_LEAST_EXTENT)) & (extent <= WG_TK(WG_GREATEST_EXTENT))) == 15;
 }
 
 /* Angles of four points. */
@@ -81,7 +95,7 @@ WG_INLINE struct WG_NAME(wg_angles) WG_NAME(wg_atan2_together)(WG_REAL y0, WG_RE
     const WG_T y = {y0, y1, y2, y3}, x = {x0, x1, x2, x3};
     WG_T extent;
     const WG_T a = WG_TN(wg_atan2_near)(y, x, &extent);
-    if (WG_LIKELY(WG_MOST_SIGNIFICANT((extent >= WG_TK(WG_LEAST_EXTENT)) & (extent <= WG_TK(WG_GREATEST_EXTENT))) == 15)) {
+    if (WG_LIKELY(WG_NAME(wg_points_within)(y0, x0, y1, x1, y2, x2, y3, x3))) {
         const struct WG_NAME(wg_angles) angles = {a[0], a[1], a[2], a[3]};
         return angles;
     } else {

@@ -26,6 +26,7 @@
  *     WG_SIN WG_COS WG_ATAN2       walkgen_trig.h, which the precision header includes; the C library's with WALKGEN_LIBM
  *     WG_SINCOS_2 .. 4, WG_ATAN2_2 .. 4   several at once: WG_SINCOS_2(x, sin_x, cos_x, y, sin_y, cos_y)
  *     WG_MANY_SINCOS_2 .. 4        the same in functions of more than four angles
+ *     WG_NEAR_SINCOS_2 .. 4, WG_NEAR_ATAN2_2 .. 4   the same in functions that may leave what is beyond the range to a copy of their own
  *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
  *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN
@@ -73,6 +74,12 @@
 #define WG_CALLED static __attribute__((noinline, unused))
 #else
 #define WG_CALLED static inline
+#endif
+/* Whether size counts. */
+#if defined(__OPTIMIZE_SIZE__)
+#define WG_SIZE_COUNTS 1
+#else
+#define WG_SIZE_COUNTS 0
 #endif
 #if defined(__GNUC__)
 #define WG_LIKELY(condition) __builtin_expect((condition), 1)

@@ -25,6 +25,12 @@ WG_INLINE wg_x2 wg_copysign_x2(wg_x2 x, wg_x2 sign) { return (wg_x2)(((wg_bits_x
 
 #include "walkgen_trig_kernel.h"
 
+/* Whether both angles lie within the range of the polynomials. */
+WG_INLINE int wg_pair_within(double x0, double x1) {
+    const wg_x2 x = {x0, x1};
+    return WG_BOTH(WG_TABS(x) <= WG_TK(WG_FARTHEST));
+}
+
 /* Sines and cosines of two angles. */
 struct wg_turned_x2 {
     double sine0, sine1, cosine0, cosine1;
@@ -34,7 +40,7 @@ WG_INLINE struct wg_turned_x2 wg_sincos_pair(double x0, double x1) {
     const wg_x2 x = {x0, x1};
     wg_x2 s, c;
     wg_sincos_near_x2(x, &s, &c);
-    if (WG_LIKELY(WG_BOTH(WG_TABS(x) <= WG_TK(WG_FARTHEST)))) {
+    if (WG_LIKELY(wg_pair_within(x0, x1))) {
         const struct wg_turned_x2 turned = {s[0], s[1], c[0], c[1]};
         return turned;
     } else {

@@ -1,6 +1,6 @@
 """The body of a Composite in C: its local arrays and its calls in order."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 
 from walkgen.emit.c_declaration import INDENT, CFunction, callback_name, port_size, port_type
@@ -15,25 +15,56 @@ def composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], 
     """Local arrays, the calls, the status returned."""
     signature = composite.signature
     returned = signature.returned
-    lines = [_local(port, composite, printer.precision) for port in own_locals(composite)]
+    leaves = _leaves(composite, kernels)
+    lines = [_local(port, composite, printer.precision) for port in own_locals(composite, leaves=leaves)]
     lines += [f"{INDENT}int32_t {returned.name} = WALKGEN_OK;"] if returned else []
     used = {argument for call in composite.calls for argument in (*call.arguments, *(call.guard[1] if call.guard else ()))}
     lines += [f"{INDENT}(void){port.name};" for port in signature.inputs if port.name not in used]
     listed = (argument for call in composite.calls for argument in call.arguments if isinstance(argument, Records))
     lines += [line for records in listed for line in _record_lines(records, composite, printer)]
-    lines += [line for step in in_order(composite) for line in _step_lines(step, composite, kernels, printer)]
+    steps = in_order(composite, leaves=leaves)
+    lines += _small_lines(steps[-1], printer) if leaves else []
+    lines += [line for step in steps for line in _step_lines(step, composite, kernels, printer)]
     lines += [f"{INDENT}return {returned.name};"] if returned else []
     return lines
 
 
+def _small_lines(last: Call | Rest, printer: CPrinter) -> Iterator[str]:
+    """Where size counts the rest, which does all, is all there is."""
+    assert isinstance(last, Rest)
+    yield from (f"{INDENT}if (WG_SIZE_COUNTS) {{", f"{INDENT * 2}return {last.called(printer.precision)};", f"{INDENT}}}")
+
+
 def rest_functions(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[CFunction]:
     """What only some rows need, as static functions."""
-    for rest in in_order(composite):
+    for rest in in_order(composite, leaves=_leaves(composite, kernels)):
         if isinstance(rest, Rest):
             lines = [_local(port, rest.body, printer.precision) for port in rest.body.locals]
-            lines += [line for call in rest.body.calls for line in _call_lines(call, rest.body, kernels, printer)]
+            lines += _anew_lines(rest, kernels, printer) if rest.anew else _rest_lines(rest, rest.body.calls, kernels, printer)
             lines += [f"{INDENT}return {port.name};" for port in rest.returned]
             yield CFunction(rest.name(printer.precision), rest.head(printer.precision), tuple(lines))
+
+
+def _leaves(composite: Composite, kernels: Mapping[Program, CFunction]) -> bool:
+    """Whether its first kernel gives up beyond the range of sines."""
+    first = composite.calls[0].callee if composite.calls else ""
+    return isinstance(first, Program) and kernels[first].leaves
+
+
+def _rest_lines(rest: Rest, calls: Iterable[Call], kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
+    for call in calls:
+        yield from _call_lines(call, rest.body, kernels, printer)
+
+
+def _anew_lines(rest: Rest, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
+    """The first call as far as it goes, then the others under their guard."""
+    first, *others = rest.body.calls
+    (status,) = rest.returned
+    yield f"{INDENT}int32_t {status.name} = WALKGEN_OK;"
+    yield from _call_lines(first, rest.body, kernels, printer, near=0)
+    yield _opened(rest.guard, rest.body, printer)
+    yield from (INDENT + line for line in _rest_lines(rest, others, kernels, printer))
+    yield f"{INDENT}}}"
 
 
 def stack_of(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> int:
@@ -71,16 +102,22 @@ def _step_lines(step: Call | Rest, composite: Composite, kernels: Mapping[Progra
 
 
 def _guarded(guard: Guard, step: str, composite: Composite, printer: CPrinter) -> Iterator[str]:
+    yield from (_opened(guard, composite, printer), f"{INDENT * 2}{step}", f"{INDENT}}}")
+
+
+def _opened(guard: Guard, composite: Composite, printer: CPrinter) -> str:
     asked = [_argument(argument, composite, printer, by_address=True) for argument in guard[1]]
-    yield from (f"{INDENT}if ({_routine_name(guard[0], printer.precision)}({', '.join(asked)})) {{", f"{INDENT * 2}{step}", f"{INDENT}}}")
+    return f"{INDENT}if ({_routine_name(guard[0], printer.precision)}({', '.join(asked)})) {{"
 
 
-def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
+def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter, near: int = 1) -> Iterator[str]:
+    """The call; a kernel that leaves may do so where `near` is 1."""
     if isinstance(call.callee, Program):
         name, inputs = kernels[call.callee].name, len(call.callee.signature.inputs)
     else:
         name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
     arguments = [_argument(argument, composite, printer, by_address=place >= inputs) for place, argument in enumerate(call.arguments)]
+    arguments += [str(near)] if isinstance(call.callee, Program) and kernels[call.callee].leaves else []
     step = f"{name}({', '.join(arguments)});"
     if call.repeat > 1 or _copied(call, composite):
         yield from _repeated_lines(call, composite, name, printer)

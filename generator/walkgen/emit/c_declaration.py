@@ -14,7 +14,8 @@ COLUMNS = 116
 class CFunction:
     """One function, ready to be laid out: `head` is its declaration without `;`, `lines` its body, indented.
 
-    `locals_size` bounds the bytes of its named locals: temporaries live in registers or share their slots.
+    `locals_size` bounds the bytes of its named locals: temporaries live in registers or share their slots. One that `leaves` takes at last
+    whether it may give up with the status UNREACHABLE.
     """
 
     name: str
@@ -22,6 +23,7 @@ class CFunction:
     lines: tuple[str, ...]
     doc: tuple[str, ...] = ()
     locals_size: int = 0
+    leaves: bool = False
 
 
 def function_name(signature: Signature, precision: Precision) -> str:

@@ -18,6 +18,7 @@ from walkgen.emit.c_lanes import Laned, laned
 from walkgen.emit.c_planar import HEADER as PLANAR
 from walkgen.emit.c_planar import planar_functions
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
+from walkgen.emit.c_rest import may_leave
 from walkgen.emit.c_rows import NO_BATCHES, Part, Rows, first_parts, guard, last_parts, read_rows, row_headers
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
@@ -181,11 +182,13 @@ def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -
     public = code.public
     calls = (call.callee for body in code.functions if isinstance(body, Composite) for call in body.all_calls)
     uses = Counter(callee for callee in calls if isinstance(callee, Program) and callee not in public)
+    leaving = {may_leave(body) for body in code.functions if isinstance(body, Composite)}
     kernels: dict[Program, CFunction] = {}
     taken: set[str] = set()
     for program, count in uses.items():
         name = _free(f"{function_name(program.signature, printer.precision)}_kernel", taken)
-        kernels[program] = kernel(program, name, printer, inlined=count == 1 and program not in in_lanes)
+        inlined = count == 1 and program not in in_lanes
+        kernels[program] = kernel(program, name, printer, inlined=inlined, leaves=inlined and program in leaving)
     return kernels
 
 

@@ -3,6 +3,7 @@
 import textwrap
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import accumulate
 from math import prod
 
@@ -30,14 +31,16 @@ from walkgen.signature import Port, Signature, Table
 _KEPT = "\0"
 
 
-def kernel(program: Program, name: str, printer: CPrinter, *, inlined: bool = False) -> CFunction:
+def kernel(program: Program, name: str, printer: CPrinter, *, inlined: bool = False, leaves: bool = False) -> CFunction:
     """A Program as a static function that writes every output through a pointer."""
     signature = program.signature
+    near = ["int wg_near"] if leaves else []
     head = declared(
-        f"{'WG_INLINE' if inlined else 'static'} void {name}", parameters(signature.inputs, signature.outputs, printer.precision)
+        f"{'WG_INLINE' if inlined else 'static'} void {name}", [*parameters(signature.inputs, signature.outputs, printer.precision), *near]
     )
-    body = walk(program, printer)
-    return CFunction(name, head, tuple(_program_lines(program, body, printer, None)), locals_size=_locals_size(body, printer.precision))
+    body = walk(program, replace(printer, leaves=leaves))
+    lines = (*(f"{INDENT}(void){parameter.split()[-1]};" for parameter in near), *_program_lines(program, body, printer, None))
+    return CFunction(name, head, lines, locals_size=_locals_size(body, printer.precision), leaves=leaves)
 
 
 def program_function(program: Program, printer: CPrinter) -> CFunction:

@@ -102,10 +102,14 @@ RESERVED = frozenset(_WORDS.split())
 
 @dataclass(frozen=True)
 class CPrinter:
-    """Writes operations in one precision; `fma` fuses multiply-add where the target has it."""
+    """Writes operations in one precision; `fma` fuses multiply-add where the target has it.
+
+    A function that is written to leave gives up beyond the range of sines and arctangents, if its caller says so.
+    """
 
     precision: Precision
     fma: bool
+    leaves: bool = False
 
     @cached_property
     def forms(self) -> Mapping[Code, Form]:
@@ -116,7 +120,8 @@ class CPrinter:
 
     def together(self, angles: int) -> Mapping[Code, str]:
         """Macros of walkgen_together.h."""
-        return {Code.SIN: "WG_SINCOS_{0}" if angles <= TOGETHER else "WG_MANY_SINCOS_{0}", Code.ATAN2: "WG_ATAN2_{0}"}
+        start = "WG_NEAR" if self.leaves else "WG"
+        return {Code.SIN: f"{start}_SINCOS_{{0}}" if angles <= TOGETHER else "WG_MANY_SINCOS_{0}", Code.ATAN2: f"{start}_ATAN2_{{0}}"}
 
     @property
     def reserved(self) -> frozenset[str]:

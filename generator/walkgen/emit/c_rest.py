@@ -14,13 +14,15 @@ from walkgen.signature import Port
 class Rest:
     """Calls that one guard lets through, as a Composite without guards whose outputs are all that they share with `whole`.
 
-    A status that the whole returns is given by value and returned.
+    A status that the whole returns is given by value and returned. One that is `anew` does all that the whole does, from its arguments
+    alone: called last, it leaves the whole nothing to keep over a call, and no registers to save.
     """
 
     whole: Composite
     body: Composite
     guard: Guard
     number: int
+    anew: bool = False
 
     def name(self, precision: Precision) -> str:
         """`<function>_rest`, numbered from the second on."""
@@ -29,18 +31,22 @@ class Rest:
     def head(self, precision: Precision) -> str:
         """Its declaration, which keeps it out of the function that calls it."""
         signature = self.body.signature
-        given = parameters(signature.inputs, (), precision) + [f"int32_t {port.name}" for port in self.returned]
+        given = parameters(signature.inputs, (), precision) + [f"int32_t {port.name}" for port in self._given]
         written = parameters((), tuple(port for port in signature.outputs if port not in self.returned), precision)
         return declared(f"WG_CALLED {'int32_t' if self.returned else 'void'} {self.name(precision)}", [*given, *written])
 
     def call(self, precision: Precision) -> str:
         """The statement that runs it."""
+        result = "".join(f"{port.name} = " for port in self.returned)
+        return f"{result}{self.called(precision)};"
+
+    def called(self, precision: Precision) -> str:
+        """The call alone."""
         scalars = {port.name for port in self.whole.locals if not port.shape}
         outputs = (port.name for port in self.body.signature.outputs if port not in self.returned)
-        names = [port.name for port in (*self.body.signature.inputs, *self.returned)]
+        names = [port.name for port in (*self.body.signature.inputs, *self._given)]
         names += [f"&{name}" if name in scalars else name for name in outputs]
-        result = "".join(f"{port.name} = " for port in self.returned)
-        return f"{result}{self.name(precision)}({', '.join(names)});"
+        return f"{self.name(precision)}({', '.join(names)})"
 
     @property
     def returned(self) -> tuple[Port, ...]:
@@ -48,15 +54,34 @@ class Rest:
         returned = self.whole.signature.returned
         return (returned,) if returned and returned in self.body.signature.outputs else ()
 
+    @property
+    def _given(self) -> tuple[Port, ...]:
+        return () if self.anew else self.returned
 
-def in_order(composite: Composite) -> tuple[Call | Rest, ...]:
-    """Its calls, those that stand under one guard together."""
+
+def may_leave(composite: Composite) -> Program | None:
+    """The Program that is all the Composite does, unless its returned status is UNREACHABLE."""
+    first, *others = in_order(composite)
+    status = composite.signature.returned
+    if not (isinstance(first, Call) and isinstance(first.callee, Program) and first.repeat == 1 and first.guard is None and status):
+        return None
+    if len(others) != 1 or not isinstance(others[0], Rest) or others[0].guard != ("wg_any_unreachable", (status.name, 1)):
+        return None
+    told = dict(zip(first.arguments[len(first.callee.signature.inputs) :], first.callee.signature.outputs, strict=True)).get(status.name)
+    return first.callee if told and told.name == "status" else None
+
+
+def in_order(composite: Composite, *, leaves: bool = False) -> tuple[Call | Rest, ...]:
+    """Its calls, those that stand under one guard together; where the first one leaves, they begin with it anew."""
     groups: list[list[Call]] = []
     for call in composite.calls:
         if groups and _joins(groups[-1], call):
             groups[-1].append(call)
         else:
             groups.append([call])
+    if leaves:
+        (first,), group = groups
+        return (first, _anew(composite, first, group))
     return tuple(_steps(composite, groups))
 
 
@@ -102,12 +127,26 @@ def _rest(composite: Composite, group: list[Call], number: int) -> Rest:
     return Rest(composite, replace(composite, signature=signature, locals=own, calls=calls), guard, number)
 
 
+def _anew(composite: Composite, first: Call, group: list[Call]) -> Rest:
+    """Every call, the first without a guard."""
+    guard = group[0].guard
+    assert guard is not None
+    used = {name for call in composite.calls for name in call.arguments}
+    own = tuple(port for port in composite.locals if port.name in used)
+    inputs = tuple(port for port in composite.signature.inputs if port.name in used)
+    calls = (first, *(replace(call, guard=None) for call in group))
+    body = replace(composite, signature=replace(composite.signature, inputs=inputs), locals=own, calls=calls)
+    return Rest(composite, body, guard, 1, anew=True)
+
+
 def _names(calls: Iterable[Call]) -> set[object]:
     calls = tuple(calls)
     return {name for call in calls for name in (*call.arguments, *(call.guard[1] if call.guard else ()))}
 
 
-def own_locals(composite: Composite) -> tuple[Port, ...]:
+def own_locals(composite: Composite, *, leaves: bool = False) -> tuple[Port, ...]:
     """Those that no rest keeps for itself."""
+    if leaves:
+        return tuple(port for port in composite.locals if port.name in composite.calls[0].arguments)
     kept = {port for step in in_order(composite) if isinstance(step, Rest) for port in step.body.locals}
     return tuple(port for port in composite.locals if port not in kept)
