@@ -114,13 +114,11 @@ WG_INLINE int WG_NAME(wg_point_within)(WG_REAL y, WG_REAL x) {
     return extent >= WG_LEAST_EXTENT && extent <= WG_GREATEST_EXTENT;
 }
 
-#if defined(WALKGEN_VECTORS) || defined(WALKGEN_PAIRS)
+#if defined(WALKGEN_VECTORS)
 /* Of angles beyond the range and of points too near or too far. */
 WG_CALLED WG_REAL WG_NAME(wg_sin_alone)(WG_REAL x) { return WG_NAME(wg_sin)(x); }
 WG_CALLED WG_REAL WG_NAME(wg_cos_alone)(WG_REAL x) { return WG_NAME(wg_cos)(x); }
 WG_CALLED WG_REAL WG_NAME(wg_atan2_alone)(WG_REAL y, WG_REAL x) { return WG_NAME(wg_atan2)(y, x); }
-#endif
-#if defined(WALKGEN_VECTORS)
 #include "walkgen_trig_x4.h"
 #elif defined(WALKGEN_PAIRS)
 #include "walkgen_trig_x2.h"

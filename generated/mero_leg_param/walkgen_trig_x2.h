@@ -1,4 +1,4 @@
-/* walkgen_trig_x2.h: two sines and cosines in one vector of doubles; walkgen_trig.h alone includes this, where
+/* walkgen_trig_x2.h: two sines and cosines in one vector of doubles, and a third beside; walkgen_trig.h alone includes this, where
  * WALKGEN_PAIRS is defined. Lane by lane the bits of a single number. A vector never crosses a function that is not inlined.
  * Arctangents are faster one by one.
  */
@@ -31,6 +31,13 @@ WG_INLINE int wg_pair_within(double x0, double x1) {
     return WG_BOTH(WG_TABS(x) <= WG_TK(WG_FARTHEST));
 }
 
+/* Three sines, then cosines, of angles of which one is beyond the range. They come by memory: compilers that keep numbers in registers over
+ * a call save these first on every way. */
+WG_CALLED void wg_sincos_far(double x0, double x1, double x2, double far[6]) {
+    far[0] = wg_sin(x0), far[1] = wg_sin(x1), far[2] = wg_sin(x2);
+    far[3] = wg_cos(x0), far[4] = wg_cos(x1), far[5] = wg_cos(x2);
+}
+
 /* Sines and cosines of two angles. */
 struct wg_turned_x2 {
     double sine0, sine1, cosine0, cosine1;
@@ -44,8 +51,36 @@ WG_INLINE struct wg_turned_x2 wg_sincos_pair(double x0, double x1) {
         const struct wg_turned_x2 turned = {s[0], s[1], c[0], c[1]};
         return turned;
     } else {
-        const struct wg_turned_x2 turned = {wg_sin_alone(x0), wg_sin_alone(x1), wg_cos_alone(x0), wg_cos_alone(x1)};
+        double far[6];
+        wg_sincos_far(x0, x1, x0, far);
+        {
+            const struct wg_turned_x2 turned = {far[0], far[1], far[3], far[4]};
+            return turned;
+        }
+    }
+}
+
+/* Sines and cosines of three angles, the third alone. */
+struct wg_turned_x3 {
+    double sine0, sine1, sine2, cosine0, cosine1, cosine2;
+};
+
+WG_INLINE struct wg_turned_x3 wg_sincos_three(double x0, double x1, double x2) {
+    const wg_x2 x = {x0, x1};
+    wg_x2 s, c;
+    double s2, c2;
+    wg_sincos_near_x2(x, &s, &c);
+    wg_sincos_near(x2, &s2, &c2);
+    if (WG_LIKELY(wg_pair_within(x0, x1) && wg_angle_within(x2))) {
+        const struct wg_turned_x3 turned = {s[0], s[1], s2, c[0], c[1], c2};
         return turned;
+    } else {
+        double far[6];
+        wg_sincos_far(x0, x1, x2, far);
+        {
+            const struct wg_turned_x3 turned = {far[0], far[1], far[2], far[3], far[4], far[5]};
+            return turned;
+        }
     }
 }
 

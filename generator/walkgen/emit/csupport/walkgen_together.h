@@ -51,8 +51,8 @@
     } while (0)
 #define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
     do { \
-        WG_SINCOS_2(a0, s0, c0, a1, s1, c1); \
-        WG_SINCOS_EACH_1(a2, s2, c2); \
+        const struct wg_turned_x3 wg_turned = wg_sincos_three(a0, a1, a2); \
+        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1, s2 = wg_turned.sine2, c2 = wg_turned.cosine2; \
     } while (0)
 #define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
     do { \
