@@ -38,6 +38,7 @@ _KNOWN = (
     Routine("wg_inverse_general", "walkgen_inverse_general.h", "inverse_general", inputs=3, outputs=2),
     Routine("wg_inverse_general_branch", "walkgen_inverse_general.h", "inverse_general", inputs=4, outputs=2),
     Routine("wg_curve_roots", "walkgen_curve.h", "curve", inputs=4, outputs=2),
+    Routine("wg_crossings", "walkgen_crossings.h", "crossings", inputs=5, outputs=4),
     Routine("wg_first_root", "walkgen_first_root.h", "first_root", inputs=4, outputs=2),
     Routine("wg_nearest_row", "walkgen_rows.h", "rows", inputs=5, outputs=2),
     Routine("wg_admissible_row", "walkgen_rows.h", "rows", inputs=5, outputs=2),

@@ -6,13 +6,16 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from walkgen.model.carried import on_a_surface
 from walkgen.model.linkage import Linkage
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.model.walk import CONTEXT, along, defaults, joint_axis, limb_frames
 from walkgen.spec.branches import (
     BRANCHED_JOINTS,
+    CARRIED_BRANCHES,
     CURVE_BRANCHES,
     branch_count,
+    carries_curve,
     follows_curve,
     linkage_branches,
     linkage_choices,
@@ -33,6 +36,7 @@ class InverseClass:
 YAW_PITCH_PITCH = "yaw-pitch-pitch"
 LINKAGE = "linkage"
 CURVE = "coupler curve"
+CARRIED = "carried coupler curve"
 FLAT_SOLE = "flat sole"
 _KNEES = ("knee_plus", "knee_minus")
 _YAWED_KNEES = ("ahead_knee_plus", "ahead_knee_minus", "behind_knee_plus", "behind_knee_minus")
@@ -97,11 +101,13 @@ def _yaws(mechanism: Mechanism, leg: Limb) -> bool:
 def linkage_class(mechanism: Mechanism, leg: Limb, linkage: Linkage) -> InverseClass:
     """Of a leg with a linkage: at most one joint turns its plane or the foot out of it, two drives place the foot in it, dyad after dyad.
 
-    One drive leads the foot along a curve; then the joint may slide as well.
+    One drive leads the foot along a curve; then the joint may slide as well, or two joints carry it.
     """
     kinds, after = ("".join(joint.kind[0].upper() for joint in joints) for joints in (leg.serial, leg.distal))
     if not after and follows_curve(linkage.structure, len(kinds)):
         return _curve_class(leg)
+    if carries_curve(linkage.structure, len(kinds) + len(after)):
+        return _carried_class(mechanism, leg)
     hindrance = linkage_hindrance(linkage.structure, linkage.foot[0], kinds, after) or _in_plane(mechanism, leg)
     if hindrance:
         return InverseClass("", (), hindrance)
@@ -129,12 +135,32 @@ def _lift(leg: Limb, joint: Joint, values: dict[str, Any]) -> Any:
     return CONTEXT.hypot(before[2, 0], before[2, 1]) * CONTEXT.hypot(lever[0, 3], lever[1, 3])
 
 
-def _curve_class(leg: Limb) -> InverseClass:
-    drive = leg.joints[-1]
+def _unbounded(leg: Limb) -> str:
+    """What keeps a curve from being looked at from end to end; empty where nothing does."""
+    drive = leg.drives[0]
     if drive.kind == "prismatic" and drive.limits is None:
-        return InverseClass("", (), f"between which values of {drive.name} to look for the foot's place its limits say: it has none")
+        return f"between which values of {drive.name} to look for the foot's place its limits say: it has none"
+    return ""
+
+
+def _curve_class(leg: Limb) -> InverseClass:
+    if hindrance := _unbounded(leg):
+        return InverseClass("", (), hindrance)
     reason = "one drive leads the foot along a curve, whose least distances from the target are found by a bounded search"
     return InverseClass(CURVE, leg.branches or CURVE_BRANCHES, reason)
+
+
+def _carried_class(mechanism: Mechanism, leg: Limb) -> InverseClass:
+    first, second = (joint.name for joint in (*leg.serial, *leg.distal))
+    if hindrance := _unbounded(leg):
+        return InverseClass("", (), hindrance)
+    if all(on_a_surface(leg, values) for values in _samples(mechanism)):
+        return InverseClass("", (), f"{first}, {second} and {leg.drives[0].name} leave the foot on a surface")
+    reason = (
+        f"with the drive held {first} and {second} meet two of three equations in closed form; where the third is met is found by a "
+        "bounded search over the drive"
+    )
+    return InverseClass(CARRIED, leg.branches or CARRIED_BRANCHES, reason)
 
 
 def _not_yaw_pitch_pitch(mechanism: Mechanism, leg: Limb, kinds: str) -> str:

@@ -11,6 +11,8 @@ MODES = 6
 """Assemblies of a triad, at most."""
 CURVE_BRANCHES = tuple(f"root_{number}" for number in range(1, 9))
 """Of a leg whose foot follows a coupler curve."""
+CARRIED_BRANCHES = tuple(f"root_{number}" for number in range(1, 17))
+"""Of a leg whose foot follows a coupler curve that two joints carry."""
 
 
 def branch_count(kinds: str) -> int:
@@ -26,6 +28,11 @@ def branch_count(kinds: str) -> int:
 def follows_curve(structure: Structure, joints: int) -> bool:
     """Whether one drive leads the foot along a curve, which at most one joint before the linkage carries."""
     return structure.drive_count == 1 and joints <= 1
+
+
+def carries_curve(structure: Structure, joints: int) -> bool:
+    """Whether one drive leads the foot along a curve, which dyads alone make, and two joints, before the linkage or after it, carry it."""
+    return structure.drive_count == 1 and joints == BRANCHED_JOINTS - 1 and not order(structure).triads
 
 
 def linkage_hindrance(structure: Structure, foot: int, kinds: str, after: str = "") -> str:

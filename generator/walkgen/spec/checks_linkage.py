@@ -5,7 +5,15 @@ from dataclasses import replace
 from math import prod
 
 from walkgen.spec.assur import Structure
-from walkgen.spec.branches import CURVE_BRANCHES, follows_curve, linkage_branches, linkage_choices, linkage_hindrance
+from walkgen.spec.branches import (
+    CARRIED_BRANCHES,
+    CURVE_BRANCHES,
+    carries_curve,
+    follows_curve,
+    linkage_branches,
+    linkage_choices,
+    linkage_hindrance,
+)
 from walkgen.spec.checks_assembly import check_assembly
 from walkgen.spec.checks_joints import named_branches
 from walkgen.spec.checks_mobility import check_mobility
@@ -199,6 +207,9 @@ def _branches(path: Path, design: LegDesign, structure: Structure) -> Iterator[F
     """As many names as branches, which the cure spells where there are few."""
     if not design.joints_after and follows_curve(structure, len(design.joints)):
         yield from named_branches(path, design, len(CURVE_BRANCHES))
+        return
+    if carries_curve(structure, len(design.joints) + len(design.joints_after)):
+        yield from named_branches(path, design, len(CARRIED_BRANCHES))
         return
     foot, _ = located(design, design.placed)
     kinds, after = ("".join(joint.type[0].upper() for joint in rows) for rows in (design.joints, design.joints_after))

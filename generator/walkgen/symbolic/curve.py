@@ -110,15 +110,8 @@ class Curve:
         return (Select(less(_ZERO, radius), outwards, tape.let("out", sympy.sqrt(speed[0] ** 2 + speed[1] ** 2))), speed[2], _ZERO)
 
     def bounds(self) -> Exprs:
-        """A turn, about the start of triads, or the limits and half of their width beyond them."""
-        drive = self.leg.joints[-1]
-        if drive.kind == "revolute":
-            held = self.linkage.forward.triads
-            seam = sympy.Rational(str(found_start(self.mechanism, self.leg).drives[0])) if held else _SEAM
-            return (seam - sympy.pi, seam + sympy.pi)
-        low, high = limits_of(drive, self.parameters)
-        least, most = (3 * low - high) / 2, (3 * high - low) / 2
-        return (Select(less(least, 0), 0, least) if self.linkage.structure.bars else least, most)
+        """Between which drives to look."""
+        return drive_bounds(self.mechanism, self.leg)
 
     def carried(self, at: Exprs, target: Vec, tape: Tape) -> tuple[Exprs, sympy.Basic]:
         """The joint's value, none without a joint, and whether any value will do."""
@@ -136,3 +129,15 @@ class Curve:
         if joint.zero != ZERO:
             turn = tape.let("turn_wrapped", Angle(sympy.sin(turn), sympy.cos(turn)))
         return (turn,), free
+
+
+def drive_bounds(mechanism: Mechanism, leg: Limb) -> Exprs:
+    """Of a linkage's one drive: a turn, about the start of triads, or the limits and half of their width beyond them."""
+    drive, linkage = leg.drives[0], leg.linkage
+    assert linkage is not None
+    if drive.kind == "revolute":
+        seam = sympy.Rational(str(found_start(mechanism, leg).drives[0])) if linkage.forward.triads else _SEAM
+        return (seam - sympy.pi, seam + sympy.pi)
+    low, high = limits_of(drive, parameter_symbols(mechanism))
+    least, most = (3 * low - high) / 2, (3 * high - low) / 2
+    return (Select(less(least, 0), 0, least) if linkage.structure.bars else least, most)

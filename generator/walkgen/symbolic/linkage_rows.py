@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable
 
-from walkgen.model.classify import CURVE, inverse_class
+from walkgen.model.classify import CARRIED, CURVE, inverse_class
 from walkgen.model.mechanism import Limb, Mechanism
+from walkgen.symbolic.carried_inverse import carried_inverse
 from walkgen.symbolic.curve_inverse import curve_inverse
 from walkgen.symbolic.driven_search import admissible_driven
 from walkgen.symbolic.function import Derivation
@@ -18,4 +19,6 @@ def inverses(mechanism: Mechanism, leg: Limb) -> Iterable[Derivation]:
         return (admissible_driven(mechanism, leg),)
     if found == CURVE:
         return curve_inverse(mechanism, leg)
+    if found == CARRIED:
+        return carried_inverse(mechanism, leg)
     return held_inverse(mechanism, leg) if linkage.forward.triads or linkage.inverse.triads else linkage_inverse(mechanism, leg)
