@@ -1,4 +1,4 @@
-"""Every value of a drive at which a function of it is 0, on each of two sides; the reference of walkgen_crossings.h."""
+"""Values of a drive at which a function of it is 0, on two sides; the reference of walkgen_crossings.h and walkgen_crossing_search.h."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
