@@ -82,7 +82,7 @@ def bessonov(crank):
 
 
 def garrec():
-    """Its one drive behind a joint that turns and one that slides: no rows are known of three such q."""
+    """Its one drive behind a joint that turns and one that slides: its rows take a search, adaption goes on without them."""
     slide = '[[leg_designs.garrec.joints]]\nname = "slide"\ntype = "prismatic"\na = 0.02\nalpha_deg = 20\nd = 0.1\nlimits = [-0.1, 0.1]\n'
     yaw = "d = 0.0\nlimits = [-0.5, 0.5]\n"
     return _shipped("garrec").replace("d = 0.0\n", f"{yaw}{slide}", 1)

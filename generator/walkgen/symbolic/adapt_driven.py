@@ -6,7 +6,7 @@ from functools import cached_property
 
 import sympy
 
-from walkgen.model.classify import inverse_class
+from walkgen.model.classify import CARRIED, inverse_class
 from walkgen.model.mechanism import Joint, Limb, Mechanism
 from walkgen.signature import Port, Records
 from walkgen.symbolic.branches import UNREACHABLE
@@ -65,8 +65,9 @@ class DrivenLeg:
 
     @property
     def _slots(self) -> int:
-        known = len(inverse_class(self.mechanism, self.leg).branch_names)
-        return known if 0 < known <= _MOST_ROWS else 1
+        """One where rows are unknown, too many, or take a search along the drive for every target that is tried."""
+        found = inverse_class(self.mechanism, self.leg)
+        return len(found.branch_names) if found.name not in ("", CARRIED) and len(found.branch_names) <= _MOST_ROWS else 1
 
     @property
     def _inverse(self) -> Derivation:
