@@ -24,7 +24,7 @@ from walkgen.symbolic.limits import row_distances
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.reach import iterated
 from walkgen.symbolic.rows import TARGET, parameters_of, row_ports
-from walkgen.symbolic.selection import by_index, nearest
+from walkgen.symbolic.selection import NEAREST_BRANCH, ONE_BRANCH, by_index, nearest
 from walkgen.symbolic.tape import Tape, symbols_of
 
 _STATUS, _FOUND = Port("status", kind="integer"), Port("found", kind="integer")
@@ -69,13 +69,12 @@ class CarriedInverse:
     def inverse_branch(self) -> Solve:
         """One row by its number."""
         port = Port("branch", kind="integer")
-        return self._one("inverse_branch", port, by_index, "The joint values of one branch that reach p.")
+        return self._one("inverse_branch", port, by_index, ONE_BRANCH)
 
     def inverse_near(self) -> Solve:
         """The row nearest to a seed, or what a descent from there comes to."""
         port = joint_port("q_seed", self._leg.joints)
-        doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
-        found = self._one("inverse_near", port, nearest, doc)
+        found = self._one("inverse_near", port, nearest, NEAREST_BRANCH)
         return replace(
             found,
             locals=(*found.locals, *self._searched.ports),

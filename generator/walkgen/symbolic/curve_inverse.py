@@ -19,7 +19,7 @@ from walkgen.symbolic.forward import Route
 from walkgen.symbolic.function import Both, Function, Same, Select, Solve, Step
 from walkgen.symbolic.ports import DRIVE, joint_port, joint_unit, signature
 from walkgen.symbolic.rows import TARGET, parameters_of
-from walkgen.symbolic.selection import by_index, nearest
+from walkgen.symbolic.selection import NEAREST_BRANCH, ONE_BRANCH, by_index, nearest
 from walkgen.symbolic.tape import Tape, dot, minus, symbols_of
 
 Exprs = Sequence[sympy.Expr]
@@ -56,13 +56,12 @@ class CurveInverse(Curve):
     def inverse_branch(self) -> Solve:
         """One row by its number."""
         port = Port("branch", kind="integer")
-        return self._one("inverse_branch", port, by_index, "The joint values of one branch that reach p.")
+        return self._one("inverse_branch", port, by_index, ONE_BRANCH)
 
     def inverse_near(self) -> Solve:
         """The row nearest to a seed."""
         port = joint_port("q_seed", self.leg.joints)
-        doc = "The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
-        found = self._one("inverse_near", port, nearest, doc)
+        found = self._one("inverse_near", port, nearest, NEAREST_BRANCH)
         return (
             found
             if self.linkage.forward.triads

@@ -32,7 +32,7 @@ from walkgen.symbolic.linkage_inverse import DISTANCE_DOC, Arrival, LinkageRows,
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.reach import iterated
 from walkgen.symbolic.rows import TARGET, parameters_of, row_ports
-from walkgen.symbolic.selection import by_index, nearest
+from walkgen.symbolic.selection import NEAREST_BRANCH, ONE_BRANCH, by_index, nearest
 from walkgen.symbolic.tape import Tape, dot, minus, symbols_of
 
 _STATUS = Port("status", kind="integer")
@@ -84,13 +84,12 @@ class HeldInverse:
     def inverse_branch(self) -> Solve:
         """One row by its number."""
         port = Port("branch", kind="integer")
-        return self._one("inverse_branch", port, by_index, "The joint values of one branch that reach p.")
+        return self._one("inverse_branch", port, by_index, ONE_BRANCH)
 
     def inverse_near(self) -> Solve:
         """The row nearest to a seed."""
         port = joint_port("q_seed", self._leg.joints)
-        doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
-        found = self._one("inverse_near", port, nearest, doc)
+        found = self._one("inverse_near", port, nearest, NEAREST_BRANCH)
         if self._start is None:
             return found
         route = Route(self._leg.name, (self._leg,))

@@ -11,7 +11,7 @@ from walkgen.symbolic.function import Solve, Step
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import CANONICAL, NUMBERS, TARGET, branch_rows, closest, row_ports, source_of
 from walkgen.symbolic.screws import geometry_port, geometry_step, sequence_of
-from walkgen.symbolic.selection import by_index
+from walkgen.symbolic.selection import ONE_BRANCH, by_index
 from walkgen.symbolic.tape import symbols_of
 
 STATUS = Port("status", kind="integer")
@@ -30,8 +30,9 @@ def inverse_branch(mechanism: Mechanism, leg: Limb) -> Solve:
     """One branch by its index; another index is BAD_INPUT."""
     index = Port("branch", kind="integer")
     found = inverse_class(mechanism, leg)
-    doc = "The joint values of one branch that reach p."
-    words = signature(mechanism, leg.name, "inverse_branch", [TARGET, index], [joint_port("q", leg.joints), STATUS], doc, source_of(found))
+    words = signature(
+        mechanism, leg.name, "inverse_branch", [TARGET, index], [joint_port("q", leg.joints), STATUS], ONE_BRANCH, source_of(found)
+    )
     if found.name == YAW_PITCH_PITCH:
         return _one_branch(mechanism, leg, words, index)
     if found.name == FLAT_SOLE:

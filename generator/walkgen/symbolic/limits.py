@@ -13,7 +13,7 @@ from walkgen.symbolic.function import Both, Derivation, Finite, Function, Indica
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, branch_rows, parameters_of, row_ports
 from walkgen.symbolic.screws import geometry_port, geometry_step, limits_of, limits_port, limits_step, sequence_of
-from walkgen.symbolic.selection import nearest
+from walkgen.symbolic.selection import NEAREST_BRANCH, nearest
 from walkgen.symbolic.tape import Tape, minus, symbols_of
 
 STATUS = Port("status", kind="integer")
@@ -39,8 +39,9 @@ def within_limits(mechanism: Mechanism, route: Route) -> Function:
 def inverse_near(mechanism: Mechanism, leg: Limb) -> Solve:
     """The branch nearest to a seed."""
     seed = joint_port("q_seed", leg.joints)
-    doc = "The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
-    words = signature(mechanism, leg.name, "inverse_near", [TARGET, seed], [joint_port("q", leg.joints), STATUS], doc, "as inverse")
+    words = signature(
+        mechanism, leg.name, "inverse_near", [TARGET, seed], [joint_port("q", leg.joints), STATUS], NEAREST_BRANCH, "as inverse"
+    )
     rows = branch_rows(mechanism, leg)
     slots = rows.ports[1].size
     routine = Step("wg_nearest_row", ("rows", "states", "q_seed", sequence_of(leg.joints), slots, "q", "status"))

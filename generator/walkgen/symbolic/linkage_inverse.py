@@ -24,7 +24,7 @@ from walkgen.symbolic.placing import Placing
 from walkgen.symbolic.planar import Planar, difference, outer, square
 from walkgen.symbolic.ports import joint_port, signature
 from walkgen.symbolic.rows import TARGET, parameters_of, row_ports
-from walkgen.symbolic.selection import nearest
+from walkgen.symbolic.selection import NEAREST_BRANCH, ONE_BRANCH, nearest
 from walkgen.symbolic.tape import Tape, Vec, dot, minus, plus, symbols_of, times
 
 _TOLERANCE = sympy.Rational(1, 10**11)
@@ -88,9 +88,8 @@ def _inverse_branch(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Fun
     values, status = rows.one(branch, slots)
     known = Both(LessEqual(0, branch), Less(branch, slots))
     stray = tape.let("stray", Select(known, 0, sympy.sqrt(-1 - branch**2)))  # NaN for an unknown branch
-    doc = "The joint values of one branch that reach p."
     outputs = [joint_port("q", leg.joints), _STATUS]
-    words = signature(mechanism, leg.name, "inverse_branch", [TARGET, port], outputs, doc, _SOURCE)
+    words = signature(mechanism, leg.name, "inverse_branch", [TARGET, port], outputs, ONE_BRANCH, _SOURCE)
     return tape.function(words, [*(value + stray for value in values), Select(known, status, BAD_INPUT)])
 
 
@@ -99,8 +98,7 @@ def _inverse_near(mechanism: Mechanism, leg: Limb, found: InverseClass) -> Solve
     slots = len(found.branch_names)
     rows = row_ports(leg, found, "rows", "states")
     port = joint_port("q_seed", leg.joints)
-    doc = "The joint values that reach p, nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
-    words = signature(mechanism, leg.name, "inverse_near", [TARGET, port], [joint_port("q", leg.joints), _STATUS], doc, _SOURCE)
+    words = signature(mechanism, leg.name, "inverse_near", [TARGET, port], [joint_port("q", leg.joints), _STATUS], NEAREST_BRANCH, _SOURCE)
     kernel = dyad_rows(mechanism, leg, "inverse_rows", rows)
     steps = (
         Step(kernel, ("p", *parameters_of(mechanism), "rows", "states")),

@@ -28,6 +28,10 @@ _OK, _UNREACHABLE, _BAD_INPUT, _DUPLICATE, _INFEASIBLE = (
     sympy.Integer(STATUSES.index(name)) for name in ("OK", "UNREACHABLE", "BAD_INPUT", "DUPLICATE", "INFEASIBLE")
 )
 
+ONE_BRANCH = "The joint values of one branch that reach p."
+NEAREST_BRANCH = "The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be chosen."
+"""What functions that choose a row say of themselves."""
+
 Row = tuple[Sequence[sympy.Expr], sympy.Expr]
 """Joint values and a status."""
 

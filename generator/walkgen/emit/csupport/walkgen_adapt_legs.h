@@ -180,22 +180,30 @@ static inline int WG_NAME(wg_adapt_nearby)(const struct WG_NAME(wg_adapt_leg) * 
     return 1;
 }
 
+/* What a foot has to choose from at a target: all rows, or the one nearby of a driven leg that does not reach; how many there are. */
+static inline int WG_NAME(wg_adapt_choices)(const struct WG_NAME(wg_adapt_leg) * leg, const WG_REAL aim[3], const WG_REAL reference[3],
+                                            WG_REAL rows[3 * WG_DRIVEN_ROWS], int32_t status[WG_DRIVEN_ROWS], int *reaching) {
+    int i, slots = WG_NAME(wg_adapt_rows)(leg, aim, reference, 0, rows, status);
+    *reaching = 0;
+    for (i = 0; i < slots; ++i) {
+        *reaching |= status[i] == WALKGEN_OK || status[i] == WALKGEN_SINGULAR;
+    }
+    if (!*reaching && leg->chain.motion != NULL && status[0] != WALKGEN_BAD_INPUT) {
+        slots = WG_NAME(wg_adapt_nearby)(leg, aim, reference, slots, rows, status);
+        *reaching = slots > 0 && status[0] == WALKGEN_OK;
+    }
+    return slots;
+}
+
 /* The pose of the closed form nearest to a reference: one that reaches the target, a regular one first. 0 where q is no number. */
 static inline int WG_NAME(wg_adapt_closed)(const struct WG_NAME(wg_adapt_leg) * leg, const struct WG_NAME(wg_tree_motion) * at,
                                            const WG_REAL target[3], const WG_REAL reference[3], struct WG_NAME(wg_adapt_pose) * pose) {
     struct WG_NAME(wg_motion) here;
     WG_REAL aim[3], rows[3 * WG_DRIVEN_ROWS], q[3], least = WG_INFINITY;
     int32_t status[WG_DRIVEN_ROWS];
-    int i, k, rank, slots, best = 3, reaching = 0;
+    int i, k, rank, slots, reaching, best = 3;
     WG_NAME(wg_tree_moved_back)(at, leg->base, target, aim);
-    slots = WG_NAME(wg_adapt_rows)(leg, aim, reference, 0, rows, status);
-    for (i = 0; i < slots; ++i) {
-        reaching |= status[i] == WALKGEN_OK || status[i] == WALKGEN_SINGULAR;
-    }
-    if (!reaching && leg->chain.motion != NULL && status[0] != WALKGEN_BAD_INPUT) {
-        slots = WG_NAME(wg_adapt_nearby)(leg, aim, reference, slots, rows, status);
-        reaching = slots > 0 && status[0] == WALKGEN_OK;
-    }
+    slots = WG_NAME(wg_adapt_choices)(leg, aim, reference, rows, status, &reaching);
     for (i = 0; i < slots; ++i) {
         WG_REAL distance;
         int sheet;

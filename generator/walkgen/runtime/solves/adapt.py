@@ -45,8 +45,7 @@ def adapt(
     """Joint values that put every foot on its target and minimise the criterion of adapt_criterion.py within the chains' limits.
 
     Args:
-        geometry: for every joint its axis and a point on it, then the feet, then the platforms' rotations and origins, at q = 0 in the
-            root platform's frame [..., 6 nq + 3 k + 12 m].
+        geometry: axes and points of joints, feet, rotations and origins of platforms at q = 0, from the root [..., 6 nq + 3 k + 12 m].
         topology: every joint's parent, every joint's kind, every foot's last joint, every platform's last joint [..., 2 nq + k + m].
         limits: lower and upper value of every joint [..., nq, 2]; infinite where there is none.
         targets: where the feet stand [..., k, 3], m, root platform's frame.
@@ -59,17 +58,15 @@ def adapt(
         driven: of the legs that functions describe instead of axes; empty where none is.
 
     Returns:
-        q [..., nq], status [...] and Phi [...]: OK where Phi is stationary; UNREACHABLE where no tried pose of the chains lets every foot
-        reach its target, which q comes closest to; NO_CONVERGENCE where the descent ended early; BAD_INPUT with NaN, also where the
-        functions have no foot.
+        q [..., nq], status [...], Phi [...]: OK where Phi is stationary; UNREACHABLE and closest where no tried pose of the chains has all
+        feet on their targets; NO_CONVERGENCE where the descent ended early; BAD_INPUT with NaN, also where the functions have no foot.
     """
     data = next((leg[0][1:] for leg in driven if leg), ())
     inputs = [np.asarray(item, float) for item in (geometry, topology, limits, targets, normal, start, weights, *data)]
     shape, rows = broadcast_rows(inputs, (1, 1, 2, 2, 2, 1, 1, *(1 for _ in data)))
     q, status, cost = np.full((*shape, nq), np.nan), np.full(shape, _BAD_INPUT, np.int32), np.full(shape, np.nan)
     for place in np.ndindex(shape):
-        answer = _answer([row[place] for row in rows], nq, feet, platforms, driven)
-        if answer is not None:
+        if (answer := _answer([row[place] for row in rows], nq, feet, platforms, driven)) is not None:
             q[place], status[place], cost[place] = answer
     return q, status, cost
 

@@ -107,8 +107,7 @@ def nearer_driven(
         values, states = _nearer(arm, fine, bounds, seed, row, known)
         kept = known & (states != _BAD_INPUT) & np.isnan(values[:, 0])
         values, states = np.where(kept[:, None], row, values), np.where(kept, state, states).astype(np.int32)
-        rest = np.flatnonzero(~known & (states == _UNREACHABLE))
-        if rest.size:
+        if (rest := np.flatnonzero(~known & (states == _UNREACHABLE))).size:
             values[rest], states[rest] = answered(arm.take(rest), fine[rest], seed[rest], bounds[rest], (rest.size,))
     return values.reshape(*shape, row.shape[-1]), states.reshape(shape)
 
