@@ -223,8 +223,8 @@ static inline int WG_NAME(wg_solve_regular)(const WG_REAL *J, const WG_REAL v[3]
 /* qd = J^+ v: OK, or UNREACHABLE where n < 3 and J qd misses v by more than 1e-9 of |v| (1e-4 in float); damped where the least
  * singular value is below epsilon: SINGULAR; NaN and BAD_INPUT where an input is not finite, epsilon or lambda_max is negative, n is not
  * 1 to 16, or qd would exceed the range of numbers. J is row-major [3][n]. */
-static inline void WG_NAME(wg_damped_inverse)(const WG_REAL *WG_RESTRICT J, const WG_REAL *WG_RESTRICT v, int32_t n, WG_REAL epsilon,
-                                              WG_REAL lambda_max, WG_REAL *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
+WG_CALLED void WG_NAME(wg_damped_inverse)(const WG_REAL *WG_RESTRICT J, const WG_REAL *WG_RESTRICT v, int32_t n, WG_REAL epsilon,
+                                           WG_REAL lambda_max, WG_REAL *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
     int i, fine = epsilon >= WG_C(0.0) && epsilon <= WG_HUGE && lambda_max >= WG_C(0.0) && lambda_max <= WG_HUGE;
     *status = WALKGEN_OK;
     fine = fine && n >= 1 && n <= WG_MOST_RATES;

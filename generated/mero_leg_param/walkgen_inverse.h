@@ -240,7 +240,7 @@ static inline void WG_NAME(wg_sheet_joints)(const WG_REAL *geometry, const WG_RE
 /* Rows of q (one for each branch: (rho, knee) = (+,+), (+,-), (-,+), (-,-)) whose status is UNREACHABLE become the joint values that
  * bring the foot closest to the target on their sheet. geometry: a1, a2 > 0, l3 > 0, w (lengths), then sign and zero of the three joints:
  * joint value = sign (angle - zero), in (-pi, pi]. target: canonical, finite. Statuses stay. A free joint is 0. */
-static inline void WG_NAME(wg_closest_yaw_pitch_pitch)(
+WG_CALLED void WG_NAME(wg_closest_yaw_pitch_pitch)(
     const WG_REAL *WG_RESTRICT geometry, const WG_REAL *WG_RESTRICT target, WG_REAL *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     int row, i;
     for (row = 0; row < 4; row += 2) {
@@ -258,8 +258,8 @@ static inline void WG_NAME(wg_closest_yaw_pitch_pitch)(
 }
 
 /* The same for one branch, 0 to 3; any other branch leaves q alone. */
-static inline void WG_NAME(wg_closest_yaw_pitch_pitch_branch)(const WG_REAL *WG_RESTRICT geometry, const WG_REAL *WG_RESTRICT target,
-                                                              int32_t branch, WG_REAL *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+WG_CALLED void WG_NAME(wg_closest_yaw_pitch_pitch_branch)(const WG_REAL *WG_RESTRICT geometry, const WG_REAL *WG_RESTRICT target,
+                                                          int32_t branch, WG_REAL *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     WG_REAL joints[6];
     int i;
     if (*status != WALKGEN_UNREACHABLE || branch < 0 || branch > 3) {

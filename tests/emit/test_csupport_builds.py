@@ -66,6 +66,23 @@ def test_no_symbol_of_its_own(tmp_path):
     assert [line.split()[-1] for line in listed.splitlines()] == ["nothing"]
 
 
+_CALLERS = """
+#include "walkgen_real_f64.h"
+#include "walkgen_inverse.h"
+#include "walkgen_damped_general.h"
+void legs(const double *J, const double *v, double *qd, int32_t *status) { wg_damped_inverse(J, v, 3, 0.1, 0.1, qd, status); }
+void routes(const double *J, const double *v, double *qd, int32_t *status) { wg_damped_inverse(J, v, 6, 0.1, 0.1, qd, status); }
+void left(const double *geometry, const double *p, double *q, int32_t *status) { wg_closest_yaw_pitch_pitch(geometry, p, q, status); }
+void one(const double *geometry, const double *p, double *q, int32_t *status) { wg_closest_yaw_pitch_pitch_branch(geometry, p, 1, q, status); }
+"""
+
+
+def test_long_routines_are_compiled_once_for_all_callers(tmp_path):
+    library = compile_c(tmp_path, _CALLERS, "callers.o", "-std=c99", "-O1", "-c")
+    listed = subprocess.run(["nm", str(library)], capture_output=True, text=True, check=True).stdout.split()
+    assert {"wg_damped_inverse", "wg_closest_yaw_pitch_pitch"} <= {name.split(".")[0] for name in listed}
+
+
 @pytest.mark.nightly
 def test_sanitizers_find_nothing_on_any_input(tmp_path):
     flags = ("-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
