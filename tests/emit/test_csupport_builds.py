@@ -73,7 +73,9 @@ _CALLERS = """
 void legs(const double *J, const double *v, double *qd, int32_t *status) { wg_damped_inverse(J, v, 3, 0.1, 0.1, qd, status); }
 void routes(const double *J, const double *v, double *qd, int32_t *status) { wg_damped_inverse(J, v, 6, 0.1, 0.1, qd, status); }
 void left(const double *geometry, const double *p, double *q, int32_t *status) { wg_closest_yaw_pitch_pitch(geometry, p, q, status); }
-void one(const double *geometry, const double *p, double *q, int32_t *status) { wg_closest_yaw_pitch_pitch_branch(geometry, p, 1, q, status); }
+void one(const double *geometry, const double *p, double *q, int32_t *status) {
+    wg_closest_yaw_pitch_pitch_branch(geometry, p, 1, q, status);
+}
 """
 
 

@@ -10,7 +10,7 @@ from walkgen.graph.sharing import repeated, shared
 from walkgen.signature import Port, Signature
 from walkgen.symbolic.function import Function
 
-STATUS = Port("status", kind="integer")
+STATUS, X = Port("status", kind="integer"), Port("x", (1,))
 
 
 def program(owner, name, power=2, output=None, given="x"):
@@ -68,15 +68,51 @@ def test_an_equal_leg_calls_the_first():
 def test_what_only_calls_a_public_function_repeats_it():
     first, second = long("left", "climb"), long("right", "climb")
     called = shared((first, second))[1]
-    assert repeated(called, {first}) == first
-    assert repeated(called, set()) is None
-    assert repeated(first, {first}) is None
-    assert repeated(calling(first, first), {first}) is None
+    assert repeated((first, called)) == {called: first}
+    assert repeated((called,)) == {}
+    assert repeated((first, calling(first, first))) == {}
+
+
+def owned(owner, composite):
+    return replace(composite, signature=replace(composite.signature, owner=owner, doc=f"Of the {owner} leg."))
+
+
+def test_equal_legs_repeat_what_takes_several_steps():
+    steps = calling(long("left", "climb"), long("left", "climb"))
+    left, right = owned("left", steps), owned("right", steps)
+    assert repeated((left, right)) == {right: left}
+    assert repeated((left, replace(right, calls=right.calls[:1]))) == {}
+    other = replace(right, signature=replace(right.signature, inputs=(Port("u", (1,)),)))
+    assert repeated((left, other)) == {}
+
+
+def test_a_function_that_names_its_own_callbacks_repeats_none():
+    steps = replace(calling(long("left", "climb"), long("left", "climb")), callbacks=(calling(long("left", "climb")),))
+    assert repeated((owned("left", steps), owned("right", steps))) == {}
+
+
+def test_a_returned_status_is_left_to_the_first_too():
+    first, second = (
+        replace(long(owner, "climb"), signature=Signature("bot", owner, "verdict", (X,), (STATUS,))) for owner in ("left", "right")
+    )
+    assert shared((first, second)) == (first, second)
+    assert repeated((first, second)) == {second: first}
+
+
+def sums(owner):
+    x = sympy.Symbol("x[0]")
+    return lower(Function(Signature("bot", owner, "sum", (X,), (Port("y", (1,)),)), (x,), (), (x**2 + x,)))
 
 
 def test_short_functions_keep_their_text():
-    first, second = program("left", "square"), program("right", "square")
+    first, second = sums("left"), sums("right")
     assert shared((first, second)) == (first, second)
+    assert repeated((first, second)) == {}
+
+
+def test_functions_with_a_sine_are_never_short():
+    first, second = program("left", "square"), program("right", "square")
+    assert shared((first, second)) == (first, Composite(second.signature, (), (Call(first, ("x", "y")),), ()))
 
 
 def test_equal_kernels_are_one():

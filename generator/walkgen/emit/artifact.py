@@ -1,9 +1,12 @@
 """What goes into the emitters and what comes out: a robot's programs, and texts with a relative path."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import PurePosixPath
 
 from walkgen.graph.program import Composite, Program
+from walkgen.graph.sharing import repeated
 from walkgen.model.mechanism import Mechanism
 from walkgen.signature import Table
 
@@ -42,6 +45,11 @@ class RobotCode:
     def public(self) -> frozenset[Program]:
         """The functions that are one Program: Composites may call them."""
         return frozenset(body for body in self.functions if isinstance(body, Program))
+
+    @cached_property
+    def repeated(self) -> Mapping[Body, Body]:
+        """Functions with the same code as an earlier one, which they need but call."""
+        return repeated(self.functions)
 
     @property
     def tables(self) -> tuple[Table, ...]:

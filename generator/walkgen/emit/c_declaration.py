@@ -1,6 +1,6 @@
 """How functions are declared in C: names, types, parameters in lines."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from walkgen.emit.c_printer import Precision
@@ -72,6 +72,13 @@ def declared(start: str, parameters: Sequence[str]) -> str:
             lines.append(INDENT)
         lines[-1] += piece
     return "\n".join(line.rstrip() for line in lines)
+
+
+def call_lines(name: str, signature: Signature, first: Iterable[str], outputs: Iterable[Port], *, returns: bool) -> tuple[str, ...]:
+    """The body of a function that leaves all to another one with the same parameters, of which `first` come before the signature's."""
+    work = ("work",) if signature.workspace else ()
+    names = [*first, *signature.counts, *(port.name for port in signature.inputs), *work, *(port.name for port in outputs)]
+    return tuple(f"{INDENT}{'return ' if returns else ''}{declared(name, names)};".split("\n"))
 
 
 def _input_parameter(port: Port, precision: Precision) -> str:

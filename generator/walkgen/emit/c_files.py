@@ -13,7 +13,15 @@ from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_composite import rest_functions
 from walkgen.emit.c_constants import macros
 from walkgen.emit.c_declaration import CFunction, function_name
-from walkgen.emit.c_function import batch_function, callback_function, composite_function, kernel, program_function, table_lines
+from walkgen.emit.c_function import (
+    batch_function,
+    callback_function,
+    composite_function,
+    kernel,
+    program_function,
+    repeating_function,
+    table_lines,
+)
 from walkgen.emit.c_lanes import Laned, laned
 from walkgen.emit.c_planar import HEADER as PLANAR
 from walkgen.emit.c_planar import planar_functions
@@ -48,17 +56,20 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     kernels = _kernels(code, printer, {each.program for each in lanes.values()})
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     known = kernels | programs
-    functions = [(_public(body, known, printer), _of_rows(code, body, lanes.get(body), precision)) for body in code.functions]
+    functions = [(_public(code, body, known, printer), _of_rows(code, body, lanes.get(body), precision)) for body in code.functions]
     rows = read_rows(code, tuple(lanes.values()), known, functions, precision)
     called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     callbacks = [callback_function(callback, known, printer) for callback in called_back]
-    rests = [rest for body in code.functions if isinstance(body, Composite) for rest in rest_functions(body, known, printer)]
+    own = (body for body in code.functions if isinstance(body, Composite) and body not in code.repeated)
+    rests = [rest for body in own for rest in rest_functions(body, known, printer)]
     return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks, *rests], functions, rows)
 
 
 def _of_rows(code: RobotCode, body: Program | Composite, lanes: Laned | None, precision: Precision) -> tuple[CFunction, ...]:
     """The batch, and where it is asked for what takes component-major arrays."""
-    return (batch_function(body, lanes, precision), *(planar_functions(body, lanes, precision) if code.planar else ()))
+    earlier = code.repeated.get(body)
+    planar = planar_functions(body, lanes, precision, earlier) if code.planar else ()
+    return (batch_function(body, lanes, precision, earlier), *planar)
 
 
 def support_headers(code: RobotCode) -> tuple[str, ...]:
@@ -170,8 +181,9 @@ def _weights(code: RobotCode, functions: Functions, rows: Rows) -> Iterator[int]
         met |= needed
 
 
-def _public(body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
-    return known[body] if isinstance(body, Program) else composite_function(body, known, printer)
+def _public(code: RobotCode, body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
+    function, earlier = known[body] if isinstance(body, Program) else composite_function(body, known, printer), code.repeated.get(body)
+    return repeating_function(function, body.signature, earlier.signature, printer.precision) if earlier else function
 
 
 def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -> dict[Program, CFunction]:

@@ -12,6 +12,7 @@ from walkgen.emit.c_declaration import (
     COLUMNS,
     INDENT,
     CFunction,
+    call_lines,
     callback_name,
     count_parameters,
     declared,
@@ -67,10 +68,19 @@ def callback_function(callback: Composite, kernels: Mapping[Program, CFunction],
     return CFunction(name, declared(f"static void {name}", [*written, "const void *data"]), lines)
 
 
-def batch_function(body: Program | Composite, lanes: Laned | None, precision: Precision) -> CFunction:
+def repeating_function(function: CFunction, signature: Signature, earlier: Signature, precision: Precision) -> CFunction:
+    """The public function, which leaves all to an earlier one with the same code."""
+    outputs = (port for port in signature.outputs if port is not signature.returned)
+    returns = bool(signature.returned or signature.status)
+    return replace(function, lines=call_lines(function_name(earlier, precision), signature, (), outputs, returns=returns))
+
+
+def batch_function(
+    body: Program | Composite, lanes: Laned | None, precision: Precision, earlier: Program | Composite | None = None
+) -> CFunction:
     """The function over contiguous rows; it returns the number of rows without an OK if the function can fail.
 
-    Where there are lanes rows run side by side.
+    Where there are lanes rows run side by side; `earlier` has the same code, and its batch serves.
     """
     signature = body.signature
     single = function_name(signature, precision)
@@ -79,22 +89,16 @@ def batch_function(body: Program | Composite, lanes: Laned | None, precision: Pr
     outputs = [_batch_parameter(port, "", precision) for port in signature.outputs]
     chosen, work = count_parameters(signature), workspace_parameter(signature, precision)
     head = declared(f"{'size_t' if signature.status else 'void'} {single}_batch", ["size_t rows", *chosen, *inputs, *work, *outputs])
+    table = earlier.signature if earlier else lanes.table if lanes and not lanes.owns_table and not has_closest(body) else None
+    if table:
+        name = f"{function_name(table, precision)}_batch"
+        lines = call_lines(name, signature, ("rows",), signature.outputs, returns=bool(signature.status))
+        return CFunction(f"{single}_batch", head, lines)
     arguments = [*signature.counts, *(_row(port, by_value=not port.shape) for port in signature.inputs), *(["work"] if work else [])]
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
     step = declared(single, arguments).replace("\n", f"\n{INDENT * 2}")
     lines = tuple(_batch_lines(signature, step))
-    if lanes and not lanes.owns_table and not has_closest(body):
-        lines = tuple(_earlier_lines(lanes, precision))
-    elif lanes:
-        lines = (*_blocks_lines(lanes, precision), *lines, "#endif")
-    return CFunction(f"{single}_batch", head, lines)
-
-
-def _earlier_lines(lanes: Laned, precision: Precision) -> Iterator[str]:
-    """The batch of an earlier function with the same code."""
-    ports = (*lanes.signature.inputs, *lanes.signature.outputs)
-    call = declared(f"{function_name(lanes.table, precision)}_batch", ["rows", *(port.name for port in ports)])
-    yield from f"{INDENT}{'return ' if lanes.signature.status else ''}{call};".split("\n")
+    return CFunction(f"{single}_batch", head, (*_blocks_lines(lanes, precision), *lines, "#endif") if lanes else lines)
 
 
 def _blocks_lines(lanes: Laned, precision: Precision) -> Iterator[str]:

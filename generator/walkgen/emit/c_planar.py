@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from textwrap import wrap
 
 from walkgen.emit.artifact import Body
-from walkgen.emit.c_declaration import COLUMNS, INDENT, CFunction, declared, function_name, port_type
+from walkgen.emit.c_declaration import COLUMNS, INDENT, CFunction, call_lines, declared, function_name, port_type
 from walkgen.emit.c_lanes import Laned, has_closest
 from walkgen.emit.c_printer import Precision
 from walkgen.signature import Port, Signature
@@ -12,10 +12,10 @@ from walkgen.signature import Port, Signature
 HEADER = "walkgen_planar.h"
 
 
-def planar_functions(body: Body, lanes: Laned | None, precision: Precision) -> tuple[CFunction, ...]:
+def planar_functions(body: Body, lanes: Laned | None, precision: Precision, earlier: Body | None = None) -> tuple[CFunction, ...]:
     """The function over component-major arrays; none of functions whose sizes only the caller knows.
 
-    Where there are lanes rows run side by side, in the same blocks as those of a batch.
+    Where there are lanes rows run side by side, in the same blocks as those of a batch; where `earlier` has the same code, it serves.
     """
     signature = body.signature
     if signature.counts or signature.workspace:
@@ -24,6 +24,10 @@ def planar_functions(body: Body, lanes: Laned | None, precision: Precision) -> t
     ports = [_parameter(port, "const ", precision) for port in signature.inputs]
     ports += [_parameter(port, "", precision) for port in signature.outputs]
     head = declared(f"{'size_t' if signature.status else 'void'} {name}", ["size_t rows", "size_t stride", *ports])
+    if earlier:
+        serving = f"{function_name(earlier.signature, precision)}_planar"
+        lines = call_lines(serving, signature, ("rows", "stride"), signature.outputs, returns=bool(signature.status))
+        return (CFunction(name, head, lines),)
     lines = tuple(_row_by_row(signature, precision))
     return (CFunction(name, head, (*_blocks(lanes, precision), *lines, "#endif") if lanes else lines),)
 

@@ -11,7 +11,6 @@ from walkgen.emit.c_printer import DOUBLE, FLOAT, Precision
 from walkgen.emit.c_text import banner
 from walkgen.emit.layout import lay_out
 from walkgen.emit.python_wide import WideLoop, wide, wide_loops, wide_sources
-from walkgen.graph.sharing import repeated
 from walkgen.signature import COUNTS, Port, Signature
 
 _WORD = 8
@@ -46,8 +45,7 @@ def python_loops(code: RobotCode) -> Artifact:
     """
     robot = code.mechanism.name
     precisions, lanes = _precisions(code), laned(code)
-    public = code.public
-    looped = [(body.signature, repeated(body, public)) for body in code.functions if has_loop(body.signature)]
+    looped = [(body.signature, code.repeated.get(body)) for body in code.functions if has_loop(body.signature)]
     return lay_out(
         "python.c.jinja",
         f"{robot}_python.c",

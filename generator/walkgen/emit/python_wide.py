@@ -43,7 +43,7 @@ def stem(code: RobotCode, precision: Precision) -> str:
 
 def wide(code: RobotCode, lanes: tuple[Laned, ...], precision: Precision) -> Wide:
     """For the head of the loops' file."""
-    closest = tuple(line for each in lanes for line in closest_lines(each, precision))
+    closest = tuple(line for each in lanes if each.body not in code.repeated for line in closest_lines(each, precision))
     return Wide(precision.header, _tagged("walkgen_wide", precision), stem(code, precision), closest)
 
 
