@@ -18,8 +18,13 @@ from walkgen.errors import Problem, ToolchainError
 
 _EFFORT = ("-O1", "-fstrict-aliasing", "-fipa-cp", "-foptimize-sibling-calls", "-freorder-blocks", "-fpeephole2")
 """Of gcc's -O2 what serves straight-line code without common subexpressions: two thirds of its time, code as fast within a twentieth."""
+_IDLE = (
+    *("-fno-tree-dse", "-fno-dse", "-fno-tree-slsr", "-fno-ssa-backprop"),
+    *("-fno-forward-propagate", "-fno-rerun-cse-after-loop"),
+)
+"""Passes of gcc's -O1 that find next to nothing in such code, a tenth of its time; without them code is as fast."""
 _VECTORS = ("-ftree-loop-vectorize", "-fvect-cost-model=very-cheap", "-fno-tree-slp-vectorize")
-FLAGS = ("-std=c99", *_EFFORT, *_VECTORS, "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+FLAGS = ("-std=c99", *_EFFORT, *_IDLE, *_VECTORS, "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 """The values of IEEE 754: only errno and exception flags are given up, so that sqrt is one instruction and choices need no jumps;
 gcc's SLP vectoriser slows straight-line kernels."""
 SHARED = ("-fPIC", "-DWALKGEN_NO_BATCHES")
@@ -223,8 +228,10 @@ def _compile(compiler: Compiler, folder: Path, sources: Sequence[str], work: Pat
 
 
 def _suited(compiler: Compiler, flags: Sequence[str]) -> tuple[str, ...]:
-    """Clang leaves out too much at -O1."""
-    return tuple("-O2" if flag == "-O1" and "clang" in compiler.version else flag for flag in flags)
+    """Clang leaves out too much at -O1, and does not know gcc's passes."""
+    if "clang" not in compiler.version:
+        return tuple(flags)
+    return tuple("-O2" if flag == "-O1" else flag for flag in flags if flag not in _IDLE)
 
 
 def _units(folder: Path, source: str, work: Path) -> Iterator[tuple[str, tuple[str, ...], Path]]:

@@ -57,6 +57,20 @@ def test_digest_is_over_names_and_bytes_in_order(tmp_path: Path) -> None:
     assert toolchain.source_digest(tmp_path, ("a", "b")) == toolchain.hashlib.sha256(b"a\x001b\x002").hexdigest()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a compiler in a shell script")
+@pytest.mark.parametrize(("name", "effort"), [("clang version 15", "-O2"), ("gcc 12", "-O1")])
+def test_each_compiler_gets_the_passes_it_knows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, effort: str) -> None:
+    told, script = tmp_path / "told", tmp_path / "compiler"
+    script.write_text(f'#!/bin/sh\ncase "$1" in --version) echo "{name}"; exit;; esac\necho "$@" >> {told}\nexec gcc "$@"\n')
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    (tmp_path / "main.c").write_text("int main(void) { return 0; }\n")
+    toolchain.build_program(tmp_path, ("main.c",), tmp_path / "main", toolchain._EFFORT + toolchain._IDLE)
+    flags = told.read_text().split()
+    assert effort in flags
+    assert ("-fno-dse" in flags) == (effort == "-O1")
+
+
 def test_program(tmp_path: Path) -> None:
     (tmp_path / "one.c").write_text(
         '#include <math.h>\n#include <stdio.h>\nint two(void);\nint main(void) { printf("%g", sqrt(two())); }\n'
