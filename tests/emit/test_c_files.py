@@ -1,6 +1,7 @@
 """Whole generated C files: strict compilers, batches, composites, linking, strangers' words, size, sanitizers, CMake."""
 
 import shutil
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 
@@ -182,6 +183,36 @@ int main(void) {
 }
 """
     assert execute(tmp_path, main, ["bot.c", "bot_f32.c"]) == ["0 20"]
+
+
+_SAFE = """
+#include <stdio.h>
+#include <string.h>
+#include "bot.h"
+int main(void) {
+    const double x[6] = {4.0, -1.0, 9.0, 16.0, 25.0, 36.0}, param[1] = {10.0};
+    const int32_t sign[6] = {1, 1, -1, 1, 1, 1};
+    double y, left[6], right[6];
+    int32_t found[6], status = bot_right_safe_root(9.0, -1, param, &y);
+    const size_t bad = bot_left_safe_root_batch(6, x, sign, param, left, found);
+    printf("%d %g\\n", (int)status, y);
+    printf("%d ", (int)(bad == bot_right_safe_root_batch(6, x, sign, param, right, found)));
+    printf("%d\\n", memcmp(left, right, sizeof left));
+    return 0;
+}
+"""
+
+
+@needs_gcc
+def test_what_equal_legs_do_in_steps_stands_once(tmp_path):
+    steps = counted_root()
+    legs = (replace(steps, signature=replace(steps.signature, owner=owner)) for owner in ("left", "right"))
+    write(tmp_path, code(*legs))
+    text = (tmp_path / "bot.c").read_text()
+    assert text.count("    return bot_left_safe_root(x, sign, param, y);") == 1
+    assert text.count("    return bot_left_safe_root_batch(rows, x, sign, param, y, status);") == 1
+    assert "bot_right_safe_root_rest" not in text
+    assert execute(tmp_path, _SAFE, ["bot.c"], *STRICT) == ["0 -30", "1 0"]
 
 
 def test_composite_names_values_literals_and_addresses():

@@ -48,7 +48,7 @@ class RobotCode:
 
     @cached_property
     def repeated(self) -> Mapping[Body, Body]:
-        """Functions with the same code as an earlier one, which they need but call."""
+        """Functions with the same code as an earlier one, each with that one: they call it and do nothing else."""
         return repeated(self.functions)
 
     @property
