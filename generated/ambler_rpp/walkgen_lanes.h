@@ -10,6 +10,14 @@
 #define WG_ROW(head) WG_INLINE head##_lane
 #define WG_STATIC_ROW(head) WG_INLINE head##_lane
 
+/* Choices by the bits; a status is a number like others. */
+#undef WG_SELECT
+#undef WG_INDICATOR
+#undef WG_STATE
+#define WG_SELECT(truth, a, b) WG_NAME(walkgen_select)(truth, a, b)
+#define WG_INDICATOR(truth) WG_NAME(walkgen_select)(truth, WG_C(1.0), WG_C(0.0))
+#define WG_STATE WG_REAL
+
 #undef WG_SIN
 #undef WG_COS
 #undef WG_ATAN2
@@ -59,8 +67,8 @@
 #define WG_TAKE_32(port, first) WG_TAKE_31(port, first) port[31] = given[(first) + 31][lane];
 /* Four sums, because one would be a chain as long as there are results. */
 #define WG_LOST lost_0 = 0, lost_1 = 0, lost_2 = 0, lost_3 = 0
-#define WG_DONE(outputs) found[outputs][lane] = (lost_0 + lost_1) + (lost_2 + lost_3);
-#define WG_KEPT(number, place, lost) found[place][lane] = number, lost += (number) - (number);
+#define WG_DONE(outputs) lost_0 = (lost_0 + lost_1) + (lost_2 + lost_3), found[outputs][lane] = lost_0 - lost_0;
+#define WG_KEPT(number, place, lost) found[place][lane] = number, lost += (number);
 #define WG_KEEP_1(port, first) WG_KEPT(port[0], first, lost_0)
 #define WG_KEEP_2(port, first) WG_KEEP_1(port, first) WG_KEPT(port[1], (first) + 1, lost_1)
 #define WG_KEEP_3(port, first) WG_KEEP_2(port, first) WG_KEPT(port[2], (first) + 2, lost_2)
@@ -93,12 +101,12 @@
 #define WG_KEEP_30(port, first) WG_KEEP_29(port, first) WG_KEPT(port[29], (first) + 29, lost_1)
 #define WG_KEEP_31(port, first) WG_KEEP_30(port, first) WG_KEPT(port[30], (first) + 30, lost_2)
 #define WG_KEEP_32(port, first) WG_KEEP_31(port, first) WG_KEPT(port[31], (first) + 31, lost_3)
-#define WG_KEEP_STATUS_1(port, first) found[first][lane] = (WG_REAL)port[0];
-#define WG_KEEP_STATUS_2(port, first) WG_KEEP_STATUS_1(port, first) found[(first) + 1][lane] = (WG_REAL)port[1];
-#define WG_KEEP_STATUS_3(port, first) WG_KEEP_STATUS_2(port, first) found[(first) + 2][lane] = (WG_REAL)port[2];
-#define WG_KEEP_STATUS_4(port, first) WG_KEEP_STATUS_3(port, first) found[(first) + 3][lane] = (WG_REAL)port[3];
-#define WG_KEEP_STATUS_5(port, first) WG_KEEP_STATUS_4(port, first) found[(first) + 4][lane] = (WG_REAL)port[4];
-#define WG_KEEP_STATUS_6(port, first) WG_KEEP_STATUS_5(port, first) found[(first) + 5][lane] = (WG_REAL)port[5];
-#define WG_KEEP_STATUS_7(port, first) WG_KEEP_STATUS_6(port, first) found[(first) + 6][lane] = (WG_REAL)port[6];
-#define WG_KEEP_STATUS_8(port, first) WG_KEEP_STATUS_7(port, first) found[(first) + 7][lane] = (WG_REAL)port[7];
+#define WG_KEEP_STATUS_1(port, first) found[first][lane] = port[0];
+#define WG_KEEP_STATUS_2(port, first) WG_KEEP_STATUS_1(port, first) found[(first) + 1][lane] = port[1];
+#define WG_KEEP_STATUS_3(port, first) WG_KEEP_STATUS_2(port, first) found[(first) + 2][lane] = port[2];
+#define WG_KEEP_STATUS_4(port, first) WG_KEEP_STATUS_3(port, first) found[(first) + 3][lane] = port[3];
+#define WG_KEEP_STATUS_5(port, first) WG_KEEP_STATUS_4(port, first) found[(first) + 4][lane] = port[4];
+#define WG_KEEP_STATUS_6(port, first) WG_KEEP_STATUS_5(port, first) found[(first) + 5][lane] = port[5];
+#define WG_KEEP_STATUS_7(port, first) WG_KEEP_STATUS_6(port, first) found[(first) + 6][lane] = port[6];
+#define WG_KEEP_STATUS_8(port, first) WG_KEEP_STATUS_7(port, first) found[(first) + 7][lane] = port[7];
 #endif

@@ -11,7 +11,7 @@
 #undef WG_ATAN2_2
 #undef WG_ATAN2_3
 #undef WG_ATAN2_4
-#if defined(WALKGEN_VECTORS) && !(defined(WALKGEN_ROWS) && WALKGEN_ROWS == 2)
+#if WG_TOGETHER > 1 && !(defined(WALKGEN_ROWS) && WALKGEN_ROWS == 2)
 #define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) \
     do { \
         const struct WG_NAME(wg_turned) wg_turned = WG_NAME(wg_sincos_together)(a0, a1, a0, a1); \
@@ -43,25 +43,6 @@
         const struct WG_NAME(wg_angles) wg_angles = WG_NAME(wg_atan2_together)(y0, x0, y1, x1, y2, x2, y3, x3); \
         r0 = wg_angles.angle0, r1 = wg_angles.angle1, r2 = wg_angles.angle2, r3 = wg_angles.angle3; \
     } while (0)
-#elif defined(WALKGEN_PAIRS) && WG_REAL_BITS == 64 && !(defined(WALKGEN_ROWS) && WALKGEN_ROWS == 2)
-#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) \
-    do { \
-        const struct wg_turned_x2 wg_turned = wg_sincos_pair(a0, a1); \
-        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1; \
-    } while (0)
-#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
-    do { \
-        const struct wg_turned_x3 wg_turned = wg_sincos_three(a0, a1, a2); \
-        s0 = wg_turned.sine0, c0 = wg_turned.cosine0, s1 = wg_turned.sine1, c1 = wg_turned.cosine1, s2 = wg_turned.sine2, c2 = wg_turned.cosine2; \
-    } while (0)
-#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
-    do { \
-        WG_SINCOS_2(a0, s0, c0, a1, s1, c1); \
-        WG_SINCOS_2(a2, s2, c2, a3, s3, c3); \
-    } while (0)
-#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
-#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
-#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #elif defined(__OPTIMIZE_SIZE__)
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_SINES_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_SINES_F32))
 #if WG_REAL_BITS == 64
@@ -129,7 +110,7 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #endif
 
 /* The same for a function of many angles: where each comes alone, it is called, or such functions would be little but sines. */
-#if defined(WALKGEN_LIBM) || defined(WALKGEN_VECTORS) || defined(WALKGEN_ROWS)
+#if defined(WALKGEN_LIBM) || WG_TOGETHER == 4 || defined(WALKGEN_ROWS)
 #define WG_MANY_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_2(a0, s0, c0, a1, s1, c1)
 #define WG_MANY_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
 #define WG_MANY_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
@@ -159,27 +140,23 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #undef WG_ANGLES_WITHIN_2
 #undef WG_ANGLES_WITHIN_3
 #undef WG_ANGLES_WITHIN_4
-#undef WG_POINTS_WITHIN
-#if defined(WALKGEN_VECTORS)
+#undef WG_POINTS_WITHIN_2
+#undef WG_POINTS_WITHIN_3
+#undef WG_POINTS_WITHIN_4
+#if WG_TOGETHER > 1
 #define WG_ANGLES_WITHIN_2(a0, a1) WG_NAME(wg_angles_within)(a0, a1, a0, a1)
 #define WG_ANGLES_WITHIN_3(a0, a1, a2) WG_NAME(wg_angles_within)(a0, a1, a2, a0)
 #define WG_ANGLES_WITHIN_4(a0, a1, a2, a3) WG_NAME(wg_angles_within)(a0, a1, a2, a3)
-#define WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3) WG_NAME(wg_points_within)(y0, x0, y1, x1, y2, x2, y3, x3)
-#elif defined(WALKGEN_PAIRS)
-#if WG_REAL_BITS == 64
-#define WG_ANGLES_WITHIN_2(a0, a1) wg_pair_within(a0, a1)
-#else
-#define WG_ANGLES_WITHIN_2(a0, a1) (WG_NAME(wg_angle_within)(a0) && WG_NAME(wg_angle_within)(a1))
-#endif
-#define WG_ANGLES_WITHIN_3(a0, a1, a2) (WG_ANGLES_WITHIN_2(a0, a1) && WG_NAME(wg_angle_within)(a2))
-#define WG_ANGLES_WITHIN_4(a0, a1, a2, a3) (WG_ANGLES_WITHIN_2(a0, a1) && WG_ANGLES_WITHIN_2(a2, a3))
-#define WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3) \
-    (WG_NAME(wg_point_within)(y0, x0) && WG_NAME(wg_point_within)(y1, x1) && WG_NAME(wg_point_within)(y2, x2) && WG_NAME(wg_point_within)(y3, x3))
+#define WG_POINTS_WITHIN_2(y0, x0, y1, x1) WG_NAME(wg_points_within)(y0, x0, y1, x1, y0, x0, y1, x1)
+#define WG_POINTS_WITHIN_3(y0, x0, y1, x1, y2, x2) WG_NAME(wg_points_within)(y0, x0, y1, x1, y2, x2, y0, x0)
+#define WG_POINTS_WITHIN_4(y0, x0, y1, x1, y2, x2, y3, x3) WG_NAME(wg_points_within)(y0, x0, y1, x1, y2, x2, y3, x3)
 #else
 #define WG_ANGLES_WITHIN_2(a0, a1) 1
 #define WG_ANGLES_WITHIN_3(a0, a1, a2) 1
 #define WG_ANGLES_WITHIN_4(a0, a1, a2, a3) 1
-#define WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3) 1
+#define WG_POINTS_WITHIN_2(y0, x0, y1, x1) 1
+#define WG_POINTS_WITHIN_3(y0, x0, y1, x1, y2, x2) 1
+#define WG_POINTS_WITHIN_4(y0, x0, y1, x1, y2, x2, y3, x3) 1
 #endif
 
 #if !defined(WG_LEAVE_BEYOND)
@@ -198,13 +175,13 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
     WG_LEAVE_BEYOND(WG_ANGLES_WITHIN_4(a0, a1, a2, a3)) \
     WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
 #define WG_NEAR_ATAN2_2(y0, x0, r0, y1, x1, r1) \
-    WG_LEAVE_BEYOND(WG_POINTS_WITHIN(y0, x0, y1, x1, y0, x0, y1, x1)) \
+    WG_LEAVE_BEYOND(WG_POINTS_WITHIN_2(y0, x0, y1, x1)) \
     WG_ATAN2_2(y0, x0, r0, y1, x1, r1)
 #define WG_NEAR_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) \
-    WG_LEAVE_BEYOND(WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y0, x0)) \
+    WG_LEAVE_BEYOND(WG_POINTS_WITHIN_3(y0, x0, y1, x1, y2, x2)) \
     WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
 #define WG_NEAR_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
-    WG_LEAVE_BEYOND(WG_POINTS_WITHIN(y0, x0, y1, x1, y2, x2, y3, x3)) \
+    WG_LEAVE_BEYOND(WG_POINTS_WITHIN_4(y0, x0, y1, x1, y2, x2, y3, x3)) \
     WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #endif
 

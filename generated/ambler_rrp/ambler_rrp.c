@@ -236,10 +236,10 @@ WG_ROW(void ambler_rrp_leg_foot_torque)(const double *WG_RESTRICT q, const doubl
     tau[0] = WG_FMA(-f[0], shoulder_to_tip_y, f[1]*shoulder_to_tip_x);
 }
 
-WG_ROW(int32_t ambler_rrp_leg_within_limits)(const double *WG_RESTRICT q) {
+WG_ROW(WG_STATE ambler_rrp_leg_within_limits)(const double *WG_RESTRICT q) {
     const int t1 = -2.0943951023931957 <= q[0] && q[0] <= 2.0943951023931957;
     const int t2 = t1 && (-2.6179938779914944 <= q[1] && q[1] <= 2.6179938779914944);
-    return (int32_t)(WG_INDICATOR(t2 && (0.0 <= q[2] && q[2] <= 1.5)));
+    return (WG_STATE)(WG_INDICATOR(t2 && (0.0 <= q[2] && q[2] <= 1.5)));
 }
 
 WG_ROW(void ambler_rrp_leg_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -813,7 +813,7 @@ WG_LANED(ambler_rrp_leg_foot_torque, 2, 1);
 WG_BLOCK(ambler_rrp_leg_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3];
-        int32_t within[1];
+        WG_STATE within[1];
         WG_TAKE_3(q, 0)
         within[0] = ambler_rrp_leg_within_limits_lane(q);
         WG_KEEP_STATUS_1(within, 0)
@@ -1157,7 +1157,7 @@ WG_INLINE void ambler_rrp_leg_regular_rates_kernel(const double *WG_RESTRICT q, 
     const double square = WG_FMA(shoulder_to_tip_x, shoulder_to_tip_x, t5);
     const double t6 = rate_4 - (rate_3 + (rate_2 + (v[2] + a[2])) - rate);
     const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.01), t6 - t6);
-    *status = (int32_t)(least < 2.0*fabs(det) ? 0.0 : 1.0);
+    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det), 0.0, 1.0));
 }
 
 WG_INLINE void ambler_rrp_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
@@ -1170,7 +1170,6 @@ WG_INLINE void ambler_rrp_leg_rates_wanted_kernel(const double *WG_RESTRICT a, c
 WG_INLINE void ambler_rrp_leg_rates_joined_kernel(const double *WG_RESTRICT rates,
     const double *WG_RESTRICT further, int32_t first, int32_t second, double *WG_RESTRICT qd,
     double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    *status = (int32_t)(((double)first == 2.0 || (double)second == 0.0) ? (double)first : (double)second);
     const double t1 = rates[2] - rates[2] + (rates[0] - rates[0] + (rates[1] - rates[1]));
     const double poison = further[2] - further[2] + (further[1] - further[1] + (further[0] - further[0] + t1));
     qd[0] = rates[0] + poison;
@@ -1179,6 +1178,8 @@ WG_INLINE void ambler_rrp_leg_rates_joined_kernel(const double *WG_RESTRICT rate
     qdd[0] = further[0] + poison;
     qdd[1] = further[1] + poison;
     qdd[2] = further[2] + poison;
+    const int t2 = (double)first == 2.0 || (double)second == 0.0;
+    *status = (int32_t)(WG_SELECT(t2, (double)first, (double)second));
 }
 
 WG_CALLED int32_t ambler_rrp_leg_inverse_admissible_rest(const double *WG_RESTRICT p, int32_t status,

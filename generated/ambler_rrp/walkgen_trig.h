@@ -1,18 +1,19 @@
 /* walkgen_trig.h: sine, cosine and arctangent without branches or tables, of one number or of four at once; walkgen_math.h explains the macros.
  *
- * sin and cos: x = n pi/2 + r. A sum with the magic number 1.5 * 2^(p-1) drops the fraction, which gives n; then n times the parts of
- * pi/2 are subtracted (Cody and Waite, Software Manual for the Elementary Functions, 1980; Muller, Elementary Functions, 3rd ed.
- * 2016, ch. 11). All parts but the last have so few bits that their products with n are exact. r stays a difference high - low, so
- * that its rounding does not reach the result. Both functions do all of it alike: inlined for one angle, they share it.
+ * sin and cos: x = n pi/2 + r. A sum with the magic number 1.5 * 2^(p-1) drops the fraction and leaves n in its last bits; then n times the
+ * parts of pi/2 are subtracted (Cody and Waite, Software Manual for the Elementary Functions, 1980; Muller, Elementary Functions, 3rd ed.
+ * 2016, ch. 11). All parts but the last have so few bits that their products with n are exact. Both functions do all of it alike: inlined
+ * for one angle, they share it.
  * atan2: from the nearest of the directions 0, 45, .. 180 degrees, the angle is the arctangent of one quotient.
- * The polynomials are minimax (Remez, walkgen's tests/oracles/minimax.py), in Estrin's order.
+ * Choices are masks over bits, not jumps. The polynomials are minimax (Remez, walkgen's tests/oracles/minimax.py), in Estrin's order.
  *
  * Range      |x| <= 1e5, in float 1e4; atan2 where the larger number lies in 1e-290 .. 1e300, in float 1e-30 .. 1e30. Beyond, for
  *            infinities and for NaN the C library answers. Special values are C99's (Annex F); sin(-0) is -0.
- * Error      at most, in units in the last place: sin and cos 0.85, atan2 1.65; with fused multiply-add sin and cos 0.80. In float
- *            measured on every angle, in double on some ten millions.
- * Together   where vectors of four are one instruction (walkgen_math.h), WG_SINCOS_3 and its like evaluate all their angles in one;
- *            where those of two doubles are, in pairs; each lane does what a single number does: the same bits.
+ * Error      at most, in units in the last place: sin and cos 1.6, in float beyond |x| = 100 2.4; atan2 1.6. In float measured on every
+ *            angle, in double on some ten millions. Sums that keep what r's rounding drops would bring sin and cos to 0.85, for a fifth
+ *            of the time of a block of rows.
+ * Together   where vectors of four are one instruction (WG_TOGETHER), WG_SINCOS_3 and its like evaluate all their angles in one;
+ *            where those of two are, in pairs; each lane does what a single number does: the same bits.
  * Rounding   to nearest, as C programs start with.
  */
 #include "walkgen_math.h"
@@ -20,6 +21,7 @@
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_TRIG_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_TRIG_F32))
 #if WG_REAL_BITS == 64
 #define WALKGEN_TRIG_F64
+#define WG_SIGN (UINT64_C(1) << 63)
 #define WG_LIBM(name) name
 #define WG_FARTHEST WG_C(1e5)
 #define WG_MAGIC WG_C(6755399441055744.0)
@@ -29,6 +31,7 @@
 #define WG_EIGHTH_REST WG_C(3.061616997868383e-17)
 #else
 #define WALKGEN_TRIG_F32
+#define WG_SIGN (UINT32_C(1) << 31)
 #define WG_LIBM(name) name##f
 #define WG_FARTHEST WG_C(1e4)
 #define WG_MAGIC WG_C(12582912.0)
@@ -39,19 +42,23 @@
 #endif
 
 #define WG_T WG_REAL
+#define WG_TBITS WG_UINT
 #define WG_TN(x) WG_NAME(x)
 #define WG_TC(x) WG_C(x)
 #define WG_TK(x) x
 #define WG_TFMA(a, b, c) WG_FMA(a, b, c)
 #define WG_TABS(x) WG_ABS(x)
+#define WG_TLESS(a, b) (0 - (WG_UINT)((a) < (b)))
 #define WG_TCOPYSIGN(x, sign) WG_LIBM(copysign)(x, sign)
 #include "walkgen_trig_kernel.h"
 #undef WG_T
+#undef WG_TBITS
 #undef WG_TN
 #undef WG_TC
 #undef WG_TK
 #undef WG_TFMA
 #undef WG_TABS
+#undef WG_TLESS
 #undef WG_TCOPYSIGN
 
 /* sin x. */
@@ -105,26 +112,28 @@ WG_INLINE WG_REAL WG_NAME(wg_atan2_lane)(WG_REAL y, WG_REAL x) {
     return extent <= WG_GREATEST_EXTENT ? near : WG_NAN;
 }
 
-/* Whether an angle, a point lies within the range. */
-WG_INLINE int WG_NAME(wg_angle_within)(WG_REAL x) { return WG_ABS(x) <= WG_FARTHEST; }
+/* Sines and cosines of four angles. */
+struct WG_NAME(wg_turned) {
+    WG_REAL sine0, sine1, sine2, sine3, cosine0, cosine1, cosine2, cosine3;
+};
 
-WG_INLINE int WG_NAME(wg_point_within)(WG_REAL y, WG_REAL x) {
-    WG_REAL extent;
-    (void)WG_NAME(wg_atan2_near)(y, x, &extent);
-    return extent >= WG_LEAST_EXTENT && extent <= WG_GREATEST_EXTENT;
-}
+/* Angles of four points. */
+struct WG_NAME(wg_angles) {
+    WG_REAL angle0, angle1, angle2, angle3;
+};
 
-#if defined(WALKGEN_VECTORS)
+#if WG_TOGETHER == 4
 /* Of angles beyond the range and of points too near or too far. */
 WG_CALLED WG_REAL WG_NAME(wg_sin_alone)(WG_REAL x) { return WG_NAME(wg_sin)(x); }
 WG_CALLED WG_REAL WG_NAME(wg_cos_alone)(WG_REAL x) { return WG_NAME(wg_cos)(x); }
 WG_CALLED WG_REAL WG_NAME(wg_atan2_alone)(WG_REAL y, WG_REAL x) { return WG_NAME(wg_atan2)(y, x); }
 #include "walkgen_trig_x4.h"
-#elif defined(WALKGEN_PAIRS)
+#elif WG_TOGETHER == 2
 #include "walkgen_trig_x2.h"
 #endif
 
 #undef WG_LIBM
+#undef WG_SIGN
 #undef WG_FARTHEST
 #undef WG_MAGIC
 #undef WG_LEAST_EXTENT

@@ -373,10 +373,10 @@ WG_ROW(void mero_leg_leg_foot_torque)(const double *WG_RESTRICT q, const double 
     tau[2] = WG_FMA(-f[1], J_shank_y, WG_FMA(-f[0], J_shank_x, f[2]*shank_to_tip_x));
 }
 
-WG_ROW(int32_t mero_leg_leg_within_limits)(const double *WG_RESTRICT q) {
+WG_ROW(WG_STATE mero_leg_leg_within_limits)(const double *WG_RESTRICT q) {
     const int t1 = -1.0471975511965979 <= q[0] && q[0] <= 1.0471975511965979;
     const int t2 = t1 && (-1.5707963267948966 <= q[1] && q[1] <= 1.5707963267948966);
-    return (int32_t)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
+    return (WG_STATE)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
 }
 
 WG_ROW(void mero_leg_leg_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -706,7 +706,7 @@ WG_ROW(void mero_leg_leg_potential_energy)(const double *WG_RESTRICT q, double *
 }
 
 WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRICT p, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status, double *WG_RESTRICT target) {
+    WG_STATE *WG_RESTRICT status, double *WG_RESTRICT target) {
     target[0] = p[0];
     target[1] = p[1];
     const double offset_z = p[2] - 0.12;
@@ -714,14 +714,14 @@ WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRI
     const double radius2 = WG_FMA(p[1], p[1], p[0]*p[0]);
     const double epsilon = WG_EPSILON;
     const double t1 = epsilon*8.0;
-    const double tolerance = 1e-12 < t1 ? t1 : 1e-12;
+    const double tolerance = WG_SELECT(1e-12 < t1, t1, 1e-12);
     const double touching2 = 0.5625*(tolerance*tolerance);
     const double radius = sqrt(radius2);
     const int t2 = radius2 <= touching2;
-    const double rho = t2 ? 0.0 : radius;
+    const double rho = WG_SELECT(t2, 0.0, radius);
     const double distance2_plus = WG_FMA(offset_z, offset_z, radius2);
     const double knee_plus = WG_FMA(distance2_plus, 3.5714285714285716, -0.008928571428571428);
-    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : (knee_plus < 0.0 ? 0.0 : knee_plus);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
     double yaw_plus_angle, lift_plus, thigh_offset_plus, gamma_plus;
@@ -733,22 +733,22 @@ WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRI
     const double inner2 = WG_FMA(-slack, 0.05, 0.0025);
     const int t3 = !isfinite(taint);
     const int t4 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double t5 = t2 ? 3.0 : 0.0;
-    status[0] = (int32_t)(t3 ? 2.0 : (t4 ? 1.0 : t5));
+    const double t5 = WG_SELECT(t2, 3.0, 0.0);
+    status[0] = (WG_STATE)(WG_SELECT(t3, 2.0, WG_SELECT(t4, 1.0, t5)));
     const int t6 = knee_sin_plus == 0.0;
-    status[1] = (int32_t)(t3 ? 2.0 : (t4 ? 1.0 : (t6 ? 6.0 : t5)));
+    status[1] = (WG_STATE)(WG_SELECT(t3, 2.0, WG_SELECT(t4, 1.0, WG_SELECT(t6, 6.0, t5))));
     const int t7 = rho == 0.0;
-    status[2] = (int32_t)(t3 ? 2.0 : (t4 ? 1.0 : (t7 ? 6.0 : t5)));
-    status[3] = (int32_t)(t3 ? 2.0 : (t4 ? 1.0 : ((t7 || t6) ? 6.0 : t5)));
-    const double yaw_plus_half_open = yaw_plus_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_plus_angle;
-    const double yaw_plus = t2 ? 0.0 : yaw_plus_half_open;
+    status[2] = (WG_STATE)(WG_SELECT(t3, 2.0, WG_SELECT(t4, 1.0, WG_SELECT(t7, 6.0, t5))));
+    status[3] = (WG_STATE)(WG_SELECT(t3, 2.0, WG_SELECT(t4, 1.0, WG_SELECT(t7 || t6, 6.0, t5))));
+    const double yaw_plus_half_open = WG_SELECT(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle);
+    const double yaw_plus = WG_SELECT(t2, 0.0, yaw_plus_half_open);
     const double yaw_plus_checked = yaw_plus + taint;
     q[0] = yaw_plus_checked;
     q[3] = yaw_plus_checked;
     const double yaw_back = yaw_plus_checked - 3.141592653589793;
     const double t8 = WG_INDICATOR(-3.141592653589793 < yaw_back);
     const double half_turn = WG_FMA(-6.283185307179586, t8, 3.141592653589793);
-    const double yaw_minus = t2 ? 0.0 : yaw_plus_checked + half_turn;
+    const double yaw_minus = WG_SELECT(t2, 0.0, yaw_plus_checked + half_turn);
     const double yaw_minus_checked = taint + yaw_minus;
     q[6] = yaw_minus_checked;
     q[9] = yaw_minus_checked;
@@ -767,7 +767,7 @@ WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRI
     q[2] = gamma_plus_checked;
     q[8] = gamma_plus_checked;
     const double t11 = -gamma_plus_checked;
-    const double q3_plus_minus_half_open = t11 <= -3.141592653589793 ? 3.141592653589793 : t11;
+    const double q3_plus_minus_half_open = WG_SELECT(t11 <= -3.141592653589793, 3.141592653589793, t11);
     q[5] = q3_plus_minus_half_open;
     q[11] = q3_plus_minus_half_open;
     const double q2_minus_plus_sum = q2_plus_minus_sum - 3.141592653589793;
@@ -958,7 +958,7 @@ WG_LANED(mero_leg_leg_foot_torque, 2, 1);
 WG_BLOCK(mero_leg_leg_inverse) {
     WG_EACH_LANE {
         double WG_LOST, p[3], q[12], target[3];
-        int32_t status[4];
+        WG_STATE status[4];
         WG_TAKE_3(p, 0)
         mero_leg_leg_inverse_branches_kernel_lane(p, q, status, target);
         WG_KEEP_12(q, 0)
@@ -978,7 +978,7 @@ WG_LANED(mero_leg_leg_inverse, 1, 2);
 WG_BLOCK(mero_leg_leg_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3];
-        int32_t within[1];
+        WG_STATE within[1];
         WG_TAKE_3(q, 0)
         within[0] = mero_leg_leg_within_limits_lane(q);
         WG_KEEP_STATUS_1(within, 0)
@@ -1150,18 +1150,18 @@ WG_INLINE void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int3
     const double radius2 = WG_FMA(p[1], p[1], p[0]*p[0]);
     const double epsilon = WG_EPSILON;
     const double t1 = epsilon*8.0;
-    const double tolerance = 1e-12 < t1 ? t1 : 1e-12;
+    const double tolerance = WG_SELECT(1e-12 < t1, t1, 1e-12);
     const double touching2 = 0.5625*(tolerance*tolerance);
     const double radius = sqrt(radius2);
     const int t2 = radius2 <= touching2;
-    const double rho = t2 ? 0.0 : radius;
+    const double rho = WG_SELECT(t2, 0.0, radius);
     const double rho_signed = rho_sign*rho;
     const double distance2_plus = WG_FMA(offset_z, offset_z, radius2);
     const double slack = tolerance*1.5;
     const double outer2 = WG_FMA(slack, 0.75, 0.5625);
     const double inner2 = WG_FMA(-slack, 0.05, 0.0025);
     const double knee_plus = WG_FMA(distance2_plus, 3.5714285714285716, -0.008928571428571428);
-    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : (knee_plus < 0.0 ? 0.0 : knee_plus);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
     const double knee_sin = knee_sign*knee_sin_plus;
@@ -1170,24 +1170,25 @@ WG_INLINE void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int3
     const double thigh_sin = WG_FMA(-rho_signed, across, offset_z*along);
     const double thigh_cos = WG_FMA(rho_signed, along, offset_z*across);
     const double t3 = sqrt(WG_FMA(-((double)branch), (double)branch, -1.0));
-    const double t4 = (0.0 <= (double)branch && (double)branch <= 3.0) ? 0.0 : t3;
+    const double t4 = WG_SELECT(0.0 <= (double)branch && (double)branch <= 3.0, 0.0, t3);
     const double taint = t4 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
     const int t5 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
     const int t6 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double state = !isfinite(taint) ? 2.0 : (t6 ? 1.0 : (t5 ? 6.0 : (t2 ? 3.0 : 0.0)));
+    const double t7 = WG_SELECT(t6, 1.0, WG_SELECT(t5, 6.0, WG_SELECT(t2, 3.0, 0.0)));
+    const double state = WG_SELECT(!isfinite(taint), 2.0, t7);
     *status = (int32_t)(state);
     double yaw_one_angle, gamma_2, thigh;
     WG_NEAR_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, knee_sin, knee_cos_plus, gamma_2, thigh_sin,
         thigh_cos, thigh);
-    const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
-    const double yaw_one = t2 ? 0.0 : yaw_one_half_open;
+    const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
+    const double yaw_one = WG_SELECT(t2, 0.0, yaw_one_half_open);
     const double yaw_one_checked = taint + yaw_one;
     q[0] = yaw_one_checked;
     const double gamma_checked = taint + gamma_2;
     const double thigh_checked = taint + thigh;
-    const double q2_half_open = thigh_checked <= -3.141592653589793 ? 3.141592653589793 : thigh_checked;
+    const double q2_half_open = WG_SELECT(thigh_checked <= -3.141592653589793, 3.141592653589793, thigh_checked);
     q[1] = q2_half_open;
-    const double q3_one_half_open = gamma_checked <= -3.141592653589793 ? 3.141592653589793 : gamma_checked;
+    const double q3_one_half_open = WG_SELECT(gamma_checked <= -3.141592653589793, 3.141592653589793, gamma_checked);
     q[2] = q3_one_half_open;
 }
 
@@ -1394,7 +1395,7 @@ WG_INLINE void mero_leg_leg_regular_rates_kernel(const double *WG_RESTRICT q, co
     const double t2 = WG_FMA(2.0, thigh_to_tip_x*thigh_to_tip_x, t1);
     const double square = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, t2);
     const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.02), total - total);
-    *status = (int32_t)(least < 2.0*fabs(det3) ? 0.0 : 1.0);
+    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
 }
 
 WG_INLINE void mero_leg_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
@@ -1406,7 +1407,6 @@ WG_INLINE void mero_leg_leg_rates_wanted_kernel(const double *WG_RESTRICT a, con
 
 WG_INLINE void mero_leg_leg_rates_joined_kernel(const double *WG_RESTRICT rates, const double *WG_RESTRICT further,
     int32_t first, int32_t second, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    *status = (int32_t)(((double)first == 2.0 || (double)second == 0.0) ? (double)first : (double)second);
     const double t1 = rates[2] - rates[2] + (rates[0] - rates[0] + (rates[1] - rates[1]));
     const double poison = further[2] - further[2] + (further[1] - further[1] + (further[0] - further[0] + t1));
     qd[0] = rates[0] + poison;
@@ -1415,6 +1415,8 @@ WG_INLINE void mero_leg_leg_rates_joined_kernel(const double *WG_RESTRICT rates,
     qdd[0] = further[0] + poison;
     qdd[1] = further[1] + poison;
     qdd[2] = further[2] + poison;
+    const int t2 = (double)first == 2.0 || (double)second == 0.0;
+    *status = (int32_t)(WG_SELECT(t2, (double)first, (double)second));
 }
 
 WG_CALLED void mero_leg_leg_inverse_rest(double *WG_RESTRICT target, double *WG_RESTRICT q,

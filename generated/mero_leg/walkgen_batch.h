@@ -23,6 +23,7 @@
 #define WG_MOST_GIVEN 48
 #define WG_MOST_FOUND 32
 #define WG_MOST_STATUSES 8
+#define WG_FAR_BYTES 33554432.0 /* results that do not stay in a cache */
 
 /* By fours, none in a loop: compilers make a call of the C library of that. */
 #define WG_COPY_4(to, from, at) memcpy((to) + (at), (from) + (at), 4 * sizeof *(from))
@@ -126,8 +127,22 @@ WG_CALLED void WG_NAME(wg_gather)(const struct wg_array *array, ptrdiff_t first,
     }
 }
 
+/* Statuses of so many rows, which lie together; of whole blocks by a loop that compilers make vectors of. */
+static inline void WG_NAME(wg_scatter_states)(int32_t *WG_RESTRICT to, int count, const WG_REAL *WG_RESTRICT found) {
+    if (count == WG_LANES) {
+        for (int lane = 0; lane < WG_LANES; ++lane) {
+            to[lane] = (int32_t)found[lane];
+        }
+    } else {
+        for (int lane = 0; lane < count; ++lane) {
+            to[lane] = (int32_t)found[lane];
+        }
+    }
+}
+
 /* Numbers of so many rows from a block to an array. */
-WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first, int count, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
+WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first, int count, int far,
+                                   const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
     char *start = array->data + first * array->row;
     int element = 0;
 #if defined(WALKGEN_VECTORS)
@@ -137,6 +152,7 @@ WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first
         return;
     }
 #endif
+    (void)far;
     if (WG_NAME(wg_is_plain)(array)) {
         WG_REAL *numbers = (WG_REAL *)(void *)start;
         const ptrdiff_t step = array->row / (ptrdiff_t)sizeof(WG_REAL), across = array->element / (ptrdiff_t)sizeof(WG_REAL);
@@ -147,6 +163,12 @@ WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first
         }
 #endif
         for (; step == 1 && count == WG_LANES && element < array->size; ++element) {
+#if defined(WALKGEN_VECTORS)
+            if (far && (uintptr_t)(numbers + element * across) % (4 * sizeof(WG_REAL)) == 0) {
+                WG_NAME(wg_stream_lanes)(numbers + element * across, found[element]);
+                continue;
+            }
+#endif
             WG_COPY_LANES(numbers + element * across, found[element]);
         }
         for (; element < array->size; ++element) {
@@ -159,6 +181,11 @@ WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first
             for (; lane < count; ++lane, to += step) {
                 *to = found[element][lane];
             }
+        }
+    }
+    if (array->kind == WG_STATUS && array->row == (ptrdiff_t)sizeof(int32_t) && ((uintptr_t)start | (uintptr_t)array->element) % sizeof(int32_t) == 0) {
+        for (; element < array->size; ++element) {
+            WG_NAME(wg_scatter_states)((int32_t *)(void *)(start + element * array->element), count, found[element]);
         }
     }
     for (; element < array->size; ++element) {
@@ -213,27 +240,31 @@ static inline void WG_NAME(wg_whole_block)(const struct WG_NAME(wg_laned) *laned
     }
 }
 
-/* Rows with an UNREACHABLE target by other means; how many then have no OK. */
+/* Rows with an UNREACHABLE target by other means; how many then have no OK. Where all lanes have one, none is looked at alone. */
 static inline int WG_NAME(wg_settled)(WG_NAME(wg_alone) closest, int count, int inputs, int outputs, int states,
                                       const WG_REAL (*given)[WG_LANES], WG_REAL (*found)[WG_LANES]) {
-    WG_REAL right[WG_LANES] = {0}, away[WG_LANES] = {0};
+    WG_REAL none[WG_LANES], away[WG_LANES] = {0};
     int bad = 0;
+    for (int lane = 0; lane < WG_LANES; ++lane) {
+        none[lane] = lane < count ? WG_C(1.0) : WG_C(0.0);
+    }
     for (int which = outputs - states; which < outputs; ++which) {
         for (int lane = 0; lane < WG_LANES; ++lane) {
-            right[lane] += found[which][lane] == (WG_REAL)WALKGEN_OK ? WG_C(1.0) : WG_C(0.0);
-            away[lane] += found[which][lane] == (WG_REAL)WALKGEN_UNREACHABLE ? WG_C(1.0) : WG_C(0.0);
+            none[lane] = found[which][lane] == (WG_REAL)WALKGEN_OK ? WG_C(0.0) : none[lane];
+            away[lane] = found[which][lane] == (WG_REAL)WALKGEN_UNREACHABLE ? WG_C(1.0) : away[lane];
         }
     }
-    for (int lane = 0; lane < count; ++lane) {
-        int none = right[lane] == WG_C(0.0);
-        if (closest && away[lane] > WG_C(0.0)) {
+    for (int lane = closest && WG_NAME(wg_any)(away) ? 0 : count; lane < count; ++lane) {
+        if (away[lane] > WG_C(0.0)) {
             WG_NAME(wg_lane_alone)(closest, lane, inputs, outputs, given, found);
-            none = 1;
+            none[lane] = WG_C(1.0);
             for (int which = outputs - states; which < outputs; ++which) {
-                none &= !(found[which][lane] == (WG_REAL)WALKGEN_OK);
+                none[lane] = found[which][lane] == (WG_REAL)WALKGEN_OK ? WG_C(0.0) : none[lane];
             }
         }
-        bad += none;
+    }
+    for (int lane = WG_NAME(wg_any)(none) ? 0 : count; lane < count; ++lane) {
+        bad += none[lane] > WG_C(0.0);
     }
     return bad;
 }
@@ -252,6 +283,7 @@ WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t
         *(array < results ? &inputs : &outputs) += array->size;
         states = array->kind == WG_STATUS ? array->size : 0; /* a status is the last output */
     }
+    const int far = (double)rows * (double)outputs * (double)sizeof(WG_REAL) >= WG_FAR_BYTES;
     for (size_t first = 0; first < rows; first += WG_LANES) {
         const int count = rows - first < WG_LANES ? (int)(rows - first) : WG_LANES;
         int place = 0;
@@ -269,9 +301,14 @@ WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t
         }
         place = 0;
         for (const struct wg_array *array = results; array < end; place += array->size, ++array) {
-            WG_NAME(wg_scatter)(array, (ptrdiff_t)first, count, (const WG_REAL(*)[WG_LANES])(found + place));
+            WG_NAME(wg_scatter)(array, (ptrdiff_t)first, count, far, (const WG_REAL(*)[WG_LANES])(found + place));
         }
     }
+#if defined(WALKGEN_VECTORS)
+    if (far) {
+        __builtin_ia32_sfence(); /* what went past the cache is seen before what the caller writes next */
+    }
+#endif
     return bad;
 }
 #endif

@@ -672,19 +672,19 @@ WG_ROW(void mero_leg_param_leg_foot_torque_d_param)(const double *WG_RESTRICT q,
     tau_d_param[5] = t6;
 }
 
-WG_ROW(int32_t mero_leg_param_leg_within_limits)(const double *WG_RESTRICT q, const double *WG_RESTRICT param) {
+WG_ROW(WG_STATE mero_leg_param_leg_within_limits)(const double *WG_RESTRICT q, const double *WG_RESTRICT param) {
     (void)param;
     const int t1 = -1.0471975511965979 <= q[0] && q[0] <= 1.0471975511965979;
     const int t2 = t1 && (-1.5707963267948966 <= q[1] && q[1] <= 1.5707963267948966);
-    return (int32_t)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
+    return (WG_STATE)(WG_INDICATOR(t2 && (-2.6179938779914944 <= q[2] && q[2] <= 0.0)));
 }
 
 WG_ROW(void mero_leg_param_leg_within_limits_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
-    int32_t *WG_RESTRICT within_d_param) {
+    WG_STATE *WG_RESTRICT within_d_param) {
     (void)q;
     (void)param;
-    within_d_param[0] = (int32_t)(0.0);
-    within_d_param[1] = (int32_t)(0.0);
+    within_d_param[0] = (WG_STATE)(0.0);
+    within_d_param[1] = (WG_STATE)(0.0);
 }
 
 WG_ROW(void mero_leg_param_leg_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -1627,7 +1627,7 @@ WG_LANED(mero_leg_param_leg_foot_torque_d_param, 3, 1);
 WG_BLOCK(mero_leg_param_leg_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2];
-        int32_t within[1];
+        WG_STATE within[1];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         within[0] = mero_leg_param_leg_within_limits_lane(q, param);
@@ -1646,7 +1646,7 @@ WG_LANED(mero_leg_param_leg_within_limits, 2, 1);
 WG_BLOCK(mero_leg_param_leg_within_limits_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2];
-        int32_t within_d_param[2];
+        WG_STATE within_d_param[2];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_within_limits_d_param_lane(q, param, within_d_param);
@@ -1934,12 +1934,12 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double radius2 = WG_FMA(p[1], p[1], p[0]*p[0]);
     const double epsilon = WG_EPSILON;
     const double t1 = epsilon*8.0;
-    const double tolerance = 1e-12 < t1 ? t1 : 1e-12;
+    const double tolerance = WG_SELECT(1e-12 < t1, t1, 1e-12);
     const double longest = 0.35 + shank_length;
     const double touching2 = longest*longest*(tolerance*tolerance);
     const double radius = sqrt(radius2);
     const int t2 = radius2 <= touching2;
-    const double rho = t2 ? 0.0 : radius;
+    const double rho = WG_SELECT(t2, 0.0, radius);
     const double knee_scale = 1.4285714285714286/shank_length;
     const double t3 = param[0] - param[0] + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
     const double taint = knee_scale - knee_scale + (param[1] - param[1] + t3);
@@ -1950,7 +1950,7 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double inner2 = bones*(bones - slack);
     const double knee_plus = knee_scale*WG_FMA(-bones, bones, distance2_plus);
     const int t4 = distance2_plus <= touching2;
-    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : ((knee_plus < 0.0 || t4) ? 0.0 : knee_plus);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0 || t4, 0.0, knee_plus));
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
     double lift_plus, thigh_offset_plus, gamma_plus;
@@ -1958,22 +1958,22 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
         thigh_offset_plus, knee_sin_plus, knee_cos_plus, gamma_plus);
     const int t5 = !isfinite(taint);
     const int t6 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double t7 = (t2 || t4) ? 3.0 : 0.0;
-    status[0] = (int32_t)(t5 ? 2.0 : (t6 ? 1.0 : t7));
+    const double t7 = WG_SELECT(t2 || t4, 3.0, 0.0);
+    status[0] = (int32_t)(WG_SELECT(t5, 2.0, WG_SELECT(t6, 1.0, t7)));
     const int t8 = knee_sin_plus == 0.0;
-    status[1] = (int32_t)(t5 ? 2.0 : (t6 ? 1.0 : (t8 ? 6.0 : t7)));
+    status[1] = (int32_t)(WG_SELECT(t5, 2.0, WG_SELECT(t6, 1.0, WG_SELECT(t8, 6.0, t7))));
     const int t9 = rho == 0.0;
-    status[2] = (int32_t)(t5 ? 2.0 : (t6 ? 1.0 : (t9 ? 6.0 : t7)));
-    status[3] = (int32_t)(t5 ? 2.0 : (t6 ? 1.0 : ((t9 || t8) ? 6.0 : t7)));
-    const double yaw_plus_half_open = yaw_plus_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_plus_angle;
-    const double yaw_plus = t2 ? 0.0 : yaw_plus_half_open;
+    status[2] = (int32_t)(WG_SELECT(t5, 2.0, WG_SELECT(t6, 1.0, WG_SELECT(t9, 6.0, t7))));
+    status[3] = (int32_t)(WG_SELECT(t5, 2.0, WG_SELECT(t6, 1.0, WG_SELECT(t9 || t8, 6.0, t7))));
+    const double yaw_plus_half_open = WG_SELECT(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle);
+    const double yaw_plus = WG_SELECT(t2, 0.0, yaw_plus_half_open);
     const double yaw_plus_checked = yaw_plus + taint;
     q[0] = yaw_plus_checked;
     q[3] = yaw_plus_checked;
     const double yaw_back = yaw_plus_checked - 3.141592653589793;
     const double t10 = WG_INDICATOR(-3.141592653589793 < yaw_back);
     const double half_turn = WG_FMA(-6.283185307179586, t10, 3.141592653589793);
-    const double yaw_minus = t2 ? 0.0 : yaw_plus_checked + half_turn;
+    const double yaw_minus = WG_SELECT(t2, 0.0, yaw_plus_checked + half_turn);
     const double yaw_minus_checked = taint + yaw_minus;
     q[6] = yaw_minus_checked;
     q[9] = yaw_minus_checked;
@@ -1982,12 +1982,12 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double t11 = WG_INDICATOR(q2_plus_plus_sum <= -3.141592653589793);
     const double q2_plus_plus_turns = WG_INDICATOR(3.141592653589793 < q2_plus_plus_sum) - t11;
     const double q2_plus_plus_wrapped = WG_FMA(-6.283185307179586, q2_plus_plus_turns, q2_plus_plus_sum);
-    q[1] = t4 ? taint : q2_plus_plus_wrapped;
+    q[1] = WG_SELECT(t4, taint, q2_plus_plus_wrapped);
     const double q2_plus_minus_sum = lift_plus_checked + thigh_offset_plus;
     const double t12 = WG_INDICATOR(q2_plus_minus_sum <= -3.141592653589793);
     const double q2_plus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_plus_minus_sum) - t12;
     const double q2_plus_minus_wrapped = WG_FMA(-6.283185307179586, q2_plus_minus_turns, q2_plus_minus_sum);
-    q[4] = t4 ? taint : q2_plus_minus_wrapped;
+    q[4] = WG_SELECT(t4, taint, q2_plus_minus_wrapped);
     const double gamma_plus_checked = taint + gamma_plus;
     const double q3_plus_plus_sum = gamma_plus_checked - shank_angle;
     const double t13 = WG_INDICATOR(q3_plus_plus_sum <= -3.141592653589793);
@@ -2001,15 +2001,16 @@ static void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RESTRICT
     const double q2_minus_plus_sum = q2_plus_minus_sum - 3.141592653589793;
     const double t15 = 3.141592653589793 - q2_plus_minus_sum;
     const double q2_minus_plus_turns = WG_INDICATOR(3.141592653589793 < t15) - WG_INDICATOR(t15 <= -3.141592653589793);
-    q[7] = t4 ? taint : WG_FMA(-6.283185307179586, q2_minus_plus_turns, -q2_minus_plus_sum);
     const double q2_minus_minus_sum = 3.141592653589793 + thigh_offset_plus - lift_plus_checked;
     const double t16 = WG_INDICATOR(q2_minus_minus_sum <= -3.141592653589793);
     const double q2_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_minus_minus_sum) - t16;
     const double q2_minus_minus_wrapped = WG_FMA(-6.283185307179586, q2_minus_minus_turns, q2_minus_minus_sum);
-    q[10] = t4 ? taint : q2_minus_minus_wrapped;
+    q[10] = WG_SELECT(t4, taint, q2_minus_minus_wrapped);
     const double t17 = WG_FMA(-6.283185307179586, q3_plus_minus_turns, -q3_plus_minus_sum);
     q[5] = t17;
     q[11] = t17;
+    const double t18 = WG_FMA(-6.283185307179586, q2_minus_plus_turns, -q2_minus_plus_sum);
+    q[7] = WG_SELECT(t4, taint, t18);
 }
 
 static void mero_leg_param_leg_inverse_geometry_kernel(const double *WG_RESTRICT param,
@@ -2049,10 +2050,10 @@ WG_INLINE void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p
     const double longest = 0.35 + shank_length;
     const double epsilon = WG_EPSILON;
     const double t1 = epsilon*8.0;
-    const double tolerance = 1e-12 < t1 ? t1 : 1e-12;
+    const double tolerance = WG_SELECT(1e-12 < t1, t1, 1e-12);
     const double touching2 = longest*longest*(tolerance*tolerance);
     const int t2 = distance2_plus <= touching2;
-    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : ((knee_plus < 0.0 || t2) ? 0.0 : knee_plus);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0 || t2, 0.0, knee_plus));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
     const double knee_sign = WG_FMA(-2.0, WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0), 1.0);
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
@@ -2060,7 +2061,7 @@ WG_INLINE void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p
     const double rho_sign = WG_FMA(-2.0, WG_INDICATOR(2.0 <= (double)branch), 1.0);
     const double radius = sqrt(radius2);
     const int t3 = radius2 <= touching2;
-    const double rho = t3 ? 0.0 : radius;
+    const double rho = WG_SELECT(t3, 0.0, radius);
     const double rho_signed = rho_sign*rho;
     const double across = shank_length*knee_sin;
     const double along = WG_FMA(shank_length, knee_cos_plus, 0.35);
@@ -2073,24 +2074,25 @@ WG_INLINE void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p
     const double outer2 = longest*(longest + slack);
     const double inner2 = bones*(bones - slack);
     const double t4 = sqrt(WG_FMA(-((double)branch), (double)branch, -1.0));
-    const double t5 = (0.0 <= (double)branch && (double)branch <= 3.0) ? 0.0 : t4;
+    const double t5 = WG_SELECT(0.0 <= (double)branch && (double)branch <= 3.0, 0.0, t4);
     const double t6 = param[0] - param[0] + (t5 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]))));
     const double taint = knee_scale - knee_scale + (param[1] - param[1] + t6);
     const int t7 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
     const int t8 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double state = !isfinite(taint) ? 2.0 : (t8 ? 1.0 : (t7 ? 6.0 : ((t3 || t2) ? 3.0 : 0.0)));
+    const double t9 = WG_SELECT(t8, 1.0, WG_SELECT(t7, 6.0, WG_SELECT(t3 || t2, 3.0, 0.0)));
+    const double state = WG_SELECT(!isfinite(taint), 2.0, t9);
     *status = (int32_t)(state);
-    const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
-    const double yaw_one = t3 ? 0.0 : yaw_one_half_open;
+    const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
+    const double yaw_one = WG_SELECT(t3, 0.0, yaw_one_half_open);
     const double yaw_one_checked = taint + yaw_one;
     q[0] = yaw_one_checked;
     const double gamma_checked = taint + gamma_2;
     const double thigh_checked = taint + thigh;
-    const double q2_half_open = thigh_checked <= -3.141592653589793 ? 3.141592653589793 : thigh_checked;
-    q[1] = t2 ? taint : q2_half_open;
+    const double q2_half_open = WG_SELECT(thigh_checked <= -3.141592653589793, 3.141592653589793, thigh_checked);
+    q[1] = WG_SELECT(t2, taint, q2_half_open);
     const double q3_one_sum = gamma_checked - shank_angle;
-    const double t9 = WG_INDICATOR(q3_one_sum <= -3.141592653589793);
-    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < q3_one_sum) - t9;
+    const double t10 = WG_INDICATOR(q3_one_sum <= -3.141592653589793);
+    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < q3_one_sum) - t10;
     const double q3_one_wrapped = WG_FMA(-q3_one_turns, 6.283185307179586, q3_one_sum);
     q[2] = q3_one_wrapped;
 }
@@ -2301,7 +2303,7 @@ WG_INLINE void mero_leg_param_leg_regular_rates_kernel(const double *WG_RESTRICT
     const double t2 = WG_FMA(2.0, thigh_to_tip_x*thigh_to_tip_x, t1);
     const double square = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, t2);
     const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.02), total - total);
-    *status = (int32_t)(least < 2.0*fabs(det3) ? 0.0 : 1.0);
+    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
 }
 
 WG_INLINE void mero_leg_param_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
@@ -2314,7 +2316,6 @@ WG_INLINE void mero_leg_param_leg_rates_wanted_kernel(const double *WG_RESTRICT 
 WG_INLINE void mero_leg_param_leg_rates_joined_kernel(const double *WG_RESTRICT rates,
     const double *WG_RESTRICT further, int32_t first, int32_t second, double *WG_RESTRICT qd,
     double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    *status = (int32_t)(((double)first == 2.0 || (double)second == 0.0) ? (double)first : (double)second);
     const double t1 = rates[2] - rates[2] + (rates[0] - rates[0] + (rates[1] - rates[1]));
     const double poison = further[2] - further[2] + (further[1] - further[1] + (further[0] - further[0] + t1));
     qd[0] = rates[0] + poison;
@@ -2323,6 +2324,8 @@ WG_INLINE void mero_leg_param_leg_rates_joined_kernel(const double *WG_RESTRICT 
     qdd[0] = further[0] + poison;
     qdd[1] = further[1] + poison;
     qdd[2] = further[2] + poison;
+    const int t2 = (double)first == 2.0 || (double)second == 0.0;
+    *status = (int32_t)(WG_SELECT(t2, (double)first, (double)second));
 }
 
 WG_CALLED void mero_leg_param_leg_inverse_rest(const double *WG_RESTRICT param, double *WG_RESTRICT target,

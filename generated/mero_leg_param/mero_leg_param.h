@@ -304,7 +304,7 @@ void mero_leg_param_leg_joint_frames_d_param_batch(size_t rows, const double *WG
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m, param [2] as declared -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 152 operations (support routines not counted; at most 632 bytes of
+ * Returns the number of entries with status OK. 152 operations (support routines not counted; at most 640 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -315,7 +315,7 @@ size_t mero_leg_param_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch, param [2] as declared -> q [3] rad, status
- * Returns the status. 123 operations (support routines not counted; at most 512 bytes of locals).
+ * Returns the status. 123 operations (support routines not counted; at most 520 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_leg_param_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch,
@@ -327,7 +327,7 @@ size_t mero_leg_param_leg_inverse_branch_batch(size_t rows, const double *WG_RES
 /* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
  *   chosen.
  * p [3] m, q_seed [3] rad, param [2] as declared -> q [3] rad, status
- * Returns the status. 152 operations (support routines not counted; at most 744 bytes of locals).
+ * Returns the status. 152 operations (support routines not counted; at most 752 bytes of locals).
  * Source: as inverse
  */
 int32_t mero_leg_param_leg_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -338,7 +338,7 @@ size_t mero_leg_param_leg_inverse_near_batch(size_t rows, const double *WG_RESTR
 
 /* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
  * p [3] m, param [2] as declared -> q [3] rad, status
- * Returns the status. 154 operations (support routines not counted; at most 960 bytes of locals).
+ * Returns the status. 154 operations (support routines not counted; at most 968 bytes of locals).
  * Source: as inverse
  */
 int32_t mero_leg_param_leg_inverse_admissible(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -348,7 +348,7 @@ size_t mero_leg_param_leg_inverse_admissible_batch(size_t rows, const double *WG
 
 /* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
  * p [3] m, param [2] as declared -> distance [4] m
- * 236 operations (support routines not counted; at most 744 bytes of locals).
+ * 236 operations (support routines not counted; at most 752 bytes of locals).
  * Source: as inverse
  */
 void mero_leg_param_leg_inverse_distance(const double *WG_RESTRICT p, const double *WG_RESTRICT param,

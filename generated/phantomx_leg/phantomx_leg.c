@@ -417,10 +417,10 @@ WG_ROW(void phantomx_leg_right_front_foot_torque)(const double *WG_RESTRICT q, c
     tau[2] = WG_FMA(-f[0], J_tibia_x, WG_FMA(f[2], tibia_to_tip_y, f[1]*J_tibia_y));
 }
 
-WG_ROW(int32_t phantomx_leg_right_front_within_limits)(const double *WG_RESTRICT q) {
+WG_ROW(WG_STATE phantomx_leg_right_front_within_limits)(const double *WG_RESTRICT q) {
     const int t1 = -2.6179939 <= q[0] && q[0] <= 2.6179939;
     const int t2 = t1 && (-2.6179939 <= q[1] && q[1] <= 2.6179939);
-    return (int32_t)(WG_INDICATOR(t2 && (-2.6179939 <= q[2] && q[2] <= 2.6179939)));
+    return (WG_STATE)(WG_INDICATOR(t2 && (-2.6179939 <= q[2] && q[2] <= 2.6179939)));
 }
 
 WG_ROW(void phantomx_leg_right_front_inverse_dynamics)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -935,7 +935,7 @@ WG_LANED(phantomx_leg_right_front_foot_torque, 2, 1);
 WG_BLOCK(phantomx_leg_right_front_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3];
-        int32_t within[1];
+        WG_STATE within[1];
         WG_TAKE_3(q, 0)
         within[0] = phantomx_leg_right_front_within_limits_lane(q);
         WG_KEEP_STATUS_1(within, 0)
@@ -1096,11 +1096,11 @@ static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RE
     const double radius2 = WG_FMA(target_y, target_y, target_x*target_x);
     const double epsilon = WG_EPSILON;
     const double t3 = epsilon*8.0;
-    const double tolerance = 1e-12 < t3 ? t3 : 1e-12;
+    const double tolerance = WG_SELECT(1e-12 < t3, t3, 1e-12);
     const double touching2 = 0.06255489065783021*(tolerance*tolerance);
     const double radius = sqrt(radius2);
     const int t4 = radius2 <= touching2;
-    const double rho = t4 ? 0.0 : radius;
+    const double rho = WG_SELECT(t4, 0.0, radius);
     const double t5 = -target_y;
     target[1] = t5;
     const double X_plus = rho + 0.054;
@@ -1110,7 +1110,7 @@ static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RE
     const double t8 = offset_z*offset_z;
     const double distance2_plus = WG_FMA(X_plus, X_plus, t8);
     const double knee_plus = WG_FMA(distance2_plus, 58.17830843361056, -0.23748170953711342);
-    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : (knee_plus < 0.0 ? 0.0 : knee_plus);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
     double yaw_plus_angle, lift_plus, thigh_offset_plus;
@@ -1123,7 +1123,7 @@ static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RE
     const double X_minus = 0.054 - rho;
     const double distance2_minus = WG_FMA(X_minus, X_minus, t8);
     const double knee_minus = WG_FMA(58.17830843361056, distance2_minus, -0.23748170953711342);
-    const double knee_minus_clamped = 2.0 < knee_minus ? 2.0 : (knee_minus < 0.0 ? 0.0 : knee_minus);
+    const double knee_minus_clamped = WG_SELECT(2.0 < knee_minus, 2.0, WG_SELECT(knee_minus < 0.0, 0.0, knee_minus));
     const double knee_sin_minus = sqrt(knee_minus_clamped*(2.0 - knee_minus_clamped));
     const double knee_cos_minus = knee_minus_clamped - 1.0;
     const double lift_minus_sin = WG_FMA(0.21933222279471182, X_minus, -t6);
@@ -1133,67 +1133,68 @@ static void phantomx_leg_right_front_inverse_branches_kernel(const double *WG_RE
         knee_sin_minus, knee_cos_minus, gamma_minus);
     const int t9 = !isfinite(taint);
     const int t10 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double t11 = t4 ? 3.0 : 0.0;
-    status[0] = (int32_t)(t9 ? 2.0 : (t10 ? 1.0 : t11));
-    status[1] = (int32_t)(t9 ? 2.0 : (t10 ? 1.0 : (knee_sin_plus == 0.0 ? 6.0 : t11)));
+    const double t11 = WG_SELECT(t4, 3.0, 0.0);
+    status[0] = (int32_t)(WG_SELECT(t9, 2.0, WG_SELECT(t10, 1.0, t11)));
+    status[1] = (int32_t)(WG_SELECT(t9, 2.0, WG_SELECT(t10, 1.0, WG_SELECT(knee_sin_plus == 0.0, 6.0, t11))));
     const int t12 = outer2 < distance2_minus || distance2_minus < inner2;
     const int t13 = rho == 0.0;
-    status[2] = (int32_t)(t9 ? 2.0 : (t12 ? 1.0 : (t13 ? 6.0 : t11)));
-    status[3] = (int32_t)(t9 ? 2.0 : (t12 ? 1.0 : ((t13 || knee_sin_minus == 0.0) ? 6.0 : t11)));
-    const double yaw_plus_half_open = yaw_plus_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_plus_angle;
-    const double yaw_plus = t4 ? 0.0 : yaw_plus_half_open;
+    status[2] = (int32_t)(WG_SELECT(t9, 2.0, WG_SELECT(t12, 1.0, WG_SELECT(t13, 6.0, t11))));
+    const double t14 = WG_SELECT(t12, 1.0, WG_SELECT(t13 || knee_sin_minus == 0.0, 6.0, t11));
+    status[3] = (int32_t)(WG_SELECT(t9, 2.0, t14));
+    const double yaw_plus_half_open = WG_SELECT(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle);
+    const double yaw_plus = WG_SELECT(t4, 0.0, yaw_plus_half_open);
     const double yaw_plus_checked = yaw_plus + taint;
     q[0] = yaw_plus_checked;
     q[3] = yaw_plus_checked;
     const double yaw_back = yaw_plus_checked - 3.141592653589793;
-    const double t14 = WG_INDICATOR(-3.141592653589793 < yaw_back);
-    const double half_turn = WG_FMA(-6.283185307179586, t14, 3.141592653589793);
-    const double yaw_minus = t4 ? 0.0 : yaw_plus_checked + half_turn;
+    const double t15 = WG_INDICATOR(-3.141592653589793 < yaw_back);
+    const double half_turn = WG_FMA(-6.283185307179586, t15, 3.141592653589793);
+    const double yaw_minus = WG_SELECT(t4, 0.0, yaw_plus_checked + half_turn);
     const double yaw_minus_checked = taint + yaw_minus;
     q[6] = yaw_minus_checked;
     q[9] = yaw_minus_checked;
     const double lift_plus_checked = taint + lift_plus;
     const double q2_plus_plus_sum = lift_plus_checked - thigh_offset_plus;
-    const double t15 = WG_INDICATOR(q2_plus_plus_sum <= -3.141592653589793);
-    const double q2_plus_plus_turns = WG_INDICATOR(3.141592653589793 < q2_plus_plus_sum) - t15;
+    const double t16 = WG_INDICATOR(q2_plus_plus_sum <= -3.141592653589793);
+    const double q2_plus_plus_turns = WG_INDICATOR(3.141592653589793 < q2_plus_plus_sum) - t16;
     const double q2_plus_plus_wrapped = WG_FMA(-6.283185307179586, q2_plus_plus_turns, q2_plus_plus_sum);
     q[1] = q2_plus_plus_wrapped;
     const double q2_plus_minus_sum = lift_plus_checked + thigh_offset_plus;
-    const double t16 = WG_INDICATOR(q2_plus_minus_sum <= -3.141592653589793);
-    const double q2_plus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_plus_minus_sum) - t16;
+    const double t17 = WG_INDICATOR(q2_plus_minus_sum <= -3.141592653589793);
+    const double q2_plus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_plus_minus_sum) - t17;
     const double q2_plus_minus_wrapped = WG_FMA(-6.283185307179586, q2_plus_minus_turns, q2_plus_minus_sum);
     q[4] = q2_plus_minus_wrapped;
     const double gamma_plus_checked = taint + gamma_plus;
     const double q3_plus_plus_sum = 4.491259005845174 - gamma_plus_checked;
-    const double t17 = WG_INDICATOR(q3_plus_plus_sum <= -3.141592653589793);
-    const double q3_plus_plus_turns = WG_INDICATOR(3.141592653589793 < q3_plus_plus_sum) - t17;
+    const double t18 = WG_INDICATOR(q3_plus_plus_sum <= -3.141592653589793);
+    const double q3_plus_plus_turns = WG_INDICATOR(3.141592653589793 < q3_plus_plus_sum) - t18;
     const double q3_plus_plus_wrapped = WG_FMA(-6.283185307179586, q3_plus_plus_turns, q3_plus_plus_sum);
     q[2] = q3_plus_plus_wrapped;
     const double q3_plus_minus_sum = gamma_plus_checked + 4.491259005845174;
-    const double t18 = WG_INDICATOR(q3_plus_minus_sum <= -3.141592653589793);
-    const double q3_plus_minus_turns = WG_INDICATOR(3.141592653589793 < q3_plus_minus_sum) - t18;
+    const double t19 = WG_INDICATOR(q3_plus_minus_sum <= -3.141592653589793);
+    const double q3_plus_minus_turns = WG_INDICATOR(3.141592653589793 < q3_plus_minus_sum) - t19;
     const double q3_plus_minus_wrapped = WG_FMA(-6.283185307179586, q3_plus_minus_turns, q3_plus_minus_sum);
     q[5] = q3_plus_minus_wrapped;
     const double lift_minus_checked = taint + lift_minus;
     const double q2_minus_plus_sum = lift_minus_checked - thigh_offset_minus;
-    const double t19 = WG_INDICATOR(q2_minus_plus_sum <= -3.141592653589793);
-    const double q2_minus_plus_turns = WG_INDICATOR(3.141592653589793 < q2_minus_plus_sum) - t19;
+    const double t20 = WG_INDICATOR(q2_minus_plus_sum <= -3.141592653589793);
+    const double q2_minus_plus_turns = WG_INDICATOR(3.141592653589793 < q2_minus_plus_sum) - t20;
     const double q2_minus_plus_wrapped = WG_FMA(-6.283185307179586, q2_minus_plus_turns, q2_minus_plus_sum);
     q[7] = q2_minus_plus_wrapped;
     const double q2_minus_minus_sum = lift_minus_checked + thigh_offset_minus;
-    const double t20 = WG_INDICATOR(q2_minus_minus_sum <= -3.141592653589793);
-    const double q2_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_minus_minus_sum) - t20;
+    const double t21 = WG_INDICATOR(q2_minus_minus_sum <= -3.141592653589793);
+    const double q2_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q2_minus_minus_sum) - t21;
     const double q2_minus_minus_wrapped = WG_FMA(-6.283185307179586, q2_minus_minus_turns, q2_minus_minus_sum);
     q[10] = q2_minus_minus_wrapped;
     const double gamma_minus_checked = taint + gamma_minus;
     const double q3_minus_plus_sum = 4.491259005845174 - gamma_minus_checked;
-    const double t21 = WG_INDICATOR(q3_minus_plus_sum <= -3.141592653589793);
-    const double q3_minus_plus_turns = WG_INDICATOR(3.141592653589793 < q3_minus_plus_sum) - t21;
+    const double t22 = WG_INDICATOR(q3_minus_plus_sum <= -3.141592653589793);
+    const double q3_minus_plus_turns = WG_INDICATOR(3.141592653589793 < q3_minus_plus_sum) - t22;
     const double q3_minus_plus_wrapped = WG_FMA(-6.283185307179586, q3_minus_plus_turns, q3_minus_plus_sum);
     q[8] = q3_minus_plus_wrapped;
     const double q3_minus_minus_sum = 4.491259005845174 + gamma_minus_checked;
-    const double t22 = WG_INDICATOR(q3_minus_minus_sum <= -3.141592653589793);
-    const double q3_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q3_minus_minus_sum) - t22;
+    const double t23 = WG_INDICATOR(q3_minus_minus_sum <= -3.141592653589793);
+    const double q3_minus_minus_turns = WG_INDICATOR(3.141592653589793 < q3_minus_minus_sum) - t23;
     const double q3_minus_minus_wrapped = WG_FMA(-6.283185307179586, q3_minus_minus_turns, q3_minus_minus_sum);
     q[11] = q3_minus_minus_wrapped;
 }
@@ -1229,18 +1230,18 @@ WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_REST
     const double radius2 = WG_FMA(target_y, target_y, target_x*target_x);
     const double epsilon = WG_EPSILON;
     const double t3 = epsilon*8.0;
-    const double tolerance = 1e-12 < t3 ? t3 : 1e-12;
+    const double tolerance = WG_SELECT(1e-12 < t3, t3, 1e-12);
     const double touching2 = 0.06255489065783021*(tolerance*tolerance);
     const double radius = sqrt(radius2);
     const int t4 = radius2 <= touching2;
-    const double rho = t4 ? 0.0 : radius;
+    const double rho = WG_SELECT(t4, 0.0, radius);
     const double X = WG_FMA(rho_sign, rho, 0.054);
     const double distance2_plus = WG_FMA(X, X, offset_z*offset_z);
     const double slack = tolerance*0.5002195144447293;
     const double outer2 = WG_FMA(slack, 0.19610975722236468, 0.038459036877814816);
     const double inner2 = WG_FMA(-slack, 0.06389024277763532, 0.004081963122185181);
     const double knee_plus = WG_FMA(distance2_plus, 58.17830843361056, -0.23748170953711342);
-    const double knee_plus_clamped = 2.0 < knee_plus ? 2.0 : (knee_plus < 0.0 ? 0.0 : knee_plus);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
     const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
     const double knee_cos_plus = knee_plus_clamped - 1.0;
     const double knee_sin = knee_sign*knee_sin_plus;
@@ -1249,27 +1250,28 @@ WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_REST
     const double thigh_sin = WG_FMA(-X, across, offset_z*along);
     const double thigh_cos = WG_FMA(X, along, offset_z*across);
     const double t5 = sqrt(WG_FMA(-((double)branch), (double)branch, -1.0));
-    const double t6 = (0.0 <= (double)branch && (double)branch <= 3.0) ? 0.0 : t5;
+    const double t6 = WG_SELECT(0.0 <= (double)branch && (double)branch <= 3.0, 0.0, t5);
     const double taint = t6 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
     const int t7 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
     const int t8 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double state = !isfinite(taint) ? 2.0 : (t8 ? 1.0 : (t7 ? 6.0 : (t4 ? 3.0 : 0.0)));
+    const double t9 = WG_SELECT(t8, 1.0, WG_SELECT(t7, 6.0, WG_SELECT(t4, 3.0, 0.0)));
+    const double state = WG_SELECT(!isfinite(taint), 2.0, t9);
     *status = (int32_t)(state);
     const double lift_thigh_sin = WG_FMA(-thigh_sin, 0.9756502324316491, thigh_cos*0.21933222279471182);
     double yaw_one_angle, gamma_2, thigh;
     WG_NEAR_ATAN2_3(-(rho_sign*target_y), rho_sign*target_x, yaw_one_angle, knee_sin, knee_cos_plus, gamma_2,
         lift_thigh_sin, WG_FMA(-thigh_cos, 0.9756502324316491, -(thigh_sin*0.21933222279471182)), thigh);
-    const double yaw_one_half_open = yaw_one_angle <= -3.141592653589793 ? 3.141592653589793 : yaw_one_angle;
-    const double yaw_one = t4 ? 0.0 : yaw_one_half_open;
+    const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
+    const double yaw_one = WG_SELECT(t4, 0.0, yaw_one_half_open);
     const double yaw_one_checked = taint + yaw_one;
     q[0] = yaw_one_checked;
     const double gamma_checked = taint + gamma_2;
     const double thigh_checked = taint + thigh;
-    const double q2_half_open = thigh_checked <= -3.141592653589793 ? 3.141592653589793 : thigh_checked;
+    const double q2_half_open = WG_SELECT(thigh_checked <= -3.141592653589793, 3.141592653589793, thigh_checked);
     q[1] = q2_half_open;
     const double q3_one_sum = 4.491259005845174 - gamma_checked;
-    const double t9 = WG_INDICATOR(q3_one_sum <= -3.141592653589793);
-    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < q3_one_sum) - t9;
+    const double t10 = WG_INDICATOR(q3_one_sum <= -3.141592653589793);
+    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < q3_one_sum) - t10;
     const double q3_one_wrapped = WG_FMA(-q3_one_turns, 6.283185307179586, q3_one_sum);
     q[2] = q3_one_wrapped;
 }
@@ -1511,7 +1513,7 @@ WG_INLINE void phantomx_leg_right_front_regular_rates_kernel(const double *WG_RE
     const double t6 = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, WG_FMA(thigh_to_tip_x, thigh_to_tip_x, t5));
     const double square = WG_FMA(coxa_to_tip_inner_y, coxa_to_tip_inner_y, t6);
     const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.0026), total - total);
-    *status = (int32_t)(least < 2.0*fabs(det3) ? 0.0 : 1.0);
+    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
 }
 
 WG_INLINE void phantomx_leg_right_front_rates_wanted_kernel(const double *WG_RESTRICT a,
@@ -1524,7 +1526,6 @@ WG_INLINE void phantomx_leg_right_front_rates_wanted_kernel(const double *WG_RES
 WG_INLINE void phantomx_leg_right_front_rates_joined_kernel(const double *WG_RESTRICT rates,
     const double *WG_RESTRICT further, int32_t first, int32_t second, double *WG_RESTRICT qd,
     double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    *status = (int32_t)(((double)first == 2.0 || (double)second == 0.0) ? (double)first : (double)second);
     const double t1 = rates[2] - rates[2] + (rates[0] - rates[0] + (rates[1] - rates[1]));
     const double poison = further[2] - further[2] + (further[1] - further[1] + (further[0] - further[0] + t1));
     qd[0] = rates[0] + poison;
@@ -1533,6 +1534,8 @@ WG_INLINE void phantomx_leg_right_front_rates_joined_kernel(const double *WG_RES
     qdd[0] = further[0] + poison;
     qdd[1] = further[1] + poison;
     qdd[2] = further[2] + poison;
+    const int t2 = (double)first == 2.0 || (double)second == 0.0;
+    *status = (int32_t)(WG_SELECT(t2, (double)first, (double)second));
 }
 
 WG_CALLED void phantomx_leg_right_front_inverse_rest(double *WG_RESTRICT target, double *WG_RESTRICT q,

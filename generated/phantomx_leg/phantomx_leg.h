@@ -161,7 +161,7 @@ void phantomx_leg_right_front_joint_frames_batch(size_t rows, const double *WG_R
 
 /* All joint values that reach p, a row a branch; unreachable rows hold the closest configuration.
  * p [3] m -> q [4, 3] rad, status [4]
- * Returns the number of entries with status OK. 164 operations (support routines not counted; at most 828 bytes of
+ * Returns the number of entries with status OK. 164 operations (support routines not counted; at most 836 bytes of
  *   locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
@@ -172,7 +172,7 @@ size_t phantomx_leg_right_front_inverse_batch(size_t rows, const double *WG_REST
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 104 operations (support routines not counted; at most 500 bytes of locals).
+ * Returns the status. 104 operations (support routines not counted; at most 508 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t phantomx_leg_right_front_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);
@@ -182,7 +182,7 @@ size_t phantomx_leg_right_front_inverse_branch_batch(size_t rows, const double *
 /* The joint values that reach p and are nearest to q_seed (sum of squares, turns taken off); no branch has to be
  *   chosen.
  * p [3] m, q_seed [3] rad -> q [3] rad, status
- * Returns the status. 164 operations (support routines not counted; at most 940 bytes of locals).
+ * Returns the status. 164 operations (support routines not counted; at most 948 bytes of locals).
  * Source: as inverse
  */
 int32_t phantomx_leg_right_front_inverse_near(const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
@@ -192,7 +192,7 @@ size_t phantomx_leg_right_front_inverse_near_batch(size_t rows, const double *WG
 
 /* Joint values within the limits that bring the foot to p (of several those nearest to the middle), or closest to it.
  * p [3] m -> q [3] rad, status
- * Returns the status. 164 operations (support routines not counted; at most 1156 bytes of locals).
+ * Returns the status. 164 operations (support routines not counted; at most 1164 bytes of locals).
  * Source: as inverse
  */
 int32_t phantomx_leg_right_front_inverse_admissible(const double *WG_RESTRICT p, double *WG_RESTRICT q);
@@ -201,7 +201,7 @@ size_t phantomx_leg_right_front_inverse_admissible_batch(size_t rows, const doub
 
 /* Distance from p of the foot at every branch of inverse: 0 but for rounding where it reaches, NaN for a bad input.
  * p [3] m -> distance [4] m
- * 264 operations (support routines not counted; at most 940 bytes of locals).
+ * 264 operations (support routines not counted; at most 948 bytes of locals).
  * Source: as inverse
  */
 void phantomx_leg_right_front_inverse_distance(const double *WG_RESTRICT p, double *WG_RESTRICT distance);

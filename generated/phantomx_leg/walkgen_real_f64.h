@@ -3,6 +3,8 @@
 
 #undef WG_REAL
 #undef WG_REAL_BITS
+#undef WG_UINT
+#undef WG_TOGETHER
 #undef WG_NAME
 #undef WG_C
 #undef WG_EPSILON
@@ -21,10 +23,13 @@
 #undef WG_MIN
 #undef WG_MAX
 #undef WG_INDICATOR
+#undef WG_SELECT
+#undef WG_STATE
 #undef WG_FMA
 
 #define WG_REAL double
 #define WG_REAL_BITS 64
+#define WG_UINT uint64_t
 #define WG_NAME(x) x
 #define WG_C(x) x
 #define WG_EPSILON 2.220446049250313e-16
@@ -40,10 +45,21 @@
 #define WG_MIN(a, b) walkgen_min(a, b)
 #define WG_MAX(a, b) walkgen_max(a, b)
 #define WG_INDICATOR(truth) walkgen_indicator(truth)
+#define WG_SELECT(truth, a, b) ((truth) ? (a) : (b))
+#define WG_STATE int32_t
 #if defined(WALKGEN_FAST_FMA)
 #define WG_FMA(a, b, c) fma((a), (b), (c))
 #else
 #define WG_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+/* How many numbers one instruction takes. */
+#if defined(WALKGEN_VECTORS)
+#define WG_TOGETHER 4
+#elif defined(WALKGEN_PAIRS)
+#define WG_TOGETHER 2
+#else
+#define WG_TOGETHER 1
 #endif
 
 #if defined(WALKGEN_LIBM)

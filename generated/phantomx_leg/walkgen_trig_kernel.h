@@ -3,21 +3,23 @@
  *     WG_T WG_TN(x)                   the type, a number or a vector, and names for it
  *     WG_TC(0.5) WG_TK(WG_MAGIC)      a literal and a macro's number, in every lane
  *     WG_TFMA WG_TABS WG_TCOPYSIGN    as WG_FMA, WG_ABS and the C library's copysign, lane by lane
+ *     WG_TLESS(a, b)                  all bits of WG_TBITS where a < b, else none
+ *     WG_TBITS                        as many unsigned integers of as many bits; WG_TN(walkgen_to_bits) and WG_TN(walkgen_of_bits) lead there and back
  */
 #if defined(WG_T)
-/* An angle less n quarter turns: high - low, where low is at most about a rounding of high. */
+/* An angle less n quarter turns, within a rounding; of n the last bits, as the magic number's sum holds them. */
 struct WG_TN(wg_reduced) {
-    WG_T n, high, low;
+    WG_T rest;
+    WG_TBITS n;
 };
 
 #if WG_REAL_BITS == 64
 /* pi/2 in 36 + 36 + 53 bits; |n| < 2^16. */
 WG_INLINE struct WG_TN(wg_reduced) WG_TN(wg_reduce)(WG_T x) {
-    const WG_T n = WG_TFMA(x, WG_TC(0.63661977236758138), WG_TK(WG_MAGIC)) - WG_TK(WG_MAGIC);
-    const WG_T rest = WG_TFMA(n, WG_TC(-1.5707963267923333), x);
-    const WG_T high = WG_TFMA(n, WG_TC(-2.5633441515839558e-12), rest);
-    const WG_T dropped = WG_TFMA(n, WG_TC(-2.5633441515839558e-12), rest - high);
-    const struct WG_TN(wg_reduced) reduced = {n, high, WG_TFMA(n, WG_TC(1.0562999066987428e-23), -dropped)};
+    const WG_T sum = WG_TFMA(x, WG_TC(0.63661977236758138), WG_TK(WG_MAGIC)), n = sum - WG_TK(WG_MAGIC);
+    const WG_T coarse = WG_TFMA(n, WG_TC(-1.5707963267923333), x);
+    const WG_T fine = WG_TFMA(n, WG_TC(-2.5633441515839558e-12), coarse);
+    const struct WG_TN(wg_reduced) reduced = {WG_TFMA(n, WG_TC(-1.0562999066987428e-23), fine), WG_TN(walkgen_to_bits)(sum)};
     return reduced;
 }
 
@@ -52,13 +54,10 @@ WG_INLINE WG_T WG_TN(wg_arctangent_series)(WG_T z) {
 #else
 /* pi/2 in 11 + 11 + 11 + 24 bits; |n| < 2^13. */
 WG_INLINE struct WG_TN(wg_reduced) WG_TN(wg_reduce)(WG_T x) {
-    const WG_T n = WG_TFMA(x, WG_TC(0.636619772), WG_TK(WG_MAGIC)) - WG_TK(WG_MAGIC);
-    const WG_T first = WG_TFMA(n, WG_TC(-1.5703125), x);
-    const WG_T second = WG_TFMA(n, WG_TC(-0.000483751297), first);
-    const WG_T dropped = WG_TFMA(n, WG_TC(-0.000483751297), first - second);
-    const WG_T third = WG_TFMA(n, WG_TC(7.54953362e-8), -dropped);
-    const WG_T high = second - third;
-    const struct WG_TN(wg_reduced) reduced = {n, high, WG_TFMA(n, WG_TC(2.56334407e-12), third - (second - high))};
+    const WG_T sum = WG_TFMA(x, WG_TC(0.636619772), WG_TK(WG_MAGIC)), n = sum - WG_TK(WG_MAGIC);
+    const WG_T coarse = WG_TFMA(n, WG_TC(-0.000483751297), WG_TFMA(n, WG_TC(-1.5703125), x));
+    const WG_T fine = WG_TFMA(n, WG_TC(-7.54953362e-8), coarse);
+    const struct WG_TN(wg_reduced) reduced = {WG_TFMA(n, WG_TC(-2.56334407e-12), fine), WG_TN(walkgen_to_bits)(sum)};
     return reduced;
 }
 
@@ -81,51 +80,40 @@ WG_INLINE WG_T WG_TN(wg_arctangent_series)(WG_T z) {
 }
 #endif
 
-/* sin(high - low), |high| <= pi/4. Of -0, +0 is subtracted, which keeps its sign. */
-WG_INLINE WG_T WG_TN(wg_sine_near_0)(WG_T high, WG_T low) {
-    const WG_T z = high * high;
-    const WG_T cosine = WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0));
-    return high - WG_TFMA(z * high, WG_TN(wg_sine_series)(z, z * z), low * cosine);
-}
+/* `odd` where the last bit of n is 1, else `even`. */
+WG_INLINE WG_TBITS WG_TN(wg_by_turn)(WG_TBITS n, WG_TBITS even, WG_TBITS odd) { return even ^ ((even ^ odd) & (0 - (n & 1))); }
 
-/* cos(high - low), |high| <= pi/4. */
-WG_INLINE WG_T WG_TN(wg_cosine_near_0)(WG_T high, WG_T low) {
-    const WG_T z = high * high, z2 = z * z;
-    const WG_T cosine = WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0));
-    const WG_T dropped = WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0) - cosine);
-    return cosine + (dropped + WG_TFMA(z2, WG_TN(wg_cosine_series)(z, z2), high * low));
-}
-
-/* The nearest multiple of 2 of a whole number; of an odd number, that of 4. */
-WG_INLINE WG_T WG_TN(wg_even)(WG_T n) { return (n + WG_TK(WG_C(2.0) * WG_MAGIC)) - WG_TK(WG_C(2.0) * WG_MAGIC); }
-
-/* cos(n pi/2) and -sin(n pi/2): 0, 1 or -1, for a selection without jumps; their products are exact. */
-WG_INLINE WG_T WG_TN(wg_quarters_cosine)(WG_T n) { return (n + WG_TC(1.0)) - WG_TN(wg_even)(n + WG_TC(1.0)); }
-WG_INLINE WG_T WG_TN(wg_quarters_sine_negated)(WG_T n) { return WG_TN(wg_even)(n) - n; }
-
-/* sin x and cos x, |x| <= WG_FARTHEST. */
+/* sin x and cos x, |x| <= WG_FARTHEST: of the rest r, exchanged in one of two quarter turns, negated in one of two halves. The sine takes the
+ * sign of r, which the sum loses where r is -0. */
 WG_INLINE void WG_TN(wg_sincos_near)(WG_T x, WG_T *sine, WG_T *cosine) {
-    const struct WG_TN(wg_reduced) r = WG_TN(wg_reduce)(x);
-    const WG_T s = WG_TN(wg_sine_near_0)(r.high, r.low), c = WG_TN(wg_cosine_near_0)(r.high, r.low);
-    const WG_T to_cosine = WG_TN(wg_quarters_cosine)(r.n), to_sine = WG_TN(wg_quarters_sine_negated)(r.n);
-    *sine = to_cosine * s - to_sine * c;
-    *cosine = to_cosine * c + to_sine * s;
+    const struct WG_TN(wg_reduced) reduced = WG_TN(wg_reduce)(x);
+    const WG_TBITS n = reduced.n;
+    const WG_T r = reduced.rest, z = r * r, z2 = z * z;
+    const WG_T sine_of_r = WG_TFMA(-(z * r), WG_TN(wg_sine_series)(z, z2), r);
+    const WG_T cosine_of_r = WG_TFMA(z2, WG_TN(wg_cosine_series)(z, z2), WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0)));
+    const WG_TBITS s = WG_TN(walkgen_to_bits)(sine_of_r) | (WG_TN(walkgen_to_bits)(r) & WG_SIGN), c = WG_TN(walkgen_to_bits)(cosine_of_r);
+    const WG_TBITS half = n << (WG_REAL_BITS - 2), next = half + (WG_SIGN >> 1);
+    *sine = WG_TN(walkgen_of_bits)(WG_TN(wg_by_turn)(n, s, c) ^ (half & WG_SIGN));
+    *cosine = WG_TN(walkgen_of_bits)(WG_TN(wg_by_turn)(n, c, s) ^ (next & WG_SIGN));
 }
+
+/* A number where the mask's bits are 1, else 0. */
+WG_INLINE WG_T WG_TN(wg_where)(WG_TBITS mask, WG_T x) { return WG_TN(walkgen_of_bits)(WG_TN(walkgen_to_bits)(x) & mask); }
 
 /* The angle of (x, y). The direction (along, across) it is seen from is (1, 0), (1, 1) or (0, 1), mirrored where x < 0: the one that
  * keeps the tangent within 1/2, where the difference in it is exact (Sterbenz). The answer holds where WG_LEAST_EXTENT <= extent <=
  * WG_GREATEST_EXTENT. */
 WG_INLINE WG_T WG_TN(wg_atan2_near)(WG_T y, WG_T x, WG_T *extent) {
     const WG_T ax = WG_TABS(x), ay = WG_TABS(y);
-    const WG_T along = WG_TC(0.5) + WG_TCOPYSIGN(WG_TC(0.5), WG_TFMA(WG_TC(-0.5), ay, ax));
-    const WG_T across = WG_TC(0.5) + WG_TCOPYSIGN(WG_TC(0.5), WG_TFMA(WG_TC(-0.5), ax, ay));
-    const WG_T side = WG_TCOPYSIGN(WG_TC(1.0), x);
-    *extent = WG_TFMA(ax, along, ay * across);
-    const WG_T tangent = WG_TFMA(ay * side, along, -(x * across)) / *extent;
-    const WG_T eighths = WG_TFMA(side, across - along - WG_TC(1.0), WG_TC(2.0)); /* the direction's angle, 0 .. 4 times pi/4 */
-    const WG_T start = eighths * WG_TK(WG_EIGHTH), sum = start + tangent, dropped = (start - sum) + tangent;
-    const WG_T z = tangent * tangent;
-    const WG_T bend = WG_TFMA(-(tangent * z), WG_TN(wg_arctangent_series)(z), eighths * WG_TK(WG_EIGHTH_REST));
-    return WG_TCOPYSIGN(sum + (dropped + bend), y);
+    const WG_TBITS along = WG_TLESS(ay, ax + ax), across = WG_TLESS(ax, ay + ay), side = WG_TN(walkgen_to_bits)(x) & WG_SIGN;
+    const WG_T beside = WG_TN(wg_where)(along, ay) - WG_TN(wg_where)(across, ax);
+    const WG_T eighths_less_2 = WG_TN(wg_where)(along, WG_TC(-1.0)) - WG_TN(wg_where)(~across, WG_TC(1.0)); /* the direction's angle */
+    const WG_T eighths = WG_TC(2.0) + WG_TN(walkgen_of_bits)(WG_TN(walkgen_to_bits)(eighths_less_2) ^ side);
+    *extent = WG_TN(wg_where)(along, ax) + WG_TN(wg_where)(across, ay);
+    {
+        const WG_T tangent = WG_TN(walkgen_of_bits)(WG_TN(walkgen_to_bits)(beside / *extent) ^ side), z = tangent * tangent;
+        const WG_T bend = WG_TFMA(-(tangent * z), WG_TN(wg_arctangent_series)(z), eighths * WG_TK(WG_EIGHTH_REST));
+        return WG_TCOPYSIGN(WG_TFMA(eighths, WG_TK(WG_EIGHTH), tangent + bend), y);
+    }
 }
 #endif

@@ -1,14 +1,13 @@
-/* walkgen_trig_x4.h: four sines and cosines, or four arctangents, in one vector; walkgen_trig.h alone includes this, where WALKGEN_VECTORS is
- * defined. Lane by lane the bits of a single number. A vector never crosses a function that is not inlined.
+/* walkgen_trig_x4.h: four sines and cosines, or four arctangents, in one vector; walkgen_trig.h alone includes this, where WG_TOGETHER is 4.
+ * Lane by lane the bits of a single number. A vector never crosses a function that is not inlined.
  */
 #if defined(WG_FARTHEST)
 #if WG_REAL_BITS == 64
 typedef double wg_x4 __attribute__((vector_size(32)));
-typedef int64_t wg_bits_x4 __attribute__((vector_size(32)));
+typedef uint64_t wg_bits_x4 __attribute__((vector_size(32)));
 #define WG_T wg_x4
 #define WG_TN(x) x##_x4
-#define WG_BITS wg_bits_x4
-#define WG_SIGN_BIT INT64_MIN
+#define WG_TBITS wg_bits_x4
 #define WG_MOST_SIGNIFICANT(mask) __builtin_ia32_movmskpd256((wg_x4)(mask))
 #if defined(WALKGEN_FAST_FMA) && defined(WALKGEN_ELEMENTWISE)
 #define WG_TFMA(a, b, c) __builtin_elementwise_fma(a, b, c)
@@ -19,11 +18,10 @@ typedef int64_t wg_bits_x4 __attribute__((vector_size(32)));
 #endif
 #else
 typedef float wg_x4_f32 __attribute__((vector_size(16)));
-typedef int32_t wg_bits_x4_f32 __attribute__((vector_size(16)));
+typedef uint32_t wg_bits_x4_f32 __attribute__((vector_size(16)));
 #define WG_T wg_x4_f32
 #define WG_TN(x) x##_x4_f32
-#define WG_BITS wg_bits_x4_f32
-#define WG_SIGN_BIT INT32_MIN
+#define WG_TBITS wg_bits_x4_f32
 #define WG_MOST_SIGNIFICANT(mask) __builtin_ia32_movmskps((wg_x4_f32)(mask))
 #if defined(WALKGEN_FAST_FMAF) && defined(WALKGEN_ELEMENTWISE)
 #define WG_TFMA(a, b, c) __builtin_elementwise_fma(a, b, c)
@@ -35,6 +33,7 @@ typedef int32_t wg_bits_x4_f32 __attribute__((vector_size(16)));
 #endif
 #define WG_TC(x) WG_TN(wg_all)(WG_C(x))
 #define WG_TK(x) WG_TN(wg_all)(x)
+#define WG_TLESS(a, b) ((WG_TBITS)((a) < (b)))
 #define WG_TABS(x) WG_TN(wg_abs)(x)
 #define WG_TCOPYSIGN(x, sign) WG_TN(wg_copysign)(x, sign)
 
@@ -43,11 +42,15 @@ WG_INLINE WG_T WG_TN(wg_all)(WG_REAL x) {
     return all;
 }
 
-WG_INLINE WG_T WG_TN(wg_abs)(WG_T x) { return (WG_T)((WG_BITS)x & ~WG_SIGN_BIT); }
+WG_INLINE WG_T WG_TN(wg_abs)(WG_T x) { return (WG_T)((WG_TBITS)x & ~WG_SIGN); }
 
 WG_INLINE WG_T WG_TN(wg_copysign)(WG_T x, WG_T sign) {
-    return (WG_T)(((WG_BITS)x & ~WG_SIGN_BIT) | ((WG_BITS)sign & WG_SIGN_BIT));
+    return (WG_T)(((WG_TBITS)x & ~WG_SIGN) | ((WG_TBITS)sign & WG_SIGN));
 }
+
+WG_INLINE WG_TBITS WG_TN(walkgen_to_bits)(WG_T x) { return (WG_TBITS)x; }
+
+WG_INLINE WG_T WG_TN(walkgen_of_bits)(WG_TBITS bits) { return (WG_T)bits; }
 
 #include "walkgen_trig_kernel.h"
 
@@ -56,11 +59,6 @@ WG_INLINE int WG_NAME(wg_angles_within)(WG_REAL x0, WG_REAL x1, WG_REAL x2, WG_R
     const WG_T x = {x0, x1, x2, x3};
     return WG_MOST_SIGNIFICANT(WG_TABS(x) <= WG_TK(WG_FARTHEST)) == 15;
 }
-
-/* Sines and cosines of four angles. */
-struct WG_NAME(wg_turned) {
-    WG_REAL sine0, sine1, sine2, sine3, cosine0, cosine1, cosine2, cosine3;
-};
 
 WG_INLINE struct WG_NAME(wg_turned) WG_NAME(wg_sincos_together)(WG_REAL x0, WG_REAL x1, WG_REAL x2, WG_REAL x3) {
     const WG_T x = {x0, x1, x2, x3};
@@ -85,11 +83,6 @@ WG_INLINE int WG_NAME(wg_points_within)(WG_REAL y0, WG_REAL x0, WG_REAL y1, WG_R
     return WG_MOST_SIGNIFICANT((extent >= WG_TK(WG_LEAST_EXTENT)) & (extent <= WG_TK(WG_GREATEST_EXTENT))) == 15;
 }
 
-/* Angles of four points. */
-struct WG_NAME(wg_angles) {
-    WG_REAL angle0, angle1, angle2, angle3;
-};
-
 WG_INLINE struct WG_NAME(wg_angles) WG_NAME(wg_atan2_together)(WG_REAL y0, WG_REAL x0, WG_REAL y1, WG_REAL x1, WG_REAL y2, WG_REAL x2,
                                                               WG_REAL y3, WG_REAL x3) {
     const WG_T y = {y0, y1, y2, y3}, x = {x0, x1, x2, x3};
@@ -111,8 +104,8 @@ WG_INLINE struct WG_NAME(wg_angles) WG_NAME(wg_atan2_together)(WG_REAL y0, WG_RE
 #undef WG_TK
 #undef WG_TFMA
 #undef WG_TABS
+#undef WG_TLESS
 #undef WG_TCOPYSIGN
-#undef WG_BITS
-#undef WG_SIGN_BIT
+#undef WG_TBITS
 #undef WG_MOST_SIGNIFICANT
 #endif

@@ -64,10 +64,10 @@ static void terrain_demo_terrain_ball_step_kernel(const double *WG_RESTRICT p, c
     const double ball_f_7 = ball_f_6 - 0.04;
     const double newton = ball_f_7/ball_f_slope_3;
     const double t1 = -newton;
-    const double wanted = isfinite(t1) ? t1 : (ball_f_7 == 0.0 ? 0.0 : 1.0);
+    const double wanted = WG_SELECT(isfinite(t1), t1, WG_SELECT(ball_f_7 == 0.0, 0.0, 1.0));
     const double most = 1.0 + fabs(at_ball[0]);
     const double t2 = -most;
-    at_ball_next[0] = at_ball[0] + (wanted < t2 ? t2 : (most < wanted ? most : wanted));
+    at_ball_next[0] = at_ball[0] + WG_SELECT(wanted < t2, t2, WG_SELECT(most < wanted, most, wanted));
 }
 
 WG_INLINE void terrain_demo_terrain_height_at_kernel(const double *WG_RESTRICT p,
@@ -80,7 +80,7 @@ WG_INLINE void terrain_demo_terrain_height_at_kernel(const double *WG_RESTRICT p
     const double ball_f_7 = ball_f_6 - 0.04;
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const double hump = p[0]*2.0;
     const double hump_sin = WG_SIN(hump);
     const double hump_2 = param[0]*hump_sin;
@@ -88,9 +88,9 @@ WG_INLINE void terrain_demo_terrain_height_at_kernel(const double *WG_RESTRICT p
     const double hump_5 = WG_FMA(p[1], hump_3, hump_2);
     const int t1 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
     const int t2 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
-    const double t3 = t2 ? hump_5 : ((isfinite(p[0]) && isfinite(p[1])) ? 0.0 : WG_NAN);
+    const double t3 = WG_SELECT(t2, hump_5, WG_SELECT(isfinite(p[0]) && isfinite(p[1]), 0.0, WG_NAN));
     const int t4 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
-    *z = t4 ? at_ball[0] : t3;
+    *z = WG_SELECT(t4, at_ball[0], t3);
 }
 
 WG_INLINE void terrain_demo_terrain_normal_at_kernel(const double *WG_RESTRICT p,
@@ -105,7 +105,7 @@ WG_INLINE void terrain_demo_terrain_normal_at_kernel(const double *WG_RESTRICT p
     const double ball_f_7 = ball_f_6 - 0.04;
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const double hump = p[0]*2.0;
     const double hump_cos = WG_COS(hump);
     const double hump_x = 2.0*hump_cos;
@@ -115,11 +115,11 @@ WG_INLINE void terrain_demo_terrain_normal_at_kernel(const double *WG_RESTRICT p
     const int t2 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t3 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t4 = isfinite(p[0]) && isfinite(p[1]);
-    const double t5 = t4 ? 0.0 : WG_NAN;
-    const double across_x = t2 ? ball_f_slope : (t3 ? WG_FMA(-p[1], 0.05, -hump_x_2) : t5);
-    const double across_y = t2 ? ball_f_slope_2 : (t3 ? -hump_3 : t5);
-    const double across_z = t2 ? ball_f_slope_3 : (t3 ? 1.0 : (t4 ? 1.0 : WG_NAN));
-    const double sign = across_z*9.80665 < 0.0 ? -1.0 : 1.0;
+    const double t5 = WG_SELECT(t4, 0.0, WG_NAN);
+    const double across_x = WG_SELECT(t2, ball_f_slope, WG_SELECT(t3, WG_FMA(-p[1], 0.05, -hump_x_2), t5));
+    const double across_y = WG_SELECT(t2, ball_f_slope_2, WG_SELECT(t3, -hump_3, t5));
+    const double across_z = WG_SELECT(t2, ball_f_slope_3, WG_SELECT(t3, 1.0, WG_SELECT(t4, 1.0, WG_NAN)));
+    const double sign = WG_SELECT(across_z*9.80665 < 0.0, -1.0, 1.0);
     const double length = sqrt(WG_FMA(across_z, across_z, WG_FMA(across_y, across_y, across_x*across_x)));
     const double normal_x = across_x*sign/length;
     n[0] = normal_x;
@@ -141,7 +141,7 @@ WG_INLINE void terrain_demo_terrain_tangents_at_kernel(const double *WG_RESTRICT
     const double ball_f_7 = ball_f_6 - 0.04;
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const double hump = p[0]*2.0;
     const double hump_cos = WG_COS(hump);
     const double hump_x = 2.0*hump_cos;
@@ -151,17 +151,17 @@ WG_INLINE void terrain_demo_terrain_tangents_at_kernel(const double *WG_RESTRICT
     const int t2 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t3 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t4 = isfinite(p[0]) && isfinite(p[1]);
-    const double t5 = t4 ? 0.0 : WG_NAN;
-    const double across_x = t2 ? ball_f_slope : (t3 ? WG_FMA(-p[1], 0.05, -hump_x_2) : t5);
-    const double across_y = t2 ? ball_f_slope_2 : (t3 ? -hump_3 : t5);
-    const double across_z = t2 ? ball_f_slope_3 : (t3 ? 1.0 : (t4 ? 1.0 : WG_NAN));
-    const double sign = across_z*9.80665 < 0.0 ? -1.0 : 1.0;
+    const double t5 = WG_SELECT(t4, 0.0, WG_NAN);
+    const double across_x = WG_SELECT(t2, ball_f_slope, WG_SELECT(t3, WG_FMA(-p[1], 0.05, -hump_x_2), t5));
+    const double across_y = WG_SELECT(t2, ball_f_slope_2, WG_SELECT(t3, -hump_3, t5));
+    const double across_z = WG_SELECT(t2, ball_f_slope_3, WG_SELECT(t3, 1.0, WG_SELECT(t4, 1.0, WG_NAN)));
+    const double sign = WG_SELECT(across_z*9.80665 < 0.0, -1.0, 1.0);
     const double length = sqrt(WG_FMA(across_z, across_z, WG_FMA(across_y, across_y, across_x*across_x)));
     const double normal_x = across_x*sign/length;
     const double normal_y = across_y*sign/length;
     t[5] = -normal_y;
     const double normal_z = across_z*sign/length;
-    const double side = normal_z < 0.0 ? -1.0 : 1.0;
+    const double side = WG_SELECT(normal_z < 0.0, -1.0, 1.0);
     t[2] = -(normal_x*side);
     const double turn = 1.0/(normal_z + side);
     t[0] = WG_FMA(-turn, side*(normal_x*normal_x), 1.0);
@@ -185,7 +185,7 @@ WG_INLINE void terrain_demo_terrain_curvature_at_kernel(const double *WG_RESTRIC
     const double ball_length = sqrt(WG_FMA(ball_f_slope_3, ball_f_slope_3, t1));
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const double hump = p[0]*2.0;
     const double hump_sin = WG_SIN(hump);
     const double hump_cos = WG_COS(hump);
@@ -200,24 +200,24 @@ WG_INLINE void terrain_demo_terrain_curvature_at_kernel(const double *WG_RESTRIC
     const int t3 = t2 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t4 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t5 = isfinite(p[0]) && isfinite(p[1]);
-    const double t6 = t5 ? 0.0 : WG_NAN;
-    const double across_x = t3 ? ball_f_slope : (t4 ? -hump_x_4 : t6);
-    const double across_y = t3 ? ball_f_slope_2 : (t4 ? -hump_3 : t6);
-    const double across_z = t3 ? ball_f_slope_3 : (t4 ? 1.0 : (t5 ? 1.0 : WG_NAN));
-    const double sign = across_z*9.80665 < 0.0 ? -1.0 : 1.0;
+    const double t6 = WG_SELECT(t5, 0.0, WG_NAN);
+    const double across_x = WG_SELECT(t3, ball_f_slope, WG_SELECT(t4, -hump_x_4, t6));
+    const double across_y = WG_SELECT(t3, ball_f_slope_2, WG_SELECT(t4, -hump_3, t6));
+    const double across_z = WG_SELECT(t3, ball_f_slope_3, WG_SELECT(t4, 1.0, WG_SELECT(t5, 1.0, WG_NAN)));
+    const double sign = WG_SELECT(across_z*9.80665 < 0.0, -1.0, 1.0);
     const double length = sqrt(WG_FMA(across_z, across_z, WG_FMA(across_y, across_y, across_x*across_x)));
     const double normal_x = across_x*sign/length;
     const double normal_y = across_y*sign/length;
     const double normal_z = across_z*sign/length;
-    const double side = normal_z < 0.0 ? -1.0 : 1.0;
+    const double side = WG_SELECT(normal_z < 0.0, -1.0, 1.0);
     const double turn = 1.0/(normal_z + side);
     const double twist = turn*(normal_x*normal_y);
     const double t7 = -(2.0/ball_length);
-    const double bending_xx = t3 ? t7 : (t4 ? -(hump_xx_2/hump_length) : t6);
-    const double bending_xy = t3 ? 0.0 : (t4 ? 0.05/hump_length : t6);
-    const double t8 = t4 ? 0.0 : t6;
-    const double bending_xz = t3 ? 0.0 : t8;
-    const double bending_yy = t3 ? t7 : t8;
+    const double bending_xx = WG_SELECT(t3, t7, WG_SELECT(t4, -(hump_xx_2/hump_length), t6));
+    const double bending_xy = WG_SELECT(t3, 0.0, WG_SELECT(t4, 0.05/hump_length, t6));
+    const double t8 = WG_SELECT(t4, 0.0, t6);
+    const double bending_xz = WG_SELECT(t3, 0.0, t8);
+    const double bending_yy = WG_SELECT(t3, t7, t8);
     const double t1_x = WG_FMA(-turn, side*(normal_x*normal_x), 1.0);
     const double t1_y = side*twist;
     const double t1_z = normal_x*side;
@@ -249,15 +249,15 @@ WG_INLINE void terrain_demo_terrain_ground_at_kernel(const double *WG_RESTRICT p
     const double ball_f_7 = ball_f_6 - 0.04;
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const int t1 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
     const int t2 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t3 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t4 = isfinite(p[0]) && isfinite(p[1]);
-    *mu = t2 ? 0.3 : (t3 ? 0.6 : (t4 ? 0.8 : WG_NAN));
-    const double t5 = t4 ? WG_INFINITY : WG_NAN;
-    *kn = t2 ? WG_INFINITY : (t3 ? 200000.0 : t5);
-    *kt = t2 ? WG_INFINITY : (t3 ? 150000.0 : t5);
+    *mu = WG_SELECT(t2, 0.3, WG_SELECT(t3, 0.6, WG_SELECT(t4, 0.8, WG_NAN)));
+    const double t5 = WG_SELECT(t4, WG_INFINITY, WG_NAN);
+    *kn = WG_SELECT(t2, WG_INFINITY, WG_SELECT(t3, 200000.0, t5));
+    *kt = WG_SELECT(t2, WG_INFINITY, WG_SELECT(t3, 150000.0, t5));
 }
 
 WG_INLINE void terrain_demo_terrain_compliance_at_kernel(const double *WG_RESTRICT p,
@@ -272,7 +272,7 @@ WG_INLINE void terrain_demo_terrain_compliance_at_kernel(const double *WG_RESTRI
     const double ball_f_7 = ball_f_6 - 0.04;
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const double hump = p[0]*2.0;
     const double hump_cos = WG_COS(hump);
     const double hump_x = 2.0*hump_cos;
@@ -282,17 +282,17 @@ WG_INLINE void terrain_demo_terrain_compliance_at_kernel(const double *WG_RESTRI
     const int t2 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t3 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t4 = isfinite(p[0]) && isfinite(p[1]);
-    const double t5 = t4 ? 0.0 : WG_NAN;
-    const double across_x = t2 ? ball_f_slope : (t3 ? WG_FMA(-p[1], 0.05, -hump_x_2) : t5);
-    const double across_y = t2 ? ball_f_slope_2 : (t3 ? -hump_3 : t5);
-    const double across_z = t2 ? ball_f_slope_3 : (t3 ? 1.0 : (t4 ? 1.0 : WG_NAN));
-    const double sign = across_z*9.80665 < 0.0 ? -1.0 : 1.0;
+    const double t5 = WG_SELECT(t4, 0.0, WG_NAN);
+    const double across_x = WG_SELECT(t2, ball_f_slope, WG_SELECT(t3, WG_FMA(-p[1], 0.05, -hump_x_2), t5));
+    const double across_y = WG_SELECT(t2, ball_f_slope_2, WG_SELECT(t3, -hump_3, t5));
+    const double across_z = WG_SELECT(t2, ball_f_slope_3, WG_SELECT(t3, 1.0, WG_SELECT(t4, 1.0, WG_NAN)));
+    const double sign = WG_SELECT(across_z*9.80665 < 0.0, -1.0, 1.0);
     const double length = sqrt(WG_FMA(across_z, across_z, WG_FMA(across_y, across_y, across_x*across_x)));
     const double normal_x = across_x*sign/length;
     const double normal_y = across_y*sign/length;
     const double normal_z = across_z*sign/length;
-    const double per_kn = t2 ? 0.0 : (t3 ? 5e-06 : t5);
-    const double per_kt = t2 ? 0.0 : (t3 ? 6.666666666666667e-06 : t5);
+    const double per_kn = WG_SELECT(t2, 0.0, WG_SELECT(t3, 5e-06, t5));
+    const double per_kt = WG_SELECT(t2, 0.0, WG_SELECT(t3, 6.666666666666667e-06, t5));
     const double t6 = normal_x*normal_x;
     C[0] = WG_FMA(per_kt, 1.0 - t6, per_kn*t6);
     const double t7 = normal_x*normal_y;
@@ -324,12 +324,12 @@ WG_INLINE void terrain_demo_terrain_patch_at_kernel(const double *WG_RESTRICT p,
     const double ball_f_7 = ball_f_6 - 0.04;
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const int t1 = (1.3 <= p[0] && p[0] <= 1.7) && (-0.2 <= p[1] && p[1] <= 0.2);
     const int t2 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
-    const double t3 = t2 ? 1.0 : ((isfinite(p[0]) && isfinite(p[1])) ? 2.0 : -1.0);
+    const double t3 = WG_SELECT(t2, 1.0, WG_SELECT(isfinite(p[0]) && isfinite(p[1]), 2.0, -1.0));
     const int t4 = t1 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
-    *index = (int32_t)(t4 ? 0.0 : t3);
+    *index = (int32_t)(WG_SELECT(t4, 0.0, t3));
 }
 
 WG_INLINE void terrain_demo_terrain_ball_near_kernel(const double *WG_RESTRICT p,
@@ -355,7 +355,7 @@ WG_INLINE void terrain_demo_terrain_ball_nearer_kernel(const double *WG_RESTRICT
     const double m00 = WG_FMA(near_ball[3], 2.0, 1.0);
     const double minor = m00*m00;
     const double det = m00*minor;
-    const double inverse00 = ((0.0 < m00 && 0.0 < minor) && minor*(m00*0.0001) < det) ? minor/det : 1.0;
+    const double inverse00 = WG_SELECT((0.0 < m00 && 0.0 < minor) && minor*(m00*0.0001) < det, minor/det, 1.0);
     const double along_x = ball_f_slope*inverse00;
     const double along_y = ball_f_slope_2*inverse00;
     const double along_z = ball_f_slope_3*inverse00;
@@ -408,8 +408,8 @@ WG_INLINE void terrain_demo_terrain_hump_nearer_kernel(const double *WG_RESTRICT
     const double square = WG_FMA(away_z, away_z, WG_FMA(away_y, away_y, away_x*away_x));
     const double area = WG_FMA(-bent_uv, bent_uv, metric_vv*bent_uu);
     const int t1 = (0.0 < bent_uu && 0.0 < metric_vv) && bent_uu*(metric_vv*0.0001) < area;
-    const double curve_uu = t1 ? bent_uu : metric_uu;
-    const double curve_uv = t1 ? bent_uv : metric_uv;
+    const double curve_uu = WG_SELECT(t1, bent_uu, metric_uu);
+    const double curve_uv = WG_SELECT(t1, bent_uv, metric_uv);
     const double stiff_uu = WG_FMA(near_hump[2], metric_uu, curve_uu);
     const double stiff_vv = WG_FMA(near_hump[2], metric_vv, metric_vv);
     const double det = WG_FMA(-curve_uv, curve_uv, stiff_uu*stiff_vv);
@@ -427,10 +427,10 @@ WG_INLINE void terrain_demo_terrain_hump_nearer_kernel(const double *WG_RESTRICT
     const double roundoff = 64.0*WG_EPSILON;
     const double bound = WG_FMA(square, roundoff, square);
     const int t5 = square_ahead <= bound;
-    near_hump_next[0] = t5 ? next_u : near_hump[0];
-    near_hump_next[1] = t5 ? next_v : near_hump[1];
-    const double t6 = roundoff < near_hump[2] ? near_hump[2]*0.125 : 0.0;
-    near_hump_next[2] = t5 ? t6 : (0.001 < near_hump[2] ? near_hump[2]*8.0 : 0.01);
+    near_hump_next[0] = WG_SELECT(t5, next_u, near_hump[0]);
+    near_hump_next[1] = WG_SELECT(t5, next_v, near_hump[1]);
+    const double t6 = WG_SELECT(roundoff < near_hump[2], near_hump[2]*0.125, 0.0);
+    near_hump_next[2] = WG_SELECT(t5, t6, WG_SELECT(0.001 < near_hump[2], near_hump[2]*8.0, 0.01));
 }
 
 WG_INLINE void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT p,
@@ -444,7 +444,7 @@ WG_INLINE void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT 
     const double ball_f_7 = ball_f_6 - 0.04;
     const double ball_rest = ball_f_7/ball_f_slope_3;
     const double roundoff = 64.0*WG_EPSILON;
-    const double tolerance = 1e-09 < roundoff ? roundoff : 1e-09;
+    const double tolerance = WG_SELECT(1e-09 < roundoff, roundoff, 1e-09);
     const double hump = p[0]*2.0;
     const double hump_6 = near_hump[0]*2.0;
     double hump_sin, t1, hump_sin_2, hump_cos_2;
@@ -492,34 +492,37 @@ WG_INLINE void terrain_demo_terrain_project_at_kernel(const double *WG_RESTRICT 
     const int t6 = t5 && fabs(ball_rest) <= tolerance*(1.0 + fabs(at_ball[0]));
     const int t7 = (-1.0 <= p[0] && p[0] <= 1.0) && (-1.0 <= p[1] && p[1] <= 1.0);
     const int t8 = isfinite(p[0]) && isfinite(p[1]);
-    const double t9 = t8 ? p[0] : WG_NAN;
-    const double nearest_x = t6 ? near_ball[0] : (t7 ? near_hump[0] : t9);
-    const double t10 = t8 ? p[1] : WG_NAN;
-    const double nearest_y = t6 ? near_ball[1] : (t7 ? near_hump[1] : t10);
-    const double t11 = t8 ? 0.0 : WG_NAN;
-    const double nearest_z = t6 ? near_ball[2] : (t7 ? hump_10 : t11);
+    const double t9 = WG_SELECT(t8, p[0], WG_NAN);
+    const double nearest_x = WG_SELECT(t6, near_ball[0], WG_SELECT(t7, near_hump[0], t9));
+    const double t10 = WG_SELECT(t8, p[1], WG_NAN);
+    const double nearest_y = WG_SELECT(t6, near_ball[1], WG_SELECT(t7, near_hump[1], t10));
+    const double t11 = WG_SELECT(t8, 0.0, WG_NAN);
+    const double nearest_z = WG_SELECT(t6, near_ball[2], WG_SELECT(t7, hump_10, t11));
     const int t12 = -0.2 <= near_ball[1] && near_ball[1] <= 0.2;
     const int t13 = -1.0 <= near_hump[0] && near_hump[0] <= 1.0;
-    const double t14 = (t13 && (-1.0 <= near_hump[1] && near_hump[1] <= 1.0)) ? 1.0 : 0.0;
-    const double t15 = ((1.3 <= near_ball[0] && near_ball[0] <= 1.7) && t12) ? 1.0 : 0.0;
-    const double inside = t6 ? t15 : (t7 ? t14 : (t8 ? (t8 ? 1.0 : 0.0) : 0.0));
+    const double t14 = WG_SELECT(t13 && (-1.0 <= near_hump[1] && near_hump[1] <= 1.0), 1.0, 0.0);
+    const double t15 = WG_SELECT((1.3 <= near_ball[0] && near_ball[0] <= 1.7) && t12, 1.0, 0.0);
+    const double inside = WG_SELECT(t6, t15, WG_SELECT(t7, t14, WG_SELECT(t8, WG_SELECT(t8, 1.0, 0.0), 0.0)));
     const double t16 = slack*slack;
     const int t17 = WG_FMA(side_z, side_z, WG_FMA(side_y, side_y, side_x*side_x)) <= t16;
     const int t18 = gradient_u*gradient_u/metric_uu + gradient_v*gradient_v/metric_vv <= slack_2*slack_2;
     const int t19 = isfinite(p[2]);
-    const double t20 = t8 ? (t19 ? 1.0 : 0.0) : 0.0;
-    const double t21 = (t17 && ball_f_14*ball_f_14/gradient2 <= t16) ? 1.0 : 0.0;
-    const double close = t6 ? t21 : (t7 ? (t18 ? 1.0 : 0.0) : t20);
-    const double t22 = t7 ? (0.0 < WG_FMA(-metric_uv, metric_uv, metric_uu*metric_vv) ? 1.0 : 0.0) : t20;
-    const double regular = t6 ? (0.0 < gradient2 ? 1.0 : 0.0) : t22;
+    const double t20 = WG_SELECT(t8, WG_SELECT(t19, 1.0, 0.0), 0.0);
+    const double t21 = WG_SELECT(t17 && ball_f_14*ball_f_14/gradient2 <= t16, 1.0, 0.0);
+    const double close = WG_SELECT(t6, t21, WG_SELECT(t7, WG_SELECT(t18, 1.0, 0.0), t20));
+    const double t22 = WG_SELECT(0.0 < WG_FMA(-metric_uv, metric_uv, metric_uu*metric_vv), 1.0, 0.0);
+    const double regular = WG_SELECT(t6, WG_SELECT(0.0 < gradient2, 1.0, 0.0), WG_SELECT(t7, t22, t20));
     const int t23 = t8 && t19;
     const int t24 = inside == 1.0;
-    foot[0] = t23 ? (t24 ? nearest_x : (t6 ? p[0] : (t7 ? p[0] : t9))) : WG_NAN;
-    foot[1] = t23 ? (t24 ? nearest_y : (t6 ? p[1] : (t7 ? p[1] : t10))) : WG_NAN;
-    foot[2] = t23 ? (t24 ? nearest_z : (t6 ? at_ball[0] : (t7 ? hump_5 : t11))) : WG_NAN;
-    const int t25 = (isfinite(nearest_x) && isfinite(nearest_y)) && isfinite(nearest_z);
-    const double t26 = t24 ? (regular == 1.0 ? ((close == 1.0 && t25) ? 0.0 : 4.0) : 3.0) : 1.0;
-    *status = (int32_t)(t23 ? t26 : 2.0);
+    const double t25 = WG_SELECT(t24, nearest_x, WG_SELECT(t6, p[0], WG_SELECT(t7, p[0], t9)));
+    foot[0] = WG_SELECT(t23, t25, WG_NAN);
+    const double t26 = WG_SELECT(t24, nearest_y, WG_SELECT(t6, p[1], WG_SELECT(t7, p[1], t10)));
+    foot[1] = WG_SELECT(t23, t26, WG_NAN);
+    const double t27 = WG_SELECT(t24, nearest_z, WG_SELECT(t6, at_ball[0], WG_SELECT(t7, hump_5, t11)));
+    foot[2] = WG_SELECT(t23, t27, WG_NAN);
+    const int t28 = (isfinite(nearest_x) && isfinite(nearest_y)) && isfinite(nearest_z);
+    const double t29 = WG_SELECT(regular == 1.0, WG_SELECT(close == 1.0 && t28, 0.0, 4.0), 3.0);
+    *status = (int32_t)(WG_SELECT(t23, WG_SELECT(t24, t29, 1.0), 2.0));
 }
 
 void terrain_demo_terrain_height(const double *WG_RESTRICT p, const double *WG_RESTRICT param,

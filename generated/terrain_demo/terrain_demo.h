@@ -132,7 +132,7 @@ void terrain_demo_terrain_patch_batch(size_t rows, const double *WG_RESTRICT p, 
  *   p finds it: p minus it is normal to the surface. UNREACHABLE where it lies beyond the patch's domain (foot is then
  *   the point over p) or p is off every patch (NaN); SINGULAR where the surface has no normal at the foot.
  * p [3] m, param [1] as declared -> foot [3] m, status
- * Returns the status. 316 operations (at most 696 bytes of locals).
+ * Returns the status. 316 operations (at most 720 bytes of locals).
  * Source: theory 4.1: (A, B, C) = r_u x r_v, grad F, (-f_x, -f_y, 1)
  */
 int32_t terrain_demo_terrain_project(const double *WG_RESTRICT p, const double *WG_RESTRICT param,

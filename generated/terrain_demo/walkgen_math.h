@@ -20,6 +20,7 @@
  *
  * For the body the precision header gives:
  *     WG_REAL, WG_REAL_BITS        the type; 64 or 32
+ *     WG_UINT                      the unsigned integers of as many bits; WG_NAME(walkgen_to_bits)(x) and WG_NAME(walkgen_of_bits)(bits)
  *     WG_NAME(x)                   x or x_f32; use it to define and to call another support routine
  *     WG_C(0.5)                    a literal of that type
  *     WG_EPSILON WG_TINY WG_HUGE WG_PI    unit roundoff times 2, least normal, greatest finite number, pi
@@ -31,6 +32,8 @@
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
  *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN
  *     WG_INDICATOR(truth)          1 or 0
+ *     WG_SELECT(truth, a, b)       a where it holds, else b
+ *     WG_STATE                     the type of a status
  *     WG_NAN WG_INFINITY           a quiet NaN; the positive infinity
  *
  * WALKGEN_LIBM, defined when compiling, selects the C library's sin, cos and atan2: smaller code, slower. It is implied
@@ -51,6 +54,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "walkgen_status.h"
 
@@ -127,8 +131,44 @@ static inline double walkgen_max(double a, double b) { return a > b ? a : b; }
 static inline float walkgen_min_f32(float a, float b) { return a < b ? a : b; }
 static inline float walkgen_max_f32(float a, float b) { return a > b ? a : b; }
 
+/* A number of IEEE 754 as its bits, and back. */
+static inline uint64_t walkgen_to_bits(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+static inline double walkgen_of_bits(uint64_t bits) {
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static inline uint32_t walkgen_to_bits_f32(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+static inline float walkgen_of_bits_f32(uint32_t bits) {
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 /* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. */
 static inline double walkgen_indicator(int truth) { return (double)truth; }
 static inline float walkgen_indicator_f32(int truth) { return (float)truth; }
+
+/* Choices by the bits, for lanes: of a choice between numbers compilers make ways that part, and compute on each. */
+static inline double walkgen_select(int truth, double a, double b) {
+    const uint64_t mask = 0 - (uint64_t)truth;
+    return walkgen_of_bits((walkgen_to_bits(a) & mask) | (walkgen_to_bits(b) & ~mask));
+}
+
+static inline float walkgen_select_f32(int truth, float a, float b) {
+    const uint32_t mask = 0 - (uint32_t)truth;
+    return walkgen_of_bits_f32((walkgen_to_bits_f32(a) & mask) | (walkgen_to_bits_f32(b) & ~mask));
+}
 
 #endif

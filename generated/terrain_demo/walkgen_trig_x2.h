@@ -1,15 +1,16 @@
-/* walkgen_trig_x2.h: two sines and cosines in one vector of doubles, and a third beside; walkgen_trig.h alone includes this, where
- * WALKGEN_PAIRS is defined. Lane by lane the bits of a single number. A vector never crosses a function that is not inlined.
- * Arctangents are faster one by one.
+/* walkgen_trig_x2.h: four sines and cosines, or four arctangents, in two vectors of two doubles; walkgen_trig.h alone includes this,
+ * where WG_TOGETHER is 2. Lane by lane the bits of a single number. A vector never crosses a function that is not inlined.
  */
-#if defined(WG_FARTHEST) && WG_REAL_BITS == 64
+#if defined(WG_FARTHEST)
 typedef double wg_x2 __attribute__((vector_size(16)));
-typedef int64_t wg_bits_x2 __attribute__((vector_size(16)));
+typedef uint64_t wg_bits_x2 __attribute__((vector_size(16)));
 #define WG_T wg_x2
+#define WG_TBITS wg_bits_x2
 #define WG_TN(x) x##_x2
 #define WG_TC(x) wg_both(x)
 #define WG_TK(x) wg_both(x)
 #define WG_TFMA(a, b, c) ((a) * (b) + (c))
+#define WG_TLESS(a, b) ((WG_TBITS)((a) < (b)))
 #define WG_TABS(x) wg_abs_x2(x)
 #define WG_TCOPYSIGN(x, sign) wg_copysign_x2(x, sign)
 #define WG_BOTH(mask) (__builtin_ia32_movmskpd((wg_x2)(mask)) == 3)
@@ -19,77 +20,82 @@ WG_INLINE wg_x2 wg_both(double x) {
     return both;
 }
 
-WG_INLINE wg_x2 wg_abs_x2(wg_x2 x) { return (wg_x2)((wg_bits_x2)x & ~INT64_MIN); }
+WG_INLINE wg_x2 wg_abs_x2(wg_x2 x) { return (wg_x2)((wg_bits_x2)x & ~WG_SIGN); }
 
-WG_INLINE wg_x2 wg_copysign_x2(wg_x2 x, wg_x2 sign) { return (wg_x2)(((wg_bits_x2)x & ~INT64_MIN) | ((wg_bits_x2)sign & INT64_MIN)); }
+WG_INLINE wg_x2 wg_copysign_x2(wg_x2 x, wg_x2 sign) { return (wg_x2)(((wg_bits_x2)x & ~WG_SIGN) | ((wg_bits_x2)sign & WG_SIGN)); }
+
+WG_INLINE wg_bits_x2 walkgen_to_bits_x2(wg_x2 x) { return (wg_bits_x2)x; }
+
+WG_INLINE wg_x2 walkgen_of_bits_x2(wg_bits_x2 bits) { return (wg_x2)bits; }
 
 #include "walkgen_trig_kernel.h"
 
-/* Whether both angles lie within the range of the polynomials. */
-WG_INLINE int wg_pair_within(double x0, double x1) {
-    const wg_x2 x = {x0, x1};
-    return WG_BOTH(WG_TABS(x) <= WG_TK(WG_FARTHEST));
+/* Whether all angles lie within the range of the polynomials. */
+WG_INLINE int wg_angles_within(double x0, double x1, double x2, double x3) {
+    const wg_x2 first = {x0, x1}, second = {x2, x3};
+    return WG_BOTH((WG_TABS(first) <= WG_TK(WG_FARTHEST)) & (WG_TABS(second) <= WG_TK(WG_FARTHEST)));
 }
 
-/* Three sines, then cosines, of angles of which one is beyond the range. They come by memory: compilers that keep numbers in registers over
+/* Four sines, then cosines, of angles of which one is beyond the range. They come by memory: compilers that keep numbers in registers over
  * a call save these first on every way. */
-WG_CALLED void wg_sincos_far(double x0, double x1, double x2, double far[6]) {
-    far[0] = wg_sin(x0), far[1] = wg_sin(x1), far[2] = wg_sin(x2);
-    far[3] = wg_cos(x0), far[4] = wg_cos(x1), far[5] = wg_cos(x2);
+WG_CALLED void wg_sincos_far(double x0, double x1, double x2, double x3, struct wg_turned *turned) {
+    turned->sine0 = wg_sin(x0), turned->sine1 = wg_sin(x1), turned->sine2 = wg_sin(x2), turned->sine3 = wg_sin(x3);
+    turned->cosine0 = wg_cos(x0), turned->cosine1 = wg_cos(x1), turned->cosine2 = wg_cos(x2), turned->cosine3 = wg_cos(x3);
 }
 
-/* Sines and cosines of two angles. */
-struct wg_turned_x2 {
-    double sine0, sine1, cosine0, cosine1;
-};
-
-WG_INLINE struct wg_turned_x2 wg_sincos_pair(double x0, double x1) {
-    const wg_x2 x = {x0, x1};
-    wg_x2 s, c;
-    wg_sincos_near_x2(x, &s, &c);
-    if (WG_LIKELY(wg_pair_within(x0, x1))) {
-        const struct wg_turned_x2 turned = {s[0], s[1], c[0], c[1]};
+WG_INLINE struct wg_turned wg_sincos_together(double x0, double x1, double x2, double x3) {
+    const wg_x2 first = {x0, x1}, second = {x2, x3};
+    wg_x2 s, c, s2, c2;
+    wg_sincos_near_x2(first, &s, &c);
+    wg_sincos_near_x2(second, &s2, &c2);
+    if (WG_LIKELY(wg_angles_within(x0, x1, x2, x3))) {
+        const struct wg_turned turned = {s[0], s[1], s2[0], s2[1], c[0], c[1], c2[0], c2[1]};
         return turned;
     } else {
-        double far[6];
-        wg_sincos_far(x0, x1, x0, far);
-        {
-            const struct wg_turned_x2 turned = {far[0], far[1], far[3], far[4]};
-            return turned;
-        }
+        struct wg_turned far;
+        wg_sincos_far(x0, x1, x2, x3, &far);
+        return far;
     }
 }
 
-/* Sines and cosines of three angles, the third alone. */
-struct wg_turned_x3 {
-    double sine0, sine1, sine2, cosine0, cosine1, cosine2;
-};
+/* Whether all points lie within the range. */
+WG_INLINE int wg_points_within(double y0, double x0, double y1, double x1, double y2, double x2, double y3, double x3) {
+    const wg_x2 first_y = {y0, y1}, first_x = {x0, x1}, second_y = {y2, y3}, second_x = {x2, x3};
+    wg_x2 first, second;
+    (void)wg_atan2_near_x2(first_y, first_x, &first);
+    (void)wg_atan2_near_x2(second_y, second_x, &second);
+    return WG_BOTH((first >= WG_TK(WG_LEAST_EXTENT)) & (first <= WG_TK(WG_GREATEST_EXTENT)) & (second >= WG_TK(WG_LEAST_EXTENT)) &
+                   (second <= WG_TK(WG_GREATEST_EXTENT)));
+}
 
-WG_INLINE struct wg_turned_x3 wg_sincos_three(double x0, double x1, double x2) {
-    const wg_x2 x = {x0, x1};
-    wg_x2 s, c;
-    double s2, c2;
-    wg_sincos_near_x2(x, &s, &c);
-    wg_sincos_near(x2, &s2, &c2);
-    if (WG_LIKELY(wg_pair_within(x0, x1) && wg_angle_within(x2))) {
-        const struct wg_turned_x3 turned = {s[0], s[1], s2, c[0], c[1], c2};
-        return turned;
+/* Angles of points of which one is beyond the range; by memory, as above. */
+WG_CALLED void wg_atan2_far(double y0, double x0, double y1, double x1, double y2, double x2, double y3, double x3, struct wg_angles *angles) {
+    angles->angle0 = wg_atan2(y0, x0), angles->angle1 = wg_atan2(y1, x1);
+    angles->angle2 = wg_atan2(y2, x2), angles->angle3 = wg_atan2(y3, x3);
+}
+
+WG_INLINE struct wg_angles wg_atan2_together(double y0, double x0, double y1, double x1, double y2, double x2, double y3, double x3) {
+    const wg_x2 first_y = {y0, y1}, first_x = {x0, x1}, second_y = {y2, y3}, second_x = {x2, x3};
+    wg_x2 first, second;
+    const wg_x2 a = wg_atan2_near_x2(first_y, first_x, &first), b = wg_atan2_near_x2(second_y, second_x, &second);
+    if (WG_LIKELY(wg_points_within(y0, x0, y1, x1, y2, x2, y3, x3))) {
+        const struct wg_angles angles = {a[0], a[1], b[0], b[1]};
+        return angles;
     } else {
-        double far[6];
-        wg_sincos_far(x0, x1, x2, far);
-        {
-            const struct wg_turned_x3 turned = {far[0], far[1], far[2], far[3], far[4], far[5]};
-            return turned;
-        }
+        struct wg_angles far;
+        wg_atan2_far(y0, x0, y1, x1, y2, x2, y3, x3, &far);
+        return far;
     }
 }
 
 #undef WG_T
+#undef WG_TBITS
 #undef WG_TN
 #undef WG_TC
 #undef WG_TK
 #undef WG_TFMA
 #undef WG_TABS
+#undef WG_TLESS
 #undef WG_TCOPYSIGN
 #undef WG_BOTH
 #endif

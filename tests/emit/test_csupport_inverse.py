@@ -68,12 +68,17 @@ def test_c_and_numpy_agree_on_random_legs(library):
     "leg", [(0.0, 0.35, 0.4, 0.0), (0.08, 0.35, 0.4, 0.06), (0.0, 0.4, 0.4, 0.0), (-2.0, 0.3, 0.4, -0.1), (0.7, 0.3, 0.4, 0.0)]
 )
 def test_c_and_numpy_agree_on_special_targets(library, leg):
+    """Subnormal numbers have few bits: of points that are equally near for these, any may be the answer."""
     target = special_targets()
     geometry = np.broadcast_to([*leg, 1.0, 0.1, -1.0, 0.2, 1.0, -0.3], (len(target), 10))
     q, _ = library.closest(geometry, target, *asked(len(target)))
     expected, _ = closest_yaw_pitch_pitch(geometry, target, *asked(len(target)))
     assert np.isfinite(q).all()
-    assert turned(q - expected).max() <= 1e-12
+    whole = ((target == 0) | (np.abs(target) >= np.finfo(float).tiny)).all(axis=1)
+    assert turned(q - expected)[whole].max() <= 1e-12
+    near = np.abs(target).max(axis=1) <= 1.0
+    distances = [np.linalg.norm(feet(geometry[near], rows[near]) - target[near, None], axis=-1) for rows in (q, expected)]
+    assert np.abs(distances[0] - distances[1]).max() <= 1e-13
 
 
 @pytest.mark.parametrize("exponent", [-900, 900])

@@ -13,8 +13,9 @@ from trig_library import FARTHEST, SOURCE, ZIG, angles, beside_quarters, build, 
 
 from oracles import minimax
 
-WORST = {"sin": 0.85, "cos": 0.85, "atan2": 1.65}
-"""Units in the last place that walkgen_trig.h admits, in double and in float."""
+WORST = {"sin": 1.6, "cos": 1.6, "atan2": 1.6}
+"""Units in the last place that walkgen_trig.h admits, in double and in float; sine and cosine in float up to |x| = NEAR, then FAR."""
+NEAR, FAR = 100.0, 2.4
 REALS = pytest.mark.parametrize("real", [np.float64, np.float32])
 needs_zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the ziglang wheel is not installed")
 needs_fma = pytest.mark.skipif(not fma_flags(), reason="this processor has no fused multiply-add that a flag chooses")
@@ -25,6 +26,11 @@ needs_x86 = pytest.mark.skipif(platform.machine() not in {"x86_64", "AMD64"}, re
 def trig(request, tmp_path_factory):
     """The functions with two roundings a multiply-add, and with one."""
     return build(tmp_path_factory.mktemp("trig"), "-O2", *request.param.split())
+
+
+def admitted(name, x):
+    """The bound on each angle."""
+    return np.where((x.dtype == np.float32) & (np.abs(x) > NEAR), FAR, WORST[name])
 
 
 def hard(real, numbers, rows, seed):
@@ -39,7 +45,7 @@ def hard(real, numbers, rows, seed):
 def test_error_of_sine_and_cosine(trig, real, name):
     numbers = np.unique(np.geomspace(1, FARTHEST[real] / 1.5709, 300).astype(int))
     x = hard(real, numbers, 1500, 1)
-    assert errors(name, trig(name, x), x).max() <= WORST[name]
+    assert (errors(name, trig(name, x), x) <= admitted(name, x)).all()
 
 
 @REALS
@@ -92,7 +98,7 @@ def float_errors(trig, name, x):
 def test_float_on_a_sample_of_all_angles(trig, name):
     last = int(np.float32(1e4).view(np.int32))
     x = np.arange(0, last, 997, dtype=np.int32).view(np.float32)
-    assert float_errors(trig, name, x).max() <= WORST[name]
+    assert (float_errors(trig, name, x) <= admitted(name, x)).all()
 
 
 @pytest.mark.nightly
@@ -101,7 +107,7 @@ def test_float_on_every_angle(trig, name):
     last, step = int(np.float32(1e4).view(np.int32)), 1 << 22
     for first in range(0, last, step):
         x = np.arange(first, min(first + step, last + 1), dtype=np.int32).view(np.float32)
-        assert float_errors(trig, name, x).max() <= WORST[name]
+        assert (float_errors(trig, name, x) <= admitted(name, x)).all()
 
 
 @REALS
@@ -188,7 +194,7 @@ def instructions(folder, name, pattern, *flags):
 def test_sine_and_cosine_share_their_work_and_do_not_jump(tmp_path, flags):
     arithmetic, jump = r"v?f?n?m?(?:mul|add|sub)\d*sd", r"j(?!mp)\w+"
     one, both = (instructions(tmp_path, name, arithmetic, *flags) for name in ("one", "both"))
-    assert 25 < one < both <= one + 4
+    assert 15 < one <= both <= one + 4
     assert [instructions(tmp_path, name, jump, *flags) for name in ("one", "both")] == [1, 1]
     assert instructions(tmp_path, "arctangent", jump, *flags) == 2
     assert instructions(tmp_path, "arctangent", r"v?divsd", *flags) == 1

@@ -94,7 +94,7 @@ def test_truth_values_are_told_from_numbers():
     less = b.add(Code.LESS, 0, 1, name="below")
     body = walked(b, b.add(Code.SELECT, less, 0, 1))
     assert body.statements[0].truth
-    assert body.outputs[0].text == "below ? q[0] : q[1]"
+    assert body.outputs[0].text == "WG_SELECT(below, q[0], q[1])"
 
 
 def test_after_says_when_an_output_can_be_written():

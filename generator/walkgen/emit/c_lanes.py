@@ -121,10 +121,16 @@ def closest_lines(each: Laned, precision: Precision) -> Iterator[str]:
 
 
 def read_twice(function: CFunction) -> CFunction:
-    """With a head that walkgen_batch.h and walkgen_lanes.h make of what they need."""
+    """With a head that walkgen_batch.h and walkgen_lanes.h make of what they need, and statuses of the type that lanes have."""
     static = function.head.startswith("static ")
-    head, rest = function.head.removeprefix("static ").split("(", 1)
-    return replace(function, head=f"WG_{'STATIC_' if static else ''}ROW({head})({rest}")
+    head, rest = _with_states(function.head.removeprefix("static ")).split("(", 1)
+    lines = tuple(map(_with_states, function.lines))
+    return replace(function, head=f"WG_{'STATIC_' if static else ''}ROW({head})({rest}", lines=lines)
+
+
+def _with_states(text: str) -> str:
+    """Integers of functions with lanes are statuses."""
+    return text.replace("int32_t", "WG_STATE")
 
 
 def arrays(signature: Signature) -> str:
@@ -150,7 +156,7 @@ def _block(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
     sizes = dict(zip(each.arguments, (*own.inputs, *own.outputs), strict=True))
     reals, whole = ([f"{name}[{port.size}]" for name, port in sizes.items() if (port.kind == "real") == real] for real in (True, False))
     yield f"{precision.real} {', '.join(['WG_LOST', *reals])};"
-    yield from [f"int32_t {', '.join(whole)};"] if whole else []
+    yield from [f"WG_STATE {', '.join(whole)};"] if whole else []
     for port in signature.inputs:
         if port.name in sizes:
             yield f"WG_TAKE_{port.size}({port.name}, {given[port.name]})"

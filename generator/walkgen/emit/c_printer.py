@@ -69,7 +69,7 @@ _OPERATORS: dict[Code, Form] = {
     Code.OR: Form("{0} || {1}", Level.OR, (Level.COMPARE, Level.COMPARE)),
     Code.NOT: Form("!{0}", Level.UNARY, (Level.ATOM,)),
     Code.EPSILON: Form("WG_EPSILON"),
-    Code.SELECT: Form("{0} ? {1} : {2}", Level.CONDITION, (Level.COMPARE, Level.SUM, Level.SUM)),
+    Code.SELECT: Form("WG_SELECT({0}, {1}, {2})"),
 }
 _FUSED: dict[Code, Form] = {
     Code.FMA: Form("WG_FMA({0}, {1}, {2})"),

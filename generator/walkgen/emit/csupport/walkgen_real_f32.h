@@ -3,6 +3,8 @@
 
 #undef WG_REAL
 #undef WG_REAL_BITS
+#undef WG_UINT
+#undef WG_TOGETHER
 #undef WG_NAME
 #undef WG_C
 #undef WG_EPSILON
@@ -21,10 +23,13 @@
 #undef WG_MIN
 #undef WG_MAX
 #undef WG_INDICATOR
+#undef WG_SELECT
+#undef WG_STATE
 #undef WG_FMA
 
 #define WG_REAL float
 #define WG_REAL_BITS 32
+#define WG_UINT uint32_t
 #define WG_NAME(x) x##_f32
 #define WG_C(x) x##f
 #define WG_EPSILON 1.19209290e-7f
@@ -40,10 +45,19 @@
 #define WG_MIN(a, b) walkgen_min_f32(a, b)
 #define WG_MAX(a, b) walkgen_max_f32(a, b)
 #define WG_INDICATOR(truth) walkgen_indicator_f32(truth)
+#define WG_SELECT(truth, a, b) ((truth) ? (a) : (b))
+#define WG_STATE int32_t
 #if defined(WALKGEN_FAST_FMAF)
 #define WG_FMA(a, b, c) fmaf((a), (b), (c))
 #else
 #define WG_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+/* How many numbers one instruction takes. */
+#if defined(WALKGEN_VECTORS) || defined(WALKGEN_PAIRS)
+#define WG_TOGETHER 4
+#else
+#define WG_TOGETHER 1
 #endif
 
 #if defined(WALKGEN_LIBM)
