@@ -1,12 +1,14 @@
 """What does a leg cost among many? Prints ns a row and ratios, writes results/batches.json.
 
 The leg of specs/mero_leg.toml: its Jacobian and its inverse, 512 rows that stay in the cache and a million that do not, in double and in
-float. Lanes are beside the same functions row after row, and beside the same with the C library's sine and cosine. At a million rows the
-bytes that are read and written count beside what memcpy moves. From Python: walkgen's call beside the formulas written with NumPy.
+float. Lanes are beside the same functions row after row, and beside the same with the C library's sine and cosine; planar are lanes on
+arrays whose like elements lie together. At a million rows the bytes that are read and written count beside what memcpy moves. From
+Python: walkgen's call beside the formulas written with NumPy.
 """
 
 import argparse
 import ctypes
+import json
 import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -35,6 +37,9 @@ BUILDS = {
     "lanes": ("-O3", "-march=native"),
     "lanes, any x86-64": ("-O3",),
 }
+PLANAR = "lanes, planar"
+_PADDING = 8
+"""Numbers between planes: those whose lengths are powers of two would compete for the same lines of the cache."""
 ASKED = {"foot_jacobian": {"double": 10, "float": 15}, "inverse": {"double": 7, "float": 20}}
 """How many times faster than the C library's loop, in the cache, with AVX-512."""
 
@@ -43,7 +48,7 @@ def harness() -> ctypes.CDLL:
     """Loops in C: for few rows a call from Python would cost more than what it calls."""
     build = compile_one(Source("harness", "", (HERE.parent / "harness.c").read_text()), ("-O2",))
     found = ctypes.CDLL(str(build.library))
-    found.time_arrays.restype = found.time_copies.restype = ctypes.c_double
+    found.time_arrays.restype = found.time_planes.restype = found.time_copies.restype = ctypes.c_double
     return found
 
 
@@ -72,6 +77,24 @@ class Call:
 
 
 @dataclass(frozen=True)
+class PlanarCall:
+    """One function on all rows, like elements side by side: its arrays [element, row], those read first."""
+
+    harness: ctypes.CDLL
+    function: Any
+    rows: int
+    arrays: tuple[Array, ...]
+
+    def __call__(self) -> float:
+        """ns a row."""
+        sizes = map(ctypes.c_size_t, (_calls(self.rows), self.rows, self.arrays[0].shape[1]))
+        places = [ctypes.c_void_p(array.ctypes.data) for array in self.arrays]
+        function = ctypes.cast(self.function, ctypes.c_void_p)
+        answer: float = self.harness.time_planes(function, *sizes, *places, *[None] * (3 - len(places)))
+        return answer
+
+
+@dataclass(frozen=True)
 class Copy:
     """memcpy that reads and writes as many bytes together."""
 
@@ -94,12 +117,13 @@ def _calls(rows: int) -> int:
 
 def folder() -> Any:
     """The robot with a float library, made by the pipeline."""
-    return pipeline.build(SPEC, OUTPUT, pipeline.BuildOptions(float32=True)).folder
+    return pipeline.build(SPEC, OUTPUT, pipeline.BuildOptions(float32=True, planar=True)).folder
 
 
 def library(place: Any, source: str, flags: Sequence[str]) -> ctypes.CDLL:
     """One C file under some flags."""
-    text = (place / source).read_text()
+    digest = json.loads((place / "manifest.json").read_text())["digest"]
+    text = f"/* sources {digest} */\n{(place / source).read_text()}"
     build = compile_one(Source("walkgen", source, _exported(text), includes=(place,), flags=COMMON), (*COMMON, *flags))
     if build.message:
         raise SystemExit(build.message)
@@ -122,6 +146,18 @@ def calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: in
     }
 
 
+def planar_calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, PlanarCall]:
+    """The same on planes."""
+    inputs = leg.draw(rows, "limits")
+    q, p = (np.pad(array.astype(real).T, ((0, 0), (0, _PADDING))).copy() for array in (inputs.q, inputs.p))
+    J, angles, states = (np.zeros((size, rows + _PADDING), kind) for size, kind in ((9, real), (12, real), (4, np.int32)))
+    name = f"mero_leg{tag}_leg"
+    return {
+        "foot_jacobian": PlanarCall(timer, found[f"{name}_foot_jacobian_planar"], rows, (q, J)),
+        "inverse": PlanarCall(timer, found[f"{name}_inverse_planar"], rows, (p, angles, states)),
+    }
+
+
 def medians(runners: Mapping[str, Callable[[], float]], repetitions: int) -> dict[str, float]:
     """Of what each says, asked in turn."""
     times: dict[str, list[float]] = {name: [] for name in runners}
@@ -138,8 +174,9 @@ def compiled(place: Any, repetitions: int) -> list[dict[str, Any]]:
         built = {name: library(place, f"mero_leg{tag}.c", flags) for name, flags in BUILDS.items()}
         for span, rows in ROWS.items():
             made = {name: calls(timer, found, tag, real, rows) for name, found in built.items()}
+            planes = planar_calls(timer, built["lanes"], tag, real, rows)
             for function in ASKED:
-                runners: dict[str, Callable[[], float]] = {name: each[function] for name, each in made.items()}
+                runners: dict[str, Callable[[], float]] = {name: each[function] for name, each in made.items()} | {PLANAR: planes[function]}
                 count = made["lanes"][function].bytes
                 runners["memcpy of as many bytes"] = Copy(
                     timer, np.ones((rows, count // 2), np.int8), np.zeros((rows, count // 2), np.int8)
@@ -182,14 +219,16 @@ def _timed(pair: Mapping[str, Callable[[], Any]], repetitions: int, rows: int) -
 def show(entries: Sequence[dict[str, Any]], python: Sequence[dict[str, Any]]) -> None:
     """A row for each function, precision and number of rows."""
     names = list(entries[0]["ns"])
-    heads = ["ns a row", *names, "times faster than the C library's", "share of memcpy's bytes"]
+    heads = ["ns a row", *names, "times faster than the C library's", "planar", "share of memcpy's bytes", "planar"]
     rows = []
     for entry in entries:
         ns = entry["ns"]
         first = f"{entry['function']}, {entry['real']}, {entry['span']}"
-        gain, share = ns["C library, row by row"] / ns["lanes"], ns["memcpy of as many bytes"] / ns["lanes"]
+        gains = [ns["C library, row by row"] / ns[name] for name in ("lanes", PLANAR)]
+        shares = [ns["memcpy of as many bytes"] / ns[name] for name in ("lanes", PLANAR)]
         asked = ASKED[entry["function"]][entry["real"]] if entry["span"] == "in cache" else None
-        rows.append([first, *(f"{ns[name]:.1f}" for name in names), f"{gain:.1f}{f' (asked {asked})' if asked else ''}", f"{share:.2f}"])
+        numbers = [f"{gains[0]:.1f}{f' (asked {asked})' if asked else ''}", f"{gains[1]:.1f}", *(f"{share:.2f}" for share in shares)]
+        rows.append([first, *(f"{ns[name]:.1f}" for name in names), *numbers])
     print(table(heads, rows))
     for entry in python:
         ns = entry["ns"]

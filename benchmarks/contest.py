@@ -102,9 +102,12 @@ def best_of(entries: Iterable[Entry], metric: str) -> Entry | None:
 
 
 def ratios(entries: Sequence[Entry], rivals: Iterable[str]) -> dict[str, Entry]:
-    """walkgen over the best rival by each measure: with its default flags, with its best, and with libm where that ran."""
+    """walkgen over the best rival by each measure: with its default flags, with -O2 for any processor, with its best, and with libm where
+    that ran.
+    """
     own = [entry for entry in entries if entry["peer"] == "walkgen"]
     kinds = {"default": [entry for entry in own if entry["form"] == "default flags"], "best": own}
+    kinds |= {"plain": [entry for entry in own if entry["flags"][0] == "-O2"]}
     with_libm = [entry for entry in entries if entry["peer"] == walkgen_libm.NAME]
     kinds |= {"libm": with_libm} if with_libm else {}
     found: dict[str, Entry] = {}

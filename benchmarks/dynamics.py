@@ -73,7 +73,7 @@ def show(function: DynamicFunction, entries: Sequence[Entry]) -> None:
         for metric, ratio in found.items():
             bound = BOUNDS.get(function.name, ("", 0.0))
             wanted = f"; asked: at most {bound[1]}" if bound[0] == kind and metric == "throughput" else ""
-            numbers = f"{ratio['default']:.3f} by default, {ratio['best']:.3f} with its best flags"
+            numbers = f"{ratio['default']:.3f} by default, {ratio['plain']:.3f} with -O2, {ratio['best']:.3f} with its best flags"
             print(f"  walkgen / best of {kind} ({ratio['rival']}), {metric}: {numbers}{wanted}")
     print()
 

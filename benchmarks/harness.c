@@ -12,6 +12,7 @@ enum { INPUTS = WIDTH };
 typedef int32_t (*row_function)(const double *in, int32_t branch, double *out, int32_t *status);
 typedef size_t (*batch_function)(size_t rows, const double *in, const int32_t *branch, double *out, int32_t *status);
 typedef size_t (*arrays_function)(size_t rows, const void *in, void *out, void *status);
+typedef size_t (*planes_function)(size_t rows, size_t stride, const void *in, void *out, void *status);
 
 #define ENTRY __attribute__((visibility("default")))
 
@@ -70,6 +71,18 @@ ENTRY double time_arrays(arrays_function function, size_t calls, size_t rows, co
     const double start = now();
     for (size_t call = 0; call < calls; ++call) {
         answer += function(rows, in, out, status);
+    }
+    const double stop = now();
+    sink = (int32_t)answer;
+    return (stop - start) / (double)rows / (double)calls;
+}
+
+/* The same on arrays whose like elements lie together, `stride` numbers from one to the next of a row. */
+ENTRY double time_planes(planes_function function, size_t calls, size_t rows, size_t stride, const void *in, void *out, void *status) {
+    size_t answer = 0;
+    const double start = now();
+    for (size_t call = 0; call < calls; ++call) {
+        answer += function(rows, stride, in, out, status);
     }
     const double stop = now();
     sink = (int32_t)answer;
