@@ -17,6 +17,10 @@
 #endif
 
 WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+#if WG_SIZE_COUNTS
+    double further_J[9];
+    ambler_rpp_leg_foot_position_jacobian(q, p, further_J);
+#else
     const double cos_shoulder = WG_COS(q[0]);
     const double sin_shoulder = WG_SIN(q[0]);
     const double extend_shift_z = q[2] + 0.5;
@@ -27,6 +31,7 @@ WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *W
     p[0] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     p[1] = shoulder_to_tip_y;
+#endif
 }
 
 WG_ROW(void ambler_rpp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
@@ -72,6 +77,10 @@ WG_ROW(void ambler_rpp_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_RE
 }
 
 WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
+#if WG_SIZE_COUNTS
+    double further_p[3];
+    ambler_rpp_leg_foot_position_jacobian(q, further_p, J);
+#else
     J[2] = 0.0;
     J[5] = 0.0;
     J[6] = 0.0;
@@ -86,6 +95,7 @@ WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *W
     J[3] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     J[0] = -shoulder_to_tip_y;
+#endif
 }
 
 WG_ROW(void ambler_rpp_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,
@@ -843,7 +853,7 @@ WG_LANED(ambler_rpp_leg_base_parameters, 3, 2);
 #endif
 #else
 
-static void ambler_rpp_leg_screws_kernel(double *WG_RESTRICT geometry) {
+WG_REPEATED void ambler_rpp_leg_screws_kernel(double *WG_RESTRICT geometry) {
     geometry[0] = 0.0;
     geometry[1] = 0.0;
     geometry[2] = 1.0;
@@ -989,22 +999,27 @@ WG_CALLED int32_t ambler_rpp_leg_inverse_admissible_rest(const double *WG_RESTRI
 
 WG_CALLED int32_t ambler_rpp_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
-    double J[9];
-    double bias[6];
-    double rest[3];
-    double rates[3];
-    double further[3];
-    int32_t first;
-    int32_t second;
     int32_t status = WALKGEN_OK;
     ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
-    if (wg_any_unreachable(&status, 1)) {
+    if (status == WALKGEN_UNREACHABLE) {
+#if defined(WALKGEN_NO_DAMPING)
+        status = wg_undamped(qd, 3);
+        status = wg_undamped(qdd, 3);
+#else
+        double J[9];
+        double bias[6];
+        double rest[3];
+        double rates[3];
+        double further[3];
+        int32_t first;
+        int32_t second;
         ambler_rpp_leg_foot_jacobian(q, J);
         wg_damped_inverse(J, v, 3, 0.01, 0.01, rates, &first);
         ambler_rpp_leg_foot_bias_acceleration(q, rates, bias);
         ambler_rpp_leg_rates_wanted_kernel(a, bias, rest);
         wg_damped_inverse(J, rest, 3, 0.01, 0.01, further, &second);
         ambler_rpp_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+#endif
     }
     return status;
 }
@@ -1127,7 +1142,7 @@ int32_t ambler_rpp_leg_inverse_admissible(const double *WG_RESTRICT p, double *W
     wg_inverse_general(geometry, p, 11, rows, states);
     ambler_rpp_leg_limits_kernel(limits);
     wg_admissible_row(rows, states, limits, 11, 2, q, &status);
-    if (wg_any_unreachable(&status, 1)) {
+    if (status == WALKGEN_UNREACHABLE) {
         status = ambler_rpp_leg_inverse_admissible_rest(p, status, limits, q);
     }
     return status;
@@ -1168,7 +1183,7 @@ int32_t ambler_rpp_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q
         return ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
-    if (wg_any_unreachable(&status, 1)) {
+    if (status == WALKGEN_UNREACHABLE) {
         status = ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;

@@ -26,6 +26,15 @@
 #define WG_ATTAINED WG_C(1e-4)
 #endif
 
+/* No rates where they would be damped, and the status. */
+static inline int32_t WG_NAME(wg_undamped)(WG_REAL *qd, int n) {
+    int i;
+    for (i = 0; i < n; ++i) {
+        qd[i] = WG_NAN;
+    }
+    return WALKGEN_SINGULAR;
+}
+
 /* M V = B with orthogonal columns, one after the other, whose lengths are s: M is J where n <= 3, else its transpose. */
 struct WG_NAME(wg_orthogonal) {
     WG_REAL B[3 * WG_MOST_RATES], V[9], s[3];

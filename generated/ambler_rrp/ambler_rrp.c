@@ -17,6 +17,10 @@
 #endif
 
 WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
+#if WG_SIZE_COUNTS
+    double further_J[9];
+    ambler_rrp_leg_foot_position_jacobian(q, p, further_J);
+#else
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
     WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
@@ -27,6 +31,7 @@ WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *W
     p[1] = shoulder_to_tip_y;
     const double shoulder_to_tip_z = 1.0 - extend_shift_z;
     p[2] = shoulder_to_tip_z;
+#endif
 }
 
 WG_ROW(void ambler_rrp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
@@ -996,7 +1001,7 @@ WG_LANED(ambler_rrp_leg_base_parameters, 3, 2);
 #endif
 #else
 
-static void ambler_rrp_leg_screws_kernel(double *WG_RESTRICT geometry) {
+WG_REPEATED void ambler_rrp_leg_screws_kernel(double *WG_RESTRICT geometry) {
     geometry[0] = 0.0;
     geometry[1] = 0.0;
     geometry[2] = 1.0;
@@ -1192,22 +1197,27 @@ WG_CALLED int32_t ambler_rrp_leg_inverse_admissible_rest(const double *WG_RESTRI
 
 WG_CALLED int32_t ambler_rrp_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
-    double J[9];
-    double bias[6];
-    double rest[3];
-    double rates[3];
-    double further[3];
-    int32_t first;
-    int32_t second;
     int32_t status = WALKGEN_OK;
     ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
-    if (wg_any_unreachable(&status, 1)) {
+    if (status == WALKGEN_UNREACHABLE) {
+#if defined(WALKGEN_NO_DAMPING)
+        status = wg_undamped(qd, 3);
+        status = wg_undamped(qdd, 3);
+#else
+        double J[9];
+        double bias[6];
+        double rest[3];
+        double rates[3];
+        double further[3];
+        int32_t first;
+        int32_t second;
         ambler_rrp_leg_foot_jacobian(q, J);
         wg_damped_inverse(J, v, 3, 0.01, 0.01, rates, &first);
         ambler_rrp_leg_foot_bias_acceleration(q, rates, bias);
         ambler_rrp_leg_rates_wanted_kernel(a, bias, rest);
         wg_damped_inverse(J, rest, 3, 0.01, 0.01, further, &second);
         ambler_rrp_leg_rates_joined_kernel(rates, further, first, second, qd, qdd, &status);
+#endif
     }
     return status;
 }
@@ -1330,7 +1340,7 @@ int32_t ambler_rrp_leg_inverse_admissible(const double *WG_RESTRICT p, double *W
     wg_inverse_general(geometry, p, 9, rows, states);
     ambler_rrp_leg_limits_kernel(limits);
     wg_admissible_row(rows, states, limits, 9, 4, q, &status);
-    if (wg_any_unreachable(&status, 1)) {
+    if (status == WALKGEN_UNREACHABLE) {
         status = ambler_rrp_leg_inverse_admissible_rest(p, status, limits, q);
     }
     return status;
@@ -1371,7 +1381,7 @@ int32_t ambler_rrp_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q
         return ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
-    if (wg_any_unreachable(&status, 1)) {
+    if (status == WALKGEN_UNREACHABLE) {
         status = ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;

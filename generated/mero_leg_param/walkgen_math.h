@@ -43,6 +43,10 @@
  * without vector types: the same bits. NumPy's loops are then without vectors wider than
  * every processor has, whose products and sums are rounded once.
  *
+ * WALKGEN_NO_CLOSEST leaves the closest points of yaw-pitch-pitch legs out: rows of unreachable targets are NaN, and UNREACHABLE as before.
+ * WALKGEN_NO_DAMPING leaves damped rates of legs of three joints out: where their pose is not surely regular, or an input is not finite, rates
+ * are NaN and SINGULAR. Both spare room, with -Os half of a leg's; whatever is answered has the same bits.
+ *
  * isfinite comes from <math.h>, WG_RESTRICT and the status codes from walkgen_status.h.
  *
  * A part of the code that walkgen generates: yours to use under any terms.
@@ -84,6 +88,12 @@
 #define WG_SIZE_COUNTS 1
 #else
 #define WG_SIZE_COUNTS 0
+#endif
+/* Functions that are called at several places: compilers see to them, but where size counts. */
+#if WG_SIZE_COUNTS
+#define WG_REPEATED WG_CALLED
+#else
+#define WG_REPEATED static
 #endif
 #if defined(__GNUC__)
 #define WG_LIKELY(condition) __builtin_expect((condition), 1)

@@ -78,7 +78,11 @@ static inline void WG_NAME(wg_damped_inverse_3)(const WG_REAL *WG_RESTRICT J, co
         *status = WALKGEN_OK;
         return;
     }
+#if defined(WALKGEN_NO_DAMPING)
+    *status = WG_NAME(wg_undamped)(qd, 3);
+#else
     WG_NAME(wg_damped_inverse)(J, v, 3, epsilon, lambda_max, qd, status);
+#endif
 }
 
 #undef WG_SAFE_SQUARE

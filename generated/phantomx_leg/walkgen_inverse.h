@@ -26,6 +26,7 @@
 #define WG_HALF_TURN 3.1415925f
 #endif
 
+#if !defined(WALKGEN_NO_CLOSEST)
 /* One sheet and one target, mirrored and scaled to a leg of size about 1. */
 struct WG_NAME(wg_sheet) {
     WG_REAL centre, outer, inner; /* the hip's rho; radii of the stretched and the folded leg about it */
@@ -38,6 +39,8 @@ struct WG_NAME(wg_sheet_point) {
     WG_REAL rho, height;
     WG_REAL extent, cosine, sine; /* distance from the hip and its direction */
 };
+
+#endif
 
 /* Whether one of the statuses is UNREACHABLE: 1 or 0. */
 static inline int32_t WG_NAME(wg_any_unreachable)(const int32_t *status, int32_t count) {
@@ -68,6 +71,7 @@ static inline WG_REAL WG_NAME(wg_wrap_angle)(WG_REAL angle) {
     return wrapped <= -WG_PI ? WG_PI : wrapped;
 }
 
+#if !defined(WALKGEN_NO_CLOSEST)
 /* The binary exponent of the largest magnitude among three numbers. */
 static inline int WG_NAME(wg_exponent_3)(WG_REAL x, WG_REAL y, WG_REAL z) {
     int exponent = 0;
@@ -270,6 +274,28 @@ WG_CALLED void WG_NAME(wg_closest_yaw_pitch_pitch_branch)(const WG_REAL *WG_REST
         q[i] = joints[3 * (branch % 2) + i];
     }
 }
+
+#else
+/* NaN in rows, or the row, whose status is UNREACHABLE. */
+static inline void WG_NAME(wg_closest_yaw_pitch_pitch)(
+    const WG_REAL *WG_RESTRICT geometry, const WG_REAL *WG_RESTRICT target, WG_REAL *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    int i;
+    (void)geometry, (void)target;
+    for (i = 0; i < 12; ++i) {
+        if (status[i / 3] == WALKGEN_UNREACHABLE) {
+            q[i] = WG_NAN;
+        }
+    }
+}
+
+static inline void WG_NAME(wg_closest_yaw_pitch_pitch_branch)(const WG_REAL *WG_RESTRICT geometry, const WG_REAL *WG_RESTRICT target,
+                                                              int32_t branch, WG_REAL *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+    (void)geometry, (void)target, (void)branch;
+    if (*status == WALKGEN_UNREACHABLE) {
+        q[0] = q[1] = q[2] = WG_NAN;
+    }
+}
+#endif
 
 #undef WG_HALF_TURN
 #undef WG_LIBM

@@ -47,14 +47,14 @@ WG_LANED(terrain_demo_leg_foot_position, 2, 1);
 #endif
 #else
 
-static void terrain_demo_terrain_ball_start_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
-    double *WG_RESTRICT at_ball_next) {
+WG_REPEATED void terrain_demo_terrain_ball_start_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT param, double *WG_RESTRICT at_ball_next) {
     (void)param;
     at_ball_next[0] = p[2];
 }
 
-static void terrain_demo_terrain_ball_step_kernel(const double *WG_RESTRICT p, const double *WG_RESTRICT at_ball,
-    const double *WG_RESTRICT param, double *WG_RESTRICT at_ball_next) {
+WG_REPEATED void terrain_demo_terrain_ball_step_kernel(const double *WG_RESTRICT p,
+    const double *WG_RESTRICT at_ball, const double *WG_RESTRICT param, double *WG_RESTRICT at_ball_next) {
     (void)param;
     const double ball_f = p[0] - 1.5;
     const double ball_f_2 = ball_f*ball_f;

@@ -166,11 +166,11 @@ def test_composite_runs_its_steps_under_their_guards(tmp_path):
     second = Composite(Signature("bot", "leg", "again", program.signature.inputs, program.signature.outputs), (), composite.calls[:1], ())
     write(tmp_path, code(composite, second))
     text = (tmp_path / "bot.c").read_text()
-    assert text.count("static void bot_leg_root_kernel(") == 1
-    assert text.count("if (wg_any_unreachable(&status, 1)) {\n        bot_leg_safe_root_rest(") == 1
+    assert text.count("WG_REPEATED void bot_leg_root_kernel(") == 1
+    assert text.count("if (status == WALKGEN_UNREACHABLE) {\n        bot_leg_safe_root_rest(") == 1
     assert text.count("WG_CALLED void bot_leg_safe_root_rest(") == 1
     assert "double squares[2];" in text.split("bot_leg_safe_root_rest(")[1].split("}")[0]
-    assert "if (wg_any_unreachable_f32(&status, 1)) {" in (tmp_path / "bot_f32.c").read_text()
+    assert "if (status == WALKGEN_UNREACHABLE) {" in (tmp_path / "bot_f32.c").read_text()
     main = """
 #include <stdio.h>
 #include "bot.h"

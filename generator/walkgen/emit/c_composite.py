@@ -39,7 +39,8 @@ def rest_functions(composite: Composite, kernels: Mapping[Program, CFunction], p
     """What only some rows need, as static functions."""
     for rest in in_order(composite, leaves=_leaves(composite, kernels)):
         if isinstance(rest, Rest):
-            lines = [_local(port, rest.body, printer.precision) for port in rest.body.locals]
+            inner = _inner(rest)
+            lines = [_local(port, rest.body, printer.precision) for port in rest.body.locals if port not in inner]
             lines += _anew_lines(rest, kernels, printer) if rest.anew else _rest_lines(rest, rest.body.calls, kernels, printer)
             lines += [f"{INDENT}return {port.name};" for port in rest.returned]
             yield CFunction(rest.name(printer.precision), rest.head(printer.precision), tuple(lines))
@@ -63,8 +64,29 @@ def _anew_lines(rest: Rest, kernels: Mapping[Program, CFunction], printer: CPrin
     yield f"{INDENT}int32_t {status.name} = WALKGEN_OK;"
     yield from _call_lines(first, rest.body, kernels, printer, near=0)
     yield _opened(rest.guard, rest.body, printer)
-    yield from (INDENT + line for line in _rest_lines(rest, others, kernels, printer))
+    lines = [_local(port, rest.body, printer.precision) for port in _inner(rest)] + list(_rest_lines(rest, others, kernels, printer))
+    yield from _damped_lines(rest, [INDENT + line for line in lines], printer) if _damps(rest) else (INDENT + line for line in lines)
     yield f"{INDENT}}}"
+
+
+def _damps(rest: Rest) -> bool:
+    return rest.anew and any(call.callee == "wg_damped_inverse" for call in rest.body.calls)
+
+
+def _inner(rest: Rest) -> tuple[Port, ...]:
+    """Locals that only damping needs."""
+    return tuple(port for port in rest.body.locals if port.name not in rest.body.calls[0].arguments) if _damps(rest) else ()
+
+
+def _damped_lines(rest: Rest, lines: list[str], printer: CPrinter) -> Iterator[str]:
+    """Damping, or what stands for it where it is left out."""
+    (status,) = rest.returned
+    undamped = _routine_name("wg_undamped", printer.precision)
+    yield "#if defined(WALKGEN_NO_DAMPING)"
+    for port in rest.body.signature.outputs:
+        if port is not status:
+            yield f"{INDENT * 2}{status.name} = {undamped}({port.name}, {port.size});"
+    yield from ("#else", *lines, "#endif")
 
 
 def stack_of(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> int:
@@ -106,6 +128,10 @@ def _guarded(guard: Guard, step: str, composite: Composite, printer: CPrinter) -
 
 
 def _opened(guard: Guard, composite: Composite, printer: CPrinter) -> str:
+    """Of a status that is returned the question is asked in place: nothing takes its address."""
+    returned = composite.signature.returned
+    if returned and guard == ("wg_any_unreachable", (returned.name, 1)):
+        return f"{INDENT}if ({returned.name} == WALKGEN_UNREACHABLE) {{"
     asked = [_argument(argument, composite, printer, by_address=True) for argument in guard[1]]
     return f"{INDENT}if ({_routine_name(guard[0], printer.precision)}({', '.join(asked)})) {{"
 

@@ -32,13 +32,11 @@ from walkgen.signature import Port, Signature, Table
 _KEPT = "\0"
 
 
-def kernel(program: Program, name: str, printer: CPrinter, *, inlined: bool = False, leaves: bool = False) -> CFunction:
+def kernel(program: Program, name: str, printer: CPrinter, storage: str = "static", *, leaves: bool = False) -> CFunction:
     """A Program as a static function that writes every output through a pointer."""
     signature = program.signature
     near = ["int wg_near"] if leaves else []
-    head = declared(
-        f"{'WG_INLINE' if inlined else 'static'} void {name}", [*parameters(signature.inputs, signature.outputs, printer.precision), *near]
-    )
+    head = declared(f"{storage} void {name}", [*parameters(signature.inputs, signature.outputs, printer.precision), *near])
     body = walk(program, replace(printer, leaves=leaves))
     lines = (*(f"{INDENT}(void){parameter.split()[-1]};" for parameter in near), *_program_lines(program, body, printer, None))
     return CFunction(name, head, lines, locals_size=_locals_size(body, printer.precision), leaves=leaves)
@@ -167,6 +165,24 @@ def _described(port: Port) -> str:
 
 
 def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None) -> Iterator[str]:
+    whole = printer.contained.get(program)
+    lines = _own_lines(program, body, printer, returned)
+    yield from (
+        lines if whole is None else ("#if WG_SIZE_COUNTS", *_contained_lines(program, whole, printer.precision), "#else", *lines, "#endif")
+    )
+
+
+def _contained_lines(program: Program, whole: Program, precision: Precision) -> Iterator[str]:
+    """All from a function that has more outputs."""
+    own = program.signature
+    further = [port for port in whole.signature.outputs if port not in own.outputs]
+    yield from (f"{INDENT}{port_type(port, precision)} further_{port.name}[{port.size}];" for port in further)
+    names = [port.name for port in own.inputs]
+    names += [port.name if port in own.outputs else f"further_{port.name}" for port in whole.signature.outputs]
+    yield f"{INDENT}{function_name(whole.signature, precision)}({', '.join(names)});"
+
+
+def _own_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None) -> Iterator[str]:
     used = {program.ops[index].element[0] for index in live(program) if program.ops[index].code is Code.INPUT}
     for number, port in enumerate(program.signature.inputs):
         if number not in used:

@@ -19,6 +19,8 @@ _TOLERANCE = sympy.Rational(1, 10**12)
 _PI = constant(sympy.pi)
 _FALSE = sympy.false
 
+_KNEES = ((1, "plus"), (-1, "minus"))
+
 Row = tuple[tuple[sympy.Expr, sympy.Expr, sympy.Expr], sympy.Expr]
 """Three joint values and a status."""
 
@@ -117,19 +119,25 @@ class Branches:
 
     def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str) -> sympy.Expr:
         """q1 of the sheet with this signed rho; the target turned back by the leg plane's own angle."""
+        return self._yaw_of(Angle(*self._yaw_direction(rho, sign, name)), name)
+
+    def _yaw_direction(self, rho: sympy.Expr, sign: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         x, y, _ = self.target
         w, turn = self._geometry.w, self._geometry.sign1
         if w == 0:
-            sine, cosine = sign * y, sign * x
-        else:
-            sine, cosine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w), self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
-        return self._poisoned(Select(self.on_axis, 0, self.half_open(Angle(turn * sine, cosine), f"yaw_{name}")), f"yaw_{name}")
+            return turn * sign * y, sign * x
+        sine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w)
+        return turn * sine, self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
 
-    def opposite_yaw(self, yaw: sympy.Expr) -> sympy.Expr:
+    def _yaw_of(self, angle: sympy.Expr, name: str) -> sympy.Expr:
+        """Any yaw will do where the target lies on the axis."""
+        name = f"yaw_{name}"
+        return self._poisoned(Select(self.on_axis, 0, self.half_open(angle, name)), name)
+
+    def _opposite_yaw(self) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
-        back = self.tape.let("yaw_back", yaw - _PI)
-        half_turn = self.tape.let("half_turn", _PI - 2 * _PI * Indicator(Less(-_PI, back)))
-        return self._poisoned(Select(self.on_axis, 0, yaw + half_turn), "yaw_minus")
+        ahead = self.tape.let("yaw_plus_angle", Angle(*self._yaw_direction(self.rho, sympy.S.One, "plus")))
+        return self._yaw_of(ahead + Select(LessEqual(ahead, 0), _PI, -_PI), "minus")
 
     def half_open(self, angle: sympy.Expr, name: str) -> sympy.Expr:
         """-pi becomes pi: angles live in (-pi, pi]."""
@@ -161,11 +169,6 @@ class Branches:
         sine = self.tape.let(f"knee_sin_{name}", sympy.sqrt(opening * (2 - opening)))
         return Knee(self.tape.let(f"knee_cos_{name}", opening - 1), sine, outside, collapsed)
 
-    def lift(self, X: sympy.Expr, name: str) -> sympy.Expr:
-        """Angle of the hip-foot vector, counted from the thigh's zero and in q2's sense."""
-        z = self.target[2]
-        return self._poisoned(Angle(*self._from_zero(z, X, name)), f"lift_{name}")
-
     def _from_zero(self, sine: sympy.Expr, cosine: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         zero, turn = self._geometry.zero2, self._geometry.sign2
         if zero == 0:
@@ -173,10 +176,18 @@ class Branches:
         c, s = (self.tape.let(f"thigh_zero_{word}", function(zero)) for word, function in (("cos", sympy.cos), ("sin", sympy.sin)))
         return turn * self.tape.let(f"lift_{name}_sin", sine * c - cosine * s), self.tape.let(f"lift_{name}_cos", cosine * c + sine * s)
 
-    def thigh_offset(self, knee: Knee, name: str) -> sympy.Expr:
-        """Angle between thigh and hip-foot vector."""
+    def thigh(self, X: sympy.Expr, knee: Knee, sign: int, name: str) -> sympy.Expr:
+        """q2 in [-pi, pi]: the hip-foot vector's direction less the thigh's angle to it, on the knee's side."""
+        along, across = self._shank(knee, knee.sine)
+        z = self.target[2]
+        sine = self.tape.let(f"thigh_{name}_sin", z * along - sign * (X * across))
+        cosine = self.tape.let(f"thigh_{name}_cos", X * along + sign * (z * across))
+        return self._poisoned(Angle(*self._from_zero(sine, cosine, f"lift_{name}")), f"thigh_{name}")
+
+    def _shank(self, knee: Knee, sine: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
+        """The foot seen from the hip: along the thigh and across it."""
         g = self._geometry
-        return self.tape.let(f"thigh_offset_{name}", Angle(g.l3 * knee.sine, g.a2 + g.l3 * knee.cosine))
+        return self.tape.let("along", g.a2 + g.l3 * knee.cosine), self.tape.let("across", g.l3 * sine)
 
     def knee_value(self, gamma: sympy.Expr, name: str, *, reaches_minus_pi: bool) -> sympy.Expr:
         """q3 of a knee angle within [-pi, pi]."""
@@ -191,40 +202,41 @@ class Branches:
         reachable = Select(duplicate, DUPLICATE, Select(singular, SINGULAR, OK))
         return Select(bad, BAD_INPUT, Select(Either(self.inside_cylinder, outside), UNREACHABLE, reachable))
 
-    def thigh_pair(self, knee: Knee, lift: sympy.Expr, offset: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
-        """q2 of both knees of a sheet."""
-        ahead = self._geometry.sign2 * offset
-        plus_knee = self.wrapped(lift - ahead, f"q2_{name}_plus")
-        minus_knee = self.wrapped(lift + ahead, f"q2_{name}_minus")
-        return Select(knee.collapsed, self._taint, plus_knee), Select(knee.collapsed, self._taint, minus_knee)
-
     def all_rows(self) -> list[Row]:
         """Rows and statuses in the fixed order."""
         rho, g = self.rho, self._geometry
+        X, X_minus = self._ahead(rho, "X_plus"), self._ahead(-rho, "X_minus")
+        knee = self.knee(X, "plus")
+        far = knee if g.a1 == 0 else self.knee(X_minus, "minus")
+        thighs = [self.thigh(X, knee, sign, f"plus_{word}") for sign, word in _KNEES]
+        if g.a1 == 0 and g.zero2 == 0:  # mirror images, of the other knee
+            others = [Select(Less(thigh, 0), -_PI, _PI) - thigh for thigh in reversed(thighs)]
+        else:
+            others = [self.thigh(X_minus, far, sign, f"minus_{word}") for sign, word in _KNEES]
         yaw = self.yaw(rho, sympy.S.One, "plus")
-        other = self.opposite_yaw(yaw) if g.w == 0 else self.yaw(-rho, -sympy.S.One, "minus")
-        X = self.tape.let("X_plus", rho - g.a1)
-        knee, lift = self.knee(X, "plus"), self.lift(X, "plus")
-        offset = self.thigh_offset(knee, "plus")
-        plus_sheet = self._sheet(yaw, self.thigh_pair(knee, lift, offset, "plus"), knee, "plus", _FALSE)
-        X_minus = self.tape.let("X_minus", -rho - g.a1)
-        if g.a1 == 0:  # the knee triangle is the same; without a thigh zero the lift is its mirror image too
-            mirrored = _PI - lift if g.zero2 == 0 else self.lift(X_minus, "minus")
-            pair = self.thigh_pair(knee, mirrored, offset, "minus")
-            return [*plus_sheet, *self._sheet(other, pair, knee, "plus", Same(rho, 0))]
-        far = self.knee(X_minus, "minus")
-        pair = self.thigh_pair(far, self.lift(X_minus, "minus"), self.thigh_offset(far, "minus"), "minus")
-        return [*plus_sheet, *self._sheet(other, pair, far, "minus", Same(rho, 0))]
+        other = self._opposite_yaw() if g.w == 0 else self.yaw(-rho, -sympy.S.One, "minus")
+        return [*self._sheet(yaw, thighs, knee, "plus", _FALSE), *self._sheet(other, others, far, "minus", Same(rho, 0))]
 
-    def _sheet(self, yaw: sympy.Expr, thighs: tuple[sympy.Expr, sympy.Expr], knee: Knee, name: str, repeated: sympy.Expr) -> list[Row]:
+    def _ahead(self, rho: sympy.Expr, name: str) -> sympy.Expr:
+        """The foot's place seen from the hip, along the leg plane."""
+        return self.tape.let(name, rho - self._geometry.a1)
+
+    def _sheet(self, yaw: sympy.Expr, thighs: Sequence[sympy.Expr], knee: Knee, name: str, repeated: sympy.Expr) -> list[Row]:
         gamma = self._poisoned(Angle(knee.sine, knee.cosine), f"gamma_{name}")
         singular = Either(self.on_axis, knee.collapsed)
         straight = Either(repeated, Same(knee.sine, 0))
+        missed = self.tape.let("missed", Select(self.bad, BAD_INPUT, Select(Either(self.inside_cylinder, knee.outside), UNREACHABLE, OK)))
         rows: list[Row] = []
-        for sign, thigh, duplicate, word in ((1, thighs[0], repeated, "plus"), (-1, thighs[1], straight, "minus")):
-            values = (yaw, thigh, self.knee_value(sign * gamma, f"{name}_{word}", reaches_minus_pi=sign != self._geometry.sign3))
-            rows.append((values, self.status(knee.outside, duplicate, singular, self.bad)))
+        for (sign, word), thigh, duplicate in zip(_KNEES, thighs, (repeated, straight), strict=True):
+            bent = self.knee_value(sign * gamma, f"{name}_{word}", reaches_minus_pi=sign != self._geometry.sign3)
+            values = (yaw, self._free(thigh, knee, f"{name}_{word}"), bent)
+            reached = Select(duplicate, DUPLICATE, Select(singular, SINGULAR, OK))
+            rows.append((values, Select(Same(missed, OK), reached, missed)))
         return rows
+
+    def _free(self, thigh: sympy.Expr, knee: Knee, name: str) -> sympy.Expr:
+        """q2 in (-pi, pi]; 0 where any thigh will do."""
+        return Select(knee.collapsed, self._taint, self.half_open(thigh, f"q2_{name}"))
 
     def _poisoned(self, angle: sympy.Expr, name: str) -> sympy.Expr:
         """The angle, NaN for a bad input."""
@@ -232,14 +244,14 @@ class Branches:
 
     def one_row(self) -> Row:
         """The branch with this index, by signs instead of choices."""
-        g, index = self._geometry, self._index
+        index, z = self._index, self.target[2]
         rho_sign = self.tape.let("rho_sign", 1 - 2 * Indicator(LessEqual(2, index)))
         knee_sign = self.tape.let("knee_sign", 1 - 2 * Indicator(Either(Same(index, 1), Same(index, 3))))
         rho = self.tape.let("rho_signed", rho_sign * self.rho)
-        X, z = self.tape.let("X", rho - g.a1), self.target[2]
+        X = self._ahead(rho, "X")
         knee = self.knee(X, "plus")
         sine = self.tape.let("knee_sin", knee_sign * knee.sine)
-        along, across = self.tape.let("along", g.a2 + g.l3 * knee.cosine), self.tape.let("across", g.l3 * sine)
+        along, across = self._shank(knee, sine)
         opposite, adjacent = self.tape.let("thigh_sin", z * along - X * across), self.tape.let("thigh_cos", X * along + z * across)
         straight = Both(Same(knee.sine, 0), Less(knee_sign, 0))
         duplicate = Either(straight, Both(Same(self.rho, 0), Less(rho_sign, 0)))
@@ -247,6 +259,5 @@ class Branches:
         status = self.tape.let("state", self.status(knee.outside, duplicate, singular, self.bad))
         yaw = self.yaw(rho, rho_sign, "one")
         gamma = self._poisoned(Angle(sine, knee.cosine), "gamma")
-        thigh = self.half_open(self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh"), "q2")
-        values = (yaw, Select(knee.collapsed, self._taint, thigh), self.knee_value(gamma, "one", reaches_minus_pi=True))
-        return values, status
+        thigh = self._free(self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh"), knee, "one")
+        return (yaw, thigh, self.knee_value(gamma, "one", reaches_minus_pi=True)), status
