@@ -496,6 +496,7 @@ WG_ROW(void ambler_rpp_leg_base_parameters)(const double *WG_RESTRICT q, const d
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_position) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3];
@@ -510,7 +511,9 @@ WG_ALONE(ambler_rpp_leg_foot_position) {
     ambler_rpp_leg_foot_position(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_position, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_rotation) {
     WG_EACH_LANE {
         double WG_LOST, q[3], R[9];
@@ -525,7 +528,9 @@ WG_ALONE(ambler_rpp_leg_foot_rotation) {
     ambler_rpp_leg_foot_rotation(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_rotation, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_pose) {
     WG_EACH_LANE {
         double WG_LOST, q[3], T[16];
@@ -540,7 +545,9 @@ WG_ALONE(ambler_rpp_leg_foot_pose) {
     ambler_rpp_leg_foot_pose(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_pose, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[9];
@@ -555,7 +562,9 @@ WG_ALONE(ambler_rpp_leg_foot_jacobian) {
     ambler_rpp_leg_foot_jacobian(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_position_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3], J[9];
@@ -571,7 +580,9 @@ WG_ALONE(ambler_rpp_leg_foot_position_jacobian) {
     ambler_rpp_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
 }
 WG_LANED(ambler_rpp_leg_foot_position_jacobian, 1, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_spatial_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[18];
@@ -586,7 +597,9 @@ WG_ALONE(ambler_rpp_leg_foot_spatial_jacobian) {
     ambler_rpp_leg_foot_spatial_jacobian(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_spatial_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_hessian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], H[27];
@@ -601,7 +614,9 @@ WG_ALONE(ambler_rpp_leg_foot_hessian) {
     ambler_rpp_leg_foot_hessian(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_hessian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_velocity) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], v[3];
@@ -617,7 +632,9 @@ WG_ALONE(ambler_rpp_leg_foot_velocity) {
     ambler_rpp_leg_foot_velocity(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_velocity, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], a[3];
@@ -634,7 +651,9 @@ WG_ALONE(ambler_rpp_leg_foot_acceleration) {
     ambler_rpp_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_acceleration, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_bias_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], a[6];
@@ -650,7 +669,9 @@ WG_ALONE(ambler_rpp_leg_foot_bias_acceleration) {
     ambler_rpp_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_bias_acceleration, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_foot_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], f[3], tau[3];
@@ -666,7 +687,9 @@ WG_ALONE(ambler_rpp_leg_foot_torque) {
     ambler_rpp_leg_foot_torque(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_foot_torque, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(ambler_rpp_leg_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3];
@@ -684,7 +707,9 @@ WG_ALONE(ambler_rpp_leg_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(ambler_rpp_leg_within_limits, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_inverse_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
@@ -702,7 +727,9 @@ WG_ALONE(ambler_rpp_leg_inverse_dynamics) {
     ambler_rpp_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_inverse_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_forward_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
@@ -720,7 +747,9 @@ WG_ALONE(ambler_rpp_leg_forward_dynamics) {
     ambler_rpp_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_forward_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_mass_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], M[9];
@@ -735,7 +764,9 @@ WG_ALONE(ambler_rpp_leg_mass_matrix) {
     ambler_rpp_leg_mass_matrix(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_mass_matrix, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_bias) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], h[3];
@@ -751,7 +782,9 @@ WG_ALONE(ambler_rpp_leg_bias) {
     ambler_rpp_leg_bias(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_bias, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_gravity_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], g[3];
@@ -766,7 +799,9 @@ WG_ALONE(ambler_rpp_leg_gravity_torque) {
     ambler_rpp_leg_gravity_torque(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_gravity_torque, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_coriolis_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], C[9];
@@ -782,7 +817,9 @@ WG_ALONE(ambler_rpp_leg_coriolis_matrix) {
     ambler_rpp_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_coriolis_matrix, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_kinetic_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], T[1];
@@ -798,7 +835,9 @@ WG_ALONE(ambler_rpp_leg_kinetic_energy) {
     ambler_rpp_leg_kinetic_energy(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_kinetic_energy, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_potential_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], U[1];
@@ -813,7 +852,9 @@ WG_ALONE(ambler_rpp_leg_potential_energy) {
     ambler_rpp_leg_potential_energy(&given[0], &found[0]);
 }
 WG_LANED(ambler_rpp_leg_potential_energy, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_inverse_dynamics_derivatives) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], tau_d_q[9], tau_d_qd[9];
@@ -831,7 +872,9 @@ WG_ALONE(ambler_rpp_leg_inverse_dynamics_derivatives) {
     ambler_rpp_leg_inverse_dynamics_derivatives(&given[0], &given[3], &given[6], &found[0], &found[9]);
 }
 WG_LANED(ambler_rpp_leg_inverse_dynamics_derivatives, 3, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rpp_leg_base_parameters) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], Y[15], p[5];
@@ -849,6 +892,7 @@ WG_ALONE(ambler_rpp_leg_base_parameters) {
     ambler_rpp_leg_base_parameters(&given[0], &given[3], &given[6], &found[0], &found[15]);
 }
 WG_LANED(ambler_rpp_leg_base_parameters, 3, 2);
+#endif
 
 #endif
 #else
@@ -2623,7 +2667,7 @@ void ambler_rpp_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, 
 }
 
 void ambler_rpp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
-#if defined(WALKGEN_BLOCKS)
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
     const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
     (void)WG_NAME(wg_batch)(&ambler_rpp_leg_within_limits_laned, rows, arrays, NULL);
 #else

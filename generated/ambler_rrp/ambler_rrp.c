@@ -644,6 +644,7 @@ WG_ROW(void ambler_rrp_leg_base_parameters)(const double *WG_RESTRICT q, const d
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_position) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3];
@@ -658,7 +659,9 @@ WG_ALONE(ambler_rrp_leg_foot_position) {
     ambler_rrp_leg_foot_position(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_position, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_rotation) {
     WG_EACH_LANE {
         double WG_LOST, q[3], R[9];
@@ -673,7 +676,9 @@ WG_ALONE(ambler_rrp_leg_foot_rotation) {
     ambler_rrp_leg_foot_rotation(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_rotation, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_pose) {
     WG_EACH_LANE {
         double WG_LOST, q[3], T[16];
@@ -688,7 +693,9 @@ WG_ALONE(ambler_rrp_leg_foot_pose) {
     ambler_rrp_leg_foot_pose(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_pose, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[9];
@@ -703,7 +710,9 @@ WG_ALONE(ambler_rrp_leg_foot_jacobian) {
     ambler_rrp_leg_foot_jacobian(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_position_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3], J[9];
@@ -719,7 +728,9 @@ WG_ALONE(ambler_rrp_leg_foot_position_jacobian) {
     ambler_rrp_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
 }
 WG_LANED(ambler_rrp_leg_foot_position_jacobian, 1, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_spatial_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[18];
@@ -734,7 +745,9 @@ WG_ALONE(ambler_rrp_leg_foot_spatial_jacobian) {
     ambler_rrp_leg_foot_spatial_jacobian(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_spatial_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_hessian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], H[27];
@@ -749,7 +762,9 @@ WG_ALONE(ambler_rrp_leg_foot_hessian) {
     ambler_rrp_leg_foot_hessian(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_hessian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_velocity) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], v[3];
@@ -765,7 +780,9 @@ WG_ALONE(ambler_rrp_leg_foot_velocity) {
     ambler_rrp_leg_foot_velocity(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_velocity, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], a[3];
@@ -782,7 +799,9 @@ WG_ALONE(ambler_rrp_leg_foot_acceleration) {
     ambler_rrp_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_acceleration, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_bias_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], a[6];
@@ -798,7 +817,9 @@ WG_ALONE(ambler_rrp_leg_foot_bias_acceleration) {
     ambler_rrp_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_bias_acceleration, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_foot_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], f[3], tau[3];
@@ -814,7 +835,9 @@ WG_ALONE(ambler_rrp_leg_foot_torque) {
     ambler_rrp_leg_foot_torque(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_foot_torque, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(ambler_rrp_leg_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3];
@@ -832,7 +855,9 @@ WG_ALONE(ambler_rrp_leg_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(ambler_rrp_leg_within_limits, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_inverse_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
@@ -850,7 +875,9 @@ WG_ALONE(ambler_rrp_leg_inverse_dynamics) {
     ambler_rrp_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_inverse_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_forward_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
@@ -868,7 +895,9 @@ WG_ALONE(ambler_rrp_leg_forward_dynamics) {
     ambler_rrp_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_forward_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_mass_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], M[9];
@@ -883,7 +912,9 @@ WG_ALONE(ambler_rrp_leg_mass_matrix) {
     ambler_rrp_leg_mass_matrix(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_mass_matrix, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_bias) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], h[3];
@@ -899,7 +930,9 @@ WG_ALONE(ambler_rrp_leg_bias) {
     ambler_rrp_leg_bias(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_bias, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_gravity_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], g[3];
@@ -914,7 +947,9 @@ WG_ALONE(ambler_rrp_leg_gravity_torque) {
     ambler_rrp_leg_gravity_torque(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_gravity_torque, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_coriolis_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], C[9];
@@ -930,7 +965,9 @@ WG_ALONE(ambler_rrp_leg_coriolis_matrix) {
     ambler_rrp_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_coriolis_matrix, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_kinetic_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], T[1];
@@ -946,7 +983,9 @@ WG_ALONE(ambler_rrp_leg_kinetic_energy) {
     ambler_rrp_leg_kinetic_energy(&given[0], &given[3], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_kinetic_energy, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_potential_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], U[1];
@@ -961,7 +1000,9 @@ WG_ALONE(ambler_rrp_leg_potential_energy) {
     ambler_rrp_leg_potential_energy(&given[0], &found[0]);
 }
 WG_LANED(ambler_rrp_leg_potential_energy, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_inverse_dynamics_derivatives) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], tau_d_q[9], tau_d_qd[9];
@@ -979,7 +1020,9 @@ WG_ALONE(ambler_rrp_leg_inverse_dynamics_derivatives) {
     ambler_rrp_leg_inverse_dynamics_derivatives(&given[0], &given[3], &given[6], &found[0], &found[9]);
 }
 WG_LANED(ambler_rrp_leg_inverse_dynamics_derivatives, 3, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(ambler_rrp_leg_base_parameters) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], Y[15], p[5];
@@ -997,6 +1040,7 @@ WG_ALONE(ambler_rrp_leg_base_parameters) {
     ambler_rrp_leg_base_parameters(&given[0], &given[3], &given[6], &found[0], &found[15]);
 }
 WG_LANED(ambler_rrp_leg_base_parameters, 3, 2);
+#endif
 
 #endif
 #else
@@ -3107,7 +3151,7 @@ void ambler_rrp_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, 
 }
 
 void ambler_rrp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
-#if defined(WALKGEN_BLOCKS)
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
     const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
     (void)WG_NAME(wg_batch)(&ambler_rrp_leg_within_limits_laned, rows, arrays, NULL);
 #else

@@ -5,6 +5,7 @@
 #undef WG_REAL_BITS
 #undef WG_UINT
 #undef WG_TOGETHER
+#undef WG_MASKS
 #undef WG_NAME
 #undef WG_C
 #undef WG_EPSILON
@@ -51,6 +52,13 @@
 #define WG_FMA(a, b, c) fma((a), (b), (c))
 #else
 #define WG_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+/* Whether compilers make vectors of masks as wide as a number; of 64 bits on x86-64 from SSE4.2 on. */
+#if defined(__SSE2__) && !defined(__SSE4_2__)
+#define WG_MASKS 0
+#else
+#define WG_MASKS 1
 #endif
 
 /* How many numbers one instruction takes. */

@@ -804,6 +804,7 @@ WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRI
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_position) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3];
@@ -818,7 +819,9 @@ WG_ALONE(mero_leg_leg_foot_position) {
     mero_leg_leg_foot_position(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_position, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_rotation) {
     WG_EACH_LANE {
         double WG_LOST, q[3], R[9];
@@ -833,7 +836,9 @@ WG_ALONE(mero_leg_leg_foot_rotation) {
     mero_leg_leg_foot_rotation(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_rotation, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_pose) {
     WG_EACH_LANE {
         double WG_LOST, q[3], T[16];
@@ -848,7 +853,9 @@ WG_ALONE(mero_leg_leg_foot_pose) {
     mero_leg_leg_foot_pose(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_pose, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[9];
@@ -863,7 +870,9 @@ WG_ALONE(mero_leg_leg_foot_jacobian) {
     mero_leg_leg_foot_jacobian(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_position_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3], J[9];
@@ -879,7 +888,9 @@ WG_ALONE(mero_leg_leg_foot_position_jacobian) {
     mero_leg_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
 }
 WG_LANED(mero_leg_leg_foot_position_jacobian, 1, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_spatial_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[18];
@@ -894,7 +905,9 @@ WG_ALONE(mero_leg_leg_foot_spatial_jacobian) {
     mero_leg_leg_foot_spatial_jacobian(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_spatial_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_hessian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], H[27];
@@ -909,7 +922,9 @@ WG_ALONE(mero_leg_leg_foot_hessian) {
     mero_leg_leg_foot_hessian(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_hessian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_velocity) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], v[3];
@@ -925,7 +940,9 @@ WG_ALONE(mero_leg_leg_foot_velocity) {
     mero_leg_leg_foot_velocity(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_velocity, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], a[3];
@@ -942,7 +959,9 @@ WG_ALONE(mero_leg_leg_foot_acceleration) {
     mero_leg_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_acceleration, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_bias_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], a[6];
@@ -958,7 +977,9 @@ WG_ALONE(mero_leg_leg_foot_bias_acceleration) {
     mero_leg_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_bias_acceleration, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], f[3], tau[3];
@@ -974,7 +995,9 @@ WG_ALONE(mero_leg_leg_foot_torque) {
     mero_leg_leg_foot_torque(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_leg_foot_torque, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_leg_inverse) {
     WG_EACH_LANE {
         double WG_LOST, p[3], q[12], target[3];
@@ -994,7 +1017,9 @@ WG_ALONE(mero_leg_leg_inverse) {
     for (int at = 0; at < 4; ++at) { found[12 + at] = (double)status[at]; }
 }
 WG_LANED(mero_leg_leg_inverse, 1, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_leg_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3];
@@ -1012,7 +1037,9 @@ WG_ALONE(mero_leg_leg_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(mero_leg_leg_within_limits, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_inverse_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
@@ -1030,7 +1057,9 @@ WG_ALONE(mero_leg_leg_inverse_dynamics) {
     mero_leg_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(mero_leg_leg_inverse_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_forward_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
@@ -1048,7 +1077,9 @@ WG_ALONE(mero_leg_leg_forward_dynamics) {
     mero_leg_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(mero_leg_leg_forward_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_mass_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], M[9];
@@ -1063,7 +1094,9 @@ WG_ALONE(mero_leg_leg_mass_matrix) {
     mero_leg_leg_mass_matrix(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_mass_matrix, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_bias) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], h[3];
@@ -1079,7 +1112,9 @@ WG_ALONE(mero_leg_leg_bias) {
     mero_leg_leg_bias(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_leg_bias, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_gravity_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], g[3];
@@ -1094,7 +1129,9 @@ WG_ALONE(mero_leg_leg_gravity_torque) {
     mero_leg_leg_gravity_torque(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_gravity_torque, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_coriolis_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], C[9];
@@ -1110,7 +1147,9 @@ WG_ALONE(mero_leg_leg_coriolis_matrix) {
     mero_leg_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_leg_coriolis_matrix, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_kinetic_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], T[1];
@@ -1126,7 +1165,9 @@ WG_ALONE(mero_leg_leg_kinetic_energy) {
     mero_leg_leg_kinetic_energy(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_leg_kinetic_energy, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_potential_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], U[1];
@@ -1141,6 +1182,7 @@ WG_ALONE(mero_leg_leg_potential_energy) {
     mero_leg_leg_potential_energy(&given[0], &found[0]);
 }
 WG_LANED(mero_leg_leg_potential_energy, 1, 1);
+#endif
 
 #endif
 #else
@@ -3594,11 +3636,13 @@ void mero_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_REST
 #include "walkgen_lanes.h"
 #include "mero_leg.c"
 #undef WALKGEN_ROWS
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 static void mero_leg_leg_inverse_closest(const double *given, double *found) {
     int32_t status[4];
     mero_leg_leg_inverse(&given[0], &found[0], status);
     for (int at = 0; at < 4; ++at) { found[12 + at] = (double)status[at]; }
 }
+#endif
 #endif
 
 void mero_leg_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
@@ -3729,7 +3773,7 @@ void mero_leg_leg_foot_torque_batch(size_t rows, const double *WG_RESTRICT q, co
 
 size_t mero_leg_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
     int32_t *WG_RESTRICT status) {
-#if defined(WALKGEN_BLOCKS)
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
     const struct wg_array arrays[] = {WG_DENSE(p, 3), WG_DENSE(q, 12), WG_DENSE_STATUS(status, 4)};
     return WG_NAME(wg_batch)(&mero_leg_leg_inverse_laned, rows, arrays, mero_leg_leg_inverse_closest);
 #else
@@ -3742,7 +3786,7 @@ size_t mero_leg_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, doub
 }
 
 void mero_leg_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
-#if defined(WALKGEN_BLOCKS)
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
     const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
     (void)WG_NAME(wg_batch)(&mero_leg_leg_within_limits_laned, rows, arrays, NULL);
 #else

@@ -1312,6 +1312,7 @@ WG_ROW(void mero_leg_param_leg_potential_energy_d_param)(const double *WG_RESTRI
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], p[3];
@@ -1327,7 +1328,9 @@ WG_ALONE(mero_leg_param_leg_foot_position) {
     mero_leg_param_leg_foot_position(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_position, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], p_d_param[6];
@@ -1343,7 +1346,9 @@ WG_ALONE(mero_leg_param_leg_foot_position_d_param) {
     mero_leg_param_leg_foot_position_d_param(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_position_d_param, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_rotation) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], R[9];
@@ -1359,7 +1364,9 @@ WG_ALONE(mero_leg_param_leg_foot_rotation) {
     mero_leg_param_leg_foot_rotation(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_rotation, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_rotation_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], R_d_param[18];
@@ -1375,7 +1382,9 @@ WG_ALONE(mero_leg_param_leg_foot_rotation_d_param) {
     mero_leg_param_leg_foot_rotation_d_param(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_rotation_d_param, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_pose) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], T[16];
@@ -1391,7 +1400,9 @@ WG_ALONE(mero_leg_param_leg_foot_pose) {
     mero_leg_param_leg_foot_pose(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_pose, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_pose_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], T_d_param[32];
@@ -1407,7 +1418,9 @@ WG_ALONE(mero_leg_param_leg_foot_pose_d_param) {
     mero_leg_param_leg_foot_pose_d_param(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_pose_d_param, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], J[9];
@@ -1423,7 +1436,9 @@ WG_ALONE(mero_leg_param_leg_foot_jacobian) {
     mero_leg_param_leg_foot_jacobian(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_jacobian, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_jacobian_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], J_d_param[18];
@@ -1439,7 +1454,9 @@ WG_ALONE(mero_leg_param_leg_foot_jacobian_d_param) {
     mero_leg_param_leg_foot_jacobian_d_param(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_jacobian_d_param, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], p[3], J[9];
@@ -1456,7 +1473,9 @@ WG_ALONE(mero_leg_param_leg_foot_position_jacobian) {
     mero_leg_param_leg_foot_position_jacobian(&given[0], &given[3], &found[0], &found[3]);
 }
 WG_LANED(mero_leg_param_leg_foot_position_jacobian, 2, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_jacobian_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], p_d_param[6], J_d_param[18];
@@ -1473,7 +1492,9 @@ WG_ALONE(mero_leg_param_leg_foot_position_jacobian_d_param) {
     mero_leg_param_leg_foot_position_jacobian_d_param(&given[0], &given[3], &found[0], &found[6]);
 }
 WG_LANED(mero_leg_param_leg_foot_position_jacobian_d_param, 2, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_spatial_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], J[18];
@@ -1489,7 +1510,9 @@ WG_ALONE(mero_leg_param_leg_foot_spatial_jacobian) {
     mero_leg_param_leg_foot_spatial_jacobian(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_spatial_jacobian, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_hessian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], H[27];
@@ -1505,7 +1528,9 @@ WG_ALONE(mero_leg_param_leg_foot_hessian) {
     mero_leg_param_leg_foot_hessian(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_hessian, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_velocity) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], v[3];
@@ -1522,7 +1547,9 @@ WG_ALONE(mero_leg_param_leg_foot_velocity) {
     mero_leg_param_leg_foot_velocity(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_velocity, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_velocity_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], v_d_param[6];
@@ -1539,7 +1566,9 @@ WG_ALONE(mero_leg_param_leg_foot_velocity_d_param) {
     mero_leg_param_leg_foot_velocity_d_param(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_velocity_d_param, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], param[2], a[3];
@@ -1557,7 +1586,9 @@ WG_ALONE(mero_leg_param_leg_foot_acceleration) {
     mero_leg_param_leg_foot_acceleration(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_acceleration, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_acceleration_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], param[2], a_d_param[6];
@@ -1575,7 +1606,9 @@ WG_ALONE(mero_leg_param_leg_foot_acceleration_d_param) {
     mero_leg_param_leg_foot_acceleration_d_param(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_acceleration_d_param, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], a[6];
@@ -1592,7 +1625,9 @@ WG_ALONE(mero_leg_param_leg_foot_bias_acceleration) {
     mero_leg_param_leg_foot_bias_acceleration(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_bias_acceleration, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], a_d_param[12];
@@ -1609,7 +1644,9 @@ WG_ALONE(mero_leg_param_leg_foot_bias_acceleration_d_param) {
     mero_leg_param_leg_foot_bias_acceleration_d_param(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_bias_acceleration_d_param, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], f[3], param[2], tau[3];
@@ -1626,7 +1663,9 @@ WG_ALONE(mero_leg_param_leg_foot_torque) {
     mero_leg_param_leg_foot_torque(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_torque, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_torque_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], f[3], param[2], tau_d_param[6];
@@ -1643,7 +1682,9 @@ WG_ALONE(mero_leg_param_leg_foot_torque_d_param) {
     mero_leg_param_leg_foot_torque_d_param(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_foot_torque_d_param, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_param_leg_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2];
@@ -1662,7 +1703,9 @@ WG_ALONE(mero_leg_param_leg_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(mero_leg_param_leg_within_limits, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_within_limits_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2];
@@ -1681,7 +1724,9 @@ WG_ALONE(mero_leg_param_leg_within_limits_d_param) {
     for (int at = 0; at < 2; ++at) { found[0 + at] = (double)within_d_param[at]; }
 }
 WG_LANED(mero_leg_param_leg_within_limits_d_param, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_inverse_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], f[3], param[2], tau[3];
@@ -1700,7 +1745,9 @@ WG_ALONE(mero_leg_param_leg_inverse_dynamics) {
     mero_leg_param_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &given[12], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_inverse_dynamics, 5, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_inverse_dynamics_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], f[3], param[2], tau_d_param[6];
@@ -1719,7 +1766,9 @@ WG_ALONE(mero_leg_param_leg_inverse_dynamics_d_param) {
     mero_leg_param_leg_inverse_dynamics_d_param(&given[0], &given[3], &given[6], &given[9], &given[12], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_inverse_dynamics_d_param, 5, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_forward_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], tau[3], f[3], param[2], qdd[3];
@@ -1738,7 +1787,9 @@ WG_ALONE(mero_leg_param_leg_forward_dynamics) {
     mero_leg_param_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &given[12], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_forward_dynamics, 5, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_mass_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], M[9];
@@ -1754,7 +1805,9 @@ WG_ALONE(mero_leg_param_leg_mass_matrix) {
     mero_leg_param_leg_mass_matrix(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_mass_matrix, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_mass_matrix_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], M_d_param[18];
@@ -1770,7 +1823,9 @@ WG_ALONE(mero_leg_param_leg_mass_matrix_d_param) {
     mero_leg_param_leg_mass_matrix_d_param(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_mass_matrix_d_param, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_bias) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], h[3];
@@ -1787,7 +1842,9 @@ WG_ALONE(mero_leg_param_leg_bias) {
     mero_leg_param_leg_bias(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_bias, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_bias_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], h_d_param[6];
@@ -1804,7 +1861,9 @@ WG_ALONE(mero_leg_param_leg_bias_d_param) {
     mero_leg_param_leg_bias_d_param(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_bias_d_param, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_gravity_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], g[3];
@@ -1820,7 +1879,9 @@ WG_ALONE(mero_leg_param_leg_gravity_torque) {
     mero_leg_param_leg_gravity_torque(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_gravity_torque, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_gravity_torque_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], g_d_param[6];
@@ -1836,7 +1897,9 @@ WG_ALONE(mero_leg_param_leg_gravity_torque_d_param) {
     mero_leg_param_leg_gravity_torque_d_param(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_gravity_torque_d_param, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_coriolis_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], C[9];
@@ -1853,7 +1916,9 @@ WG_ALONE(mero_leg_param_leg_coriolis_matrix) {
     mero_leg_param_leg_coriolis_matrix(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_coriolis_matrix, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_coriolis_matrix_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], C_d_param[18];
@@ -1870,7 +1935,9 @@ WG_ALONE(mero_leg_param_leg_coriolis_matrix_d_param) {
     mero_leg_param_leg_coriolis_matrix_d_param(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_coriolis_matrix_d_param, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_kinetic_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], T[1];
@@ -1887,7 +1954,9 @@ WG_ALONE(mero_leg_param_leg_kinetic_energy) {
     mero_leg_param_leg_kinetic_energy(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_kinetic_energy, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_kinetic_energy_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], param[2], T_d_param[2];
@@ -1904,7 +1973,9 @@ WG_ALONE(mero_leg_param_leg_kinetic_energy_d_param) {
     mero_leg_param_leg_kinetic_energy_d_param(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_kinetic_energy_d_param, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_potential_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], U[1];
@@ -1920,7 +1991,9 @@ WG_ALONE(mero_leg_param_leg_potential_energy) {
     mero_leg_param_leg_potential_energy(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_potential_energy, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_potential_energy_d_param) {
     WG_EACH_LANE {
         double WG_LOST, q[3], param[2], U_d_param[2];
@@ -1936,6 +2009,7 @@ WG_ALONE(mero_leg_param_leg_potential_energy_d_param) {
     mero_leg_param_leg_potential_energy_d_param(&given[0], &given[3], &found[0]);
 }
 WG_LANED(mero_leg_param_leg_potential_energy_d_param, 2, 1);
+#endif
 
 #endif
 #else
@@ -7045,7 +7119,7 @@ void mero_leg_param_leg_foot_torque_d_param_batch(size_t rows, const double *WG_
 
 void mero_leg_param_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT param, int32_t *WG_RESTRICT within) {
-#if defined(WALKGEN_BLOCKS)
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
     const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_SHARED(param, 2), WG_DENSE_STATUS(within, 1)};
     (void)WG_NAME(wg_batch)(&mero_leg_param_leg_within_limits_laned, rows, arrays, NULL);
 #else

@@ -766,6 +766,7 @@ WG_ROW(void phantomx_leg_right_front_potential_energy)(const double *WG_RESTRICT
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_position) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3];
@@ -780,7 +781,9 @@ WG_ALONE(phantomx_leg_right_front_foot_position) {
     phantomx_leg_right_front_foot_position(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_position, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_rotation) {
     WG_EACH_LANE {
         double WG_LOST, q[3], R[9];
@@ -795,7 +798,9 @@ WG_ALONE(phantomx_leg_right_front_foot_rotation) {
     phantomx_leg_right_front_foot_rotation(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_rotation, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_pose) {
     WG_EACH_LANE {
         double WG_LOST, q[3], T[16];
@@ -810,7 +815,9 @@ WG_ALONE(phantomx_leg_right_front_foot_pose) {
     phantomx_leg_right_front_foot_pose(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_pose, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[9];
@@ -825,7 +832,9 @@ WG_ALONE(phantomx_leg_right_front_foot_jacobian) {
     phantomx_leg_right_front_foot_jacobian(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_position_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], p[3], J[9];
@@ -841,7 +850,9 @@ WG_ALONE(phantomx_leg_right_front_foot_position_jacobian) {
     phantomx_leg_right_front_foot_position_jacobian(&given[0], &found[0], &found[3]);
 }
 WG_LANED(phantomx_leg_right_front_foot_position_jacobian, 1, 2);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_spatial_jacobian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], J[18];
@@ -856,7 +867,9 @@ WG_ALONE(phantomx_leg_right_front_foot_spatial_jacobian) {
     phantomx_leg_right_front_foot_spatial_jacobian(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_spatial_jacobian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_hessian) {
     WG_EACH_LANE {
         double WG_LOST, q[3], H[27];
@@ -871,7 +884,9 @@ WG_ALONE(phantomx_leg_right_front_foot_hessian) {
     phantomx_leg_right_front_foot_hessian(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_hessian, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_velocity) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], v[3];
@@ -887,7 +902,9 @@ WG_ALONE(phantomx_leg_right_front_foot_velocity) {
     phantomx_leg_right_front_foot_velocity(&given[0], &given[3], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_velocity, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], a[3];
@@ -904,7 +921,9 @@ WG_ALONE(phantomx_leg_right_front_foot_acceleration) {
     phantomx_leg_right_front_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_acceleration, 3, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_bias_acceleration) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], a[6];
@@ -920,7 +939,9 @@ WG_ALONE(phantomx_leg_right_front_foot_bias_acceleration) {
     phantomx_leg_right_front_foot_bias_acceleration(&given[0], &given[3], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_bias_acceleration, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], f[3], tau[3];
@@ -936,7 +957,9 @@ WG_ALONE(phantomx_leg_right_front_foot_torque) {
     phantomx_leg_right_front_foot_torque(&given[0], &given[3], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_foot_torque, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(phantomx_leg_right_front_within_limits) {
     WG_EACH_LANE {
         double WG_LOST, q[3];
@@ -954,7 +977,9 @@ WG_ALONE(phantomx_leg_right_front_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(phantomx_leg_right_front_within_limits, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_inverse_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
@@ -972,7 +997,9 @@ WG_ALONE(phantomx_leg_right_front_inverse_dynamics) {
     phantomx_leg_right_front_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_inverse_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_forward_dynamics) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
@@ -990,7 +1017,9 @@ WG_ALONE(phantomx_leg_right_front_forward_dynamics) {
     phantomx_leg_right_front_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_forward_dynamics, 4, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_mass_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], M[9];
@@ -1005,7 +1034,9 @@ WG_ALONE(phantomx_leg_right_front_mass_matrix) {
     phantomx_leg_right_front_mass_matrix(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_mass_matrix, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_bias) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], h[3];
@@ -1021,7 +1052,9 @@ WG_ALONE(phantomx_leg_right_front_bias) {
     phantomx_leg_right_front_bias(&given[0], &given[3], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_bias, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_gravity_torque) {
     WG_EACH_LANE {
         double WG_LOST, q[3], g[3];
@@ -1036,7 +1069,9 @@ WG_ALONE(phantomx_leg_right_front_gravity_torque) {
     phantomx_leg_right_front_gravity_torque(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_gravity_torque, 1, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_coriolis_matrix) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], C[9];
@@ -1052,7 +1087,9 @@ WG_ALONE(phantomx_leg_right_front_coriolis_matrix) {
     phantomx_leg_right_front_coriolis_matrix(&given[0], &given[3], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_coriolis_matrix, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_kinetic_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], qd[3], T[1];
@@ -1068,7 +1105,9 @@ WG_ALONE(phantomx_leg_right_front_kinetic_energy) {
     phantomx_leg_right_front_kinetic_energy(&given[0], &given[3], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_kinetic_energy, 2, 1);
+#endif
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_potential_energy) {
     WG_EACH_LANE {
         double WG_LOST, q[3], U[1];
@@ -1083,6 +1122,7 @@ WG_ALONE(phantomx_leg_right_front_potential_energy) {
     phantomx_leg_right_front_potential_energy(&given[0], &found[0]);
 }
 WG_LANED(phantomx_leg_right_front_potential_energy, 1, 1);
+#endif
 
 #endif
 #else
@@ -4303,7 +4343,7 @@ void phantomx_leg_right_front_foot_torque_batch(size_t rows, const double *WG_RE
 
 void phantomx_leg_right_front_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
     int32_t *WG_RESTRICT within) {
-#if defined(WALKGEN_BLOCKS)
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
     const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
     (void)WG_NAME(wg_batch)(&phantomx_leg_right_front_within_limits_laned, rows, arrays, NULL);
 #else

@@ -28,6 +28,7 @@ WG_ROW(void terrain_demo_leg_foot_position)(const double *WG_RESTRICT q, const d
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
+#if defined(WALKGEN_BLOCKS)
 WG_BLOCK(terrain_demo_leg_foot_position) {
     WG_EACH_LANE {
         double WG_LOST, q[2], param[1], p[3];
@@ -43,6 +44,7 @@ WG_ALONE(terrain_demo_leg_foot_position) {
     terrain_demo_leg_foot_position(&given[0], &given[2], &found[0]);
 }
 WG_LANED(terrain_demo_leg_foot_position, 2, 1);
+#endif
 
 #endif
 #else

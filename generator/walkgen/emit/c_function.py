@@ -103,7 +103,7 @@ def _blocks_lines(lanes: Laned, precision: Precision) -> Iterator[str]:
     name = function_name(lanes.signature, precision)
     closest = f"{name}_closest" if has_closest(lanes.body) else "NULL"
     result = "return " if lanes.signature.status else "(void)"
-    yield "#if defined(WALKGEN_BLOCKS)"
+    yield lanes.opening
     yield from _wrapped(f"const struct wg_array arrays[] = {arrays(lanes.signature)};")
     yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
     yield "#else"

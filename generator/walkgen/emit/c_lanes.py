@@ -8,7 +8,7 @@ from walkgen.emit.artifact import Body, RobotCode
 from walkgen.emit.c_declaration import INDENT, CFunction, function_name
 from walkgen.emit.c_printer import Precision
 from walkgen.graph.lanes import runs_in_lanes
-from walkgen.graph.program import Composite, Program
+from walkgen.graph.program import Code, Composite, Program
 from walkgen.graph.sharing import nameless
 from walkgen.signature import Port, Signature
 
@@ -43,6 +43,12 @@ class Laned:
     def owns_table(self) -> bool:
         """Whether the block is written for this function."""
         return self.table is self.body.signature
+
+    @property
+    def opening(self) -> str:
+        """What stands before code of lanes: a program that chooses needs masks as wide as its numbers."""
+        chooses = any(op.code in (Code.SELECT, Code.INDICATOR) for op in self.program.ops)
+        return f"#if defined(WALKGEN_BLOCKS){' && WG_MASKS' if chooses else ''}"
 
 
 def laned(code: RobotCode) -> tuple[Laned, ...]:
@@ -98,12 +104,12 @@ def _known(body: Composite, computed: tuple[str, ...]) -> bool:
 def lane_lines(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
     """The block, the row alone and the table of both."""
     name = function_name(each.signature, precision)
-    yield from ("", f"WG_BLOCK({name}) {{", f"{INDENT}WG_EACH_LANE {{")
+    yield from ("", each.opening, f"WG_BLOCK({name}) {{", f"{INDENT}WG_EACH_LANE {{")
     yield from (f"{INDENT * 2}{line}" for line in _block(each, kernel, precision))
     yield from (f"{INDENT}}}", "}", "", f"WG_ALONE({name}) {{")
     yield from (f"{INDENT}{line}" for line in _alone(each, kernel, precision))
     inputs, outputs = len(each.signature.inputs), len(each.signature.outputs)
-    yield from ("}", f"WG_LANED({name}, {inputs}, {outputs});")
+    yield from ("}", f"WG_LANED({name}, {inputs}, {outputs});", "#endif")
 
 
 def has_closest(body: Body) -> bool:

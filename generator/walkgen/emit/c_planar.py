@@ -40,7 +40,7 @@ def _blocks(lanes: Laned, precision: Precision) -> Iterator[str]:
     signature = lanes.signature
     closest = f"{function_name(signature, precision)}_closest" if has_closest(lanes.body) else "NULL"
     arrays = ", ".join(map(_array, (*signature.inputs, *signature.outputs)))
-    yield "#if defined(WALKGEN_BLOCKS)"
+    yield lanes.opening
     yield from wrap(f"const struct wg_array arrays[] = {{{arrays}}};", COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2)
     result = "return " if signature.status else "(void)"
     yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"

@@ -1,6 +1,6 @@
 """Where functions with lanes stand in a robot's C file, which includes itself to read them a second time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from walkgen.emit.artifact import RobotCode
@@ -68,9 +68,15 @@ def read_rows(
         public=tuple(read_twice(function) for program, function in used.items() if program in code.public),
         kernels=tuple(read_twice(function) for program, function in used.items() if program not in code.public),
         blocks=tuple(line for each in lanes if each.owns_table for line in lane_lines(each, used[each.program].name, precision)),
-        closest=tuple(line for each in lanes if each.body not in code.repeated for line in closest_lines(each, precision)),
+        closest=tuple(line for each in lanes if each.body not in code.repeated for line in _closest(each, precision)),
         batches=tuple(each for body, (_, of_rows) in zip(code.functions, functions, strict=True) if body in bodies for each in of_rows),
     )
+
+
+def _closest(each: Laned, precision: Precision) -> Iterator[str]:
+    """Where lanes are, what serves targets out of reach."""
+    lines = tuple(closest_lines(each, precision))
+    yield from (each.opening, *lines, "#endif") if lines else ()
 
 
 def first_parts(rows: Rows, *, split: bool) -> tuple[Part, ...]:

@@ -5,6 +5,7 @@
 #undef WG_REAL_BITS
 #undef WG_UINT
 #undef WG_TOGETHER
+#undef WG_MASKS
 #undef WG_NAME
 #undef WG_C
 #undef WG_EPSILON
@@ -52,6 +53,8 @@
 #else
 #define WG_FMA(a, b, c) ((a) * (b) + (c))
 #endif
+
+#define WG_MASKS 1
 
 /* How many numbers one instruction takes. */
 #if defined(WALKGEN_VECTORS) || defined(WALKGEN_PAIRS)
