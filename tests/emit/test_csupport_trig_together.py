@@ -27,6 +27,14 @@ def _loop(count: int, kind: str, real: str, suffix: str) -> str:
     return f"{head};\n{head} {{ {body} }}\n"
 
 
+def _sum(real: str, suffix: str) -> str:
+    """Sine and cosine of x + y, found together with those of x: columns of x, y and of what is found."""
+    head = f"ENTRY void sum{suffix}(int rows, const {real} *x, {real} *found)"
+    call = "WG_SINCOS_2(x[0], sine, cosine, WG_PART(x[0] + x[1], x[1]), found[0], found[1]); WG_TURN(found[0], found[1], sine, cosine);"
+    body = f"{real} sine, cosine; for (int row = 0; row < rows; ++row, x += 2, found += 2) {{ {call} (void)sine; (void)cosine; }}"
+    return f"{head};\n{head} {{ {body} }}\n"
+
+
 def _both(real: str, header: str, suffix: str) -> str:
     loops = "".join(_loop(count, kind, real, suffix) for count in COUNTS for kind in ("SINCOS", "MANY_SINCOS", "ATAN2"))
     single = f"ENTRY void sin_1{suffix}(int rows, const {real} *x, {real} *found)"
@@ -35,7 +43,7 @@ def _both(real: str, header: str, suffix: str) -> str:
     two = f"ENTRY void atan2_1{suffix}(int rows, const {real} *y, const {real} *x, {real} *found)"
     two += " { for (int i = 0; i < rows; ++i) found[i] = WG_ATAN2(y[i], x[i]); }\n"
     declared = "".join(f"{line.split(' {')[0]};\n" for line in (single + two).splitlines())
-    return f'#include "{header}"\n{loops}{declared}{single}{two}'
+    return f'#include "{header}"\n{loops}{_sum(real, suffix)}{declared}{single}{two}'
 
 
 SOURCE = '#if defined(__cplusplus)\n#define ENTRY extern "C"\n#else\n#define ENTRY\n#endif\n'
@@ -110,6 +118,29 @@ def test_together_gives_the_bits_of_each_alone(tmp_path, flags, real):
     library = build(tmp_path, "-O2", *flags, source=SOURCE)
     for together, alone in compared(library, real):
         assert together.tobytes() == alone.tobytes()
+
+
+@needs_avx2
+@REALS
+@pytest.mark.parametrize("flags", [flags for name, flags in BUILDS.items() if name != "C library"])
+def test_an_angle_of_two_parts_has_the_bits_of_their_sum(tmp_path, flags, real):
+    library = build(tmp_path, "-O2", *flags, source=SOURCE)
+    parts = angles(real, 2400, 3).reshape(-1, 2)
+    found, total = called(library, "sum", len(parts), parts), parts.sum(axis=1)
+    for column, name in enumerate(("sin_1", "cos_1")):
+        assert found[:, column].tobytes() == called(library, name, total.size, total).tobytes()
+
+
+@REALS
+@pytest.mark.parametrize("level", ["-O2", "-Os"])
+def test_by_the_c_library_an_angle_of_two_parts_is_turned_by_both(tmp_path, real, level):
+    library = build(tmp_path, level, "-DWALKGEN_LIBM", source=SOURCE)
+    parts = np.random.default_rng(8).uniform(-4, 4, (2000, 2)).astype(real)
+    total = parts.astype(np.longdouble).sum(axis=1)
+    error = called(library, "sum", len(parts), parts) - np.stack([np.sin(total), np.cos(total)], axis=1)
+    assert np.abs(error).max() < (2 if level == "-O2" else 5) * np.finfo(real).eps
+    beyond = np.full((1, 2), np.finfo(real).max)  # whose sum is infinite
+    assert np.isfinite(called(library, "sum", 1, beyond)).all() == (level == "-O2")
 
 
 @needs_avx2

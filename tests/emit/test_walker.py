@@ -110,10 +110,29 @@ def test_angles_that_wait_for_nothing_of_each_other_are_one_statement():
     angle = b.add(Code.ADD, 0, 1)
     sine, cosine, other = b.add(Code.SIN, 0), b.add(Code.COS, 0, name="c"), b.add(Code.COS, angle)
     body = walked(b, b.add(Code.MUL, b.add(Code.ADD, sine, cosine), other))
-    assert [statement.text for statement in body.statements] == ["WG_SINCOS_2(q[0], sin_q0, c, q[0] + q[1], t1, t2)"]
+    assert [statement.text for statement in body.statements] == ["WG_SINCOS_2(q[0], sin_q0, c, WG_PART(q[0] + q[1], q[1]), t1, t2)"]
+    assert body.statements[0].then == ("WG_TURN(t1, t2, sin_q0, c)",)
     assert body.statements[0].names == ("sin_q0", "c", "t1", "t2")
     assert body.statements[0].idle == ("t1",)
     assert body.outputs[0].text == "(sin_q0 + c)*t2"
+
+
+def test_sums_of_angles_stand_as_parts_too_each_turned_after_what_turns_it():
+    b = Builder(Q)
+    back = b.add(Code.SUB, 0, 1, name="back")
+    onward = b.add(Code.ADD, 2, back, name="onward")
+    last, middle, first = (b.add(Code.SIN, angle) for angle in (onward, back, 0))
+    body = walked(b, b.add(Code.MUL, b.add(Code.MUL, last, middle), first))
+    *_, together = body.statements
+    assert together.text == "WG_SINCOS_3(WG_PART(onward, q[2]), t1, t2, WG_PART(back, -q[1]), t3, t4, q[0], sin_q0, cos_q0)"
+    assert together.then == ("WG_TURN(t3, t4, sin_q0, cos_q0)", "WG_TURN(t1, t2, t3, t4)")
+
+
+def test_what_an_angle_is_taken_from_is_no_part_of_it():
+    b = Builder(Q)
+    angle = b.add(Code.SUB, 0, 1)
+    body = walked(b, b.add(Code.MUL, b.add(Code.SIN, 1), b.add(Code.SIN, angle)))
+    assert (body.statements[0].text, body.statements[0].then) == ("WG_SINCOS_2(q[1], sin_q1, cos_q1, q[0] - q[1], t1, t2)", ())
 
 
 def test_angles_whose_arguments_come_later_stay_apart():

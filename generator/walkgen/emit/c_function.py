@@ -205,7 +205,7 @@ def _statement_lines(statement: Statement, precision: Precision) -> Iterator[str
     if not statement.names:
         yield f"{INDENT}const {'int' if statement.truth else precision.real} {statement.name} = {statement.text};"
         return
-    for text in (f"{precision.real} {', '.join(statement.names)};", f"{statement.text};"):
+    for text in (f"{precision.real} {', '.join(statement.names)};", f"{statement.text};", *(f"{text};" for text in statement.then)):
         yield from (line.replace(_KEPT, " ") for line in _wrapped(_kept_together(text)))
     yield from (f"{INDENT}(void){name};" for name in statement.idle)
 

@@ -126,6 +126,11 @@ class CPrinter:
         return {Code.SIN: f"{start}_SINCOS_{{0}}" if angles <= TOGETHER else "WG_MANY_SINCOS_{0}", Code.ATAN2: f"{start}_ATAN2_{{0}}"}
 
     @property
+    def sums(self) -> tuple[str, str]:
+        """Macros of walkgen_together.h: the C library's sines are quicker by parts."""
+        return "WG_PART({0}, {1})", "WG_TURN({0}, {1}, {2}, {3})"
+
+    @property
     def reserved(self) -> frozenset[str]:
         """Names that a local must not take."""
         return RESERVED

@@ -65,6 +65,11 @@ class NumpyPrinter:
         return {}
 
     @property
+    def sums(self) -> tuple[str, str]:
+        """As they are: no angles come together."""
+        return "{0}", ""
+
+    @property
     def reserved(self) -> frozenset[str]:
         """What a local must not be called."""
         return _HELPERS.union(kwlist, *(_element_names(port) for port in self.program.signature.inputs))

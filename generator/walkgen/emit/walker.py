@@ -10,7 +10,7 @@ from functools import cache
 from itertools import count
 from typing import Protocol
 
-from walkgen.graph.passes import Group, groups
+from walkgen.graph.passes import Group, groups, turns
 from walkgen.graph.program import TRUTH_CODES, Code, Op, Program
 from walkgen.signature import Port
 
@@ -61,7 +61,8 @@ class Text:
 class Statement:
     """One named local value; `truth` tells comparisons and their combinations from numbers.
 
-    With `names` the text is a whole statement that sets them all; what nothing reads of them stands in `idle`.
+    With `names` the text is a whole statement that sets them all, and `then` are statements that complete them; what nothing reads of
+    them stands in `idle`.
     """
 
     name: str
@@ -69,6 +70,7 @@ class Statement:
     truth: bool = False
     names: tuple[str, ...] = ()
     idle: tuple[str, ...] = ()
+    then: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,14 @@ class Printer(Protocol):
 
         Args:
             angles: of how many the whole Program has sine or cosine.
+        """
+
+    @property
+    def sums(self) -> tuple[str, str]:
+        """For angles that are sums of another angle of the same statement and a part, which a target may do without the sum.
+
+        How such an angle `{0}` is given with its part `{1}`; and the statement that then turns its sine `{0}` and cosine `{1}` by the other
+        angle's `{2}` and `{3}`.
         """
 
     def constant(self, value: Decimal) -> Text:
@@ -225,23 +235,34 @@ class _Walk:
         self.written[index] = Text(name, after=len(self.statements))
 
     def bind_together(self, group: Group) -> None:
-        """One statement for all angles of a group."""
+        """One statement for all angles or points of a group."""
+        family = _family(self.program.ops[group[0][0]].code)
+        given = {members[0]: [self.written[argument].text for argument in self.program.ops[members[0]].arguments] for members in group}
+        names = {members[0]: self.names_of(members, family) for members in group}
+        whole, turned = self.printer.sums
+        then = []
+        for turn in turns(group, self.program):
+            part = bracket(self.written[turn.part], Level.UNARY)
+            given[turn.angle] = [whole.format(*given[turn.angle], f"-{part}" if turn.back else self.written[turn.part].text)]
+            then.append(turned.format(*names[turn.angle], *names[turn.other]))
+        texts = ", ".join(text for first, named in names.items() for text in (*given[first], *named))
+        every = {name: read for named in names.values() for name, read in named.items()}
+        idle = tuple(name for name, read in every.items() if not read)
+        text = f"{self.together[family].format(len(group))}({texts})"
+        self.statements.append(Statement(next(iter(every)), text, names=tuple(every), idle=idle, then=tuple(then)))
+
+    def names_of(self, members: tuple[int, ...], family: Code) -> dict[str, bool]:
+        """What a group sets of one angle or point, and whether anything reads it."""
         ops = self.program.ops
-        family = _family(ops[group[0][0]].code)
-        texts, names, idle = [], [], []
-        for members in group:
-            codes = {ops[member].code: member for member in members}
-            texts += [self.written[argument].text for argument in ops[members[0]].arguments]
-            for code in (Code.SIN, Code.COS) if family is Code.SIN else (Code.ATAN2,):
-                member = codes.get(code)
-                name = self.name(ops[members[0]]._replace(code=code, name="") if member is None else ops[member])
-                texts.append(name)
-                names.append(name)
-                idle += [name] if member is None else []
-                if member is not None:
-                    self.written[member] = Text(name, after=len(self.statements) + 1)
-        text = f"{self.together[family].format(len(group))}({', '.join(texts)})"
-        self.statements.append(Statement(names[0], text, names=tuple(names), idle=tuple(idle)))
+        codes = {ops[member].code: member for member in members}
+        names: dict[str, bool] = {}
+        for code in (Code.SIN, Code.COS) if family is Code.SIN else (Code.ATAN2,):
+            member = codes.get(code)
+            name = self.name(ops[members[0]]._replace(code=code, name="") if member is None else ops[member])
+            names[name] = member is not None
+            if member is not None:
+                self.written[member] = Text(name, after=len(self.statements) + 1)
+        return names
 
     def name(self, op: Op) -> str:
         wanted = identifier(op.name) or self.angle_name(op)

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from walkgen.graph.program import Code, Op, Program
 
@@ -79,6 +79,29 @@ def groups(program: Program) -> tuple[Group, ...]:
         if op.code in _ANGULAR:
             ranks.setdefault((op.code is Code.ATAN2, depth[number]), {}).setdefault(op.arguments, []).append(number)
     return tuple(group for rank in ranks.values() for group in _parts([tuple(same) for same in rank.values()]))
+
+
+@dataclass(frozen=True)
+class Turn:
+    """An angle of a group that is another one of it and a part, or less the part where it turns `back`; by their first operations."""
+
+    angle: int
+    other: int
+    part: int
+    back: bool
+
+
+def turns(group: Group, program: Program) -> tuple[Turn, ...]:
+    """The angles of a group that are sums with another of its angles, each after that other."""
+    ops = program.ops
+    first = {ops[members[0]].arguments[0]: members[0] for members in group if ops[members[0]].code is not Code.ATAN2}
+    found = []
+    for angle in sorted(first):
+        code, operands = ops[angle].code, ops[angle].arguments
+        others = {Code.ADD: (operands, operands[::-1]), Code.SUB: (operands,)}.get(code, ())
+        pairs = [(first[other], part) for other, part in others if other in first]
+        found += [Turn(first[angle], other, part, code is Code.SUB) for other, part in pairs[:1]]
+    return tuple(found)
 
 
 def _depths(ops: Sequence[Op], counted: Collection[Code]) -> list[int]:
