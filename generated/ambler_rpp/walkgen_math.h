@@ -27,6 +27,7 @@
  *     WG_SIN WG_COS WG_ATAN2       walkgen_trig.h, which the precision header includes; the C library's with WALKGEN_LIBM
  *     WG_SINCOS_2 .. 4, WG_ATAN2_2 .. 4   several at once: WG_SINCOS_2(x, sin_x, cos_x, y, sin_y, cos_y)
  *     WG_MANY_SINCOS_2 .. 4        the same in functions of more than four angles
+ *     WG_PART(angle, part) WG_TURN(s, c, sine, cosine)   for such an angle that is another of them and a part: walkgen_together.h
  *     WG_NEAR_SINCOS_2 .. 4, WG_NEAR_ATAN2_2 .. 4   the same in functions that may leave what is beyond the range to a copy of their own
  *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
@@ -166,9 +167,16 @@ static inline float walkgen_of_bits_f32(uint32_t bits) {
     return x;
 }
 
-/* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. */
+/* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. A number at hand is there sooner than
+ * one converted, where no vectors are to be made of it. */
+#if defined(WALKGEN_LIBM) && !defined(__OPTIMIZE_SIZE__)
+static const double walkgen_truths[2] = {0.0, 1.0};
+static inline double walkgen_indicator(int truth) { return walkgen_truths[truth != 0]; }
+static inline float walkgen_indicator_f32(int truth) { return (float)walkgen_truths[truth != 0]; }
+#else
 static inline double walkgen_indicator(int truth) { return (double)truth; }
 static inline float walkgen_indicator_f32(int truth) { return (float)truth; }
+#endif
 
 /* Choices by the bits, for lanes: of a choice between numbers compilers make ways that part, and compute on each. */
 static inline double walkgen_select(int truth, double a, double b) {

@@ -23,7 +23,9 @@ WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *W
 #else
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double extend_shift_z = q[2] + 0.5;
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     p[0] = shoulder_to_tip_x;
@@ -61,7 +63,9 @@ WG_ROW(void ambler_rrp_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_RE
     T[15] = 1.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     T[0] = cos_shoulder_elbow;
     T[1] = sin_shoulder_elbow;
     T[4] = sin_shoulder_elbow;
@@ -83,7 +87,9 @@ WG_ROW(void ambler_rrp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *W
     J[8] = -1.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     J[0] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
     J[1] = -sin_shoulder_elbow;
     J[4] = cos_shoulder_elbow;
@@ -100,7 +106,9 @@ WG_ROW(void ambler_rrp_leg_foot_position_jacobian)(const double *WG_RESTRICT q, 
     J[8] = -1.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     J[1] = -sin_shoulder_elbow;
     J[4] = cos_shoulder_elbow;
     const double extend_shift_z = q[2] + 0.5;
@@ -131,7 +139,9 @@ WG_ROW(void ambler_rrp_leg_foot_spatial_jacobian)(const double *WG_RESTRICT q, d
     J[17] = 0.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     J[0] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
     J[1] = -sin_shoulder_elbow;
     J[4] = cos_shoulder_elbow;
@@ -161,7 +171,9 @@ WG_ROW(void ambler_rrp_leg_foot_hessian)(const double *WG_RESTRICT q, double *WG
     H[26] = 0.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     H[0] = WG_FMA(-cos_shoulder, 1.5, -cos_shoulder_elbow);
     H[9] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
     const double t1 = -cos_shoulder_elbow;
@@ -178,7 +190,9 @@ WG_ROW(void ambler_rrp_leg_foot_velocity)(const double *WG_RESTRICT q, const dou
     v[2] = -qd[2];
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     v[1] = WG_FMA(qd[1], cos_shoulder_elbow, qd[0]*shoulder_to_tip_x);
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
@@ -190,7 +204,9 @@ WG_ROW(void ambler_rrp_leg_foot_acceleration)(const double *WG_RESTRICT q, const
     a[2] = -qdd[2];
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
     const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
@@ -215,7 +231,9 @@ WG_ROW(void ambler_rrp_leg_foot_bias_acceleration)(const double *WG_RESTRICT q, 
     a[5] = 0.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
     const double flow_shoulder_x = qd[0]*shoulder_to_tip_y;
@@ -234,7 +252,9 @@ WG_ROW(void ambler_rrp_leg_foot_torque)(const double *WG_RESTRICT q, const doubl
     tau[2] = -f[2];
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     tau[1] = WG_FMA(-f[0], sin_shoulder_elbow, f[1]*cos_shoulder_elbow);
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
@@ -251,7 +271,9 @@ WG_ROW(void ambler_rrp_leg_inverse_dynamics)(const double *WG_RESTRICT q, const 
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT f, double *WG_RESTRICT tau) {
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double shoulder_field_x_x = qd[0]*qd[0];
@@ -290,7 +312,9 @@ WG_ROW(void ambler_rrp_leg_forward_dynamics)(const double *WG_RESTRICT q, const 
     const double *WG_RESTRICT tau, const double *WG_RESTRICT f, double *WG_RESTRICT qdd) {
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double shoulder_field_x_x = qd[0]*qd[0];
@@ -347,7 +371,9 @@ WG_ROW(void ambler_rrp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_
     M[8] = 20.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_inertia_moment_x = cos_shoulder_elbow*12.5;
     const double elbow_inertia_moment_y = sin_shoulder_elbow*12.5;
     const double t1 = WG_FMA(20.0, cos_shoulder_elbow*cos_shoulder_elbow, 8.85);
@@ -372,7 +398,9 @@ WG_ROW(void ambler_rrp_leg_bias)(const double *WG_RESTRICT q, const double *WG_R
     h[2] = -196.133;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double shoulder_field_x_x = qd[0]*qd[0];
@@ -415,7 +443,9 @@ WG_ROW(void ambler_rrp_leg_coriolis_matrix)(const double *WG_RESTRICT q, const d
     C[8] = 0.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double elbow_spin_z = qd[0] + qd[1];
@@ -460,7 +490,9 @@ WG_ROW(void ambler_rrp_leg_coriolis_matrix)(const double *WG_RESTRICT q, const d
 WG_ROW(void ambler_rrp_leg_kinetic_energy)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT T) {
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double elbow_velocity_before_x = qd[0]*elbow_lever_y;
@@ -511,7 +543,9 @@ WG_ROW(void ambler_rrp_leg_inverse_dynamics_derivatives)(const double *WG_RESTRI
     tau_d_qd[8] = 0.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double shoulder_field_x_x = qd[0]*qd[0];
@@ -600,7 +634,9 @@ WG_ROW(void ambler_rrp_leg_base_parameters)(const double *WG_RESTRICT q, const d
     p[4] = 20.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double shoulder_field_x_x = qd[0]*qd[0];
@@ -1084,9 +1120,11 @@ WG_INLINE void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT row
     const double angle_shoulder_elbow_2 = rows[3] + rows[4];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder, sin_shoulder_elbow_2,
         cos_shoulder_elbow_2, sin_shoulder_2, cos_shoulder_2;
-    WG_MANY_SINCOS_4(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, rows[0], sin_shoulder,
-        cos_shoulder, angle_shoulder_elbow_2, sin_shoulder_elbow_2, cos_shoulder_elbow_2, rows[3], sin_shoulder_2,
-        cos_shoulder_2);
+    WG_MANY_SINCOS_4(WG_PART(angle_shoulder_elbow, rows[1]), sin_shoulder_elbow, cos_shoulder_elbow, rows[0],
+        sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow_2, rows[4]), sin_shoulder_elbow_2,
+        cos_shoulder_elbow_2, rows[3], sin_shoulder_2, cos_shoulder_2);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
+    WG_TURN(sin_shoulder_elbow_2, cos_shoulder_elbow_2, sin_shoulder_2, cos_shoulder_2);
     const double extend_shift_z = rows[2] + 0.5;
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     const double shoulder_to_tip_y = WG_FMA(sin_shoulder, 1.5, sin_shoulder_elbow);
@@ -1107,9 +1145,11 @@ WG_INLINE void ambler_rrp_leg_row_distances_kernel(const double *WG_RESTRICT row
     const double angle_shoulder_elbow_4 = rows[9] + rows[10];
     double sin_shoulder_elbow_3, cos_shoulder_elbow_3, sin_shoulder_3, cos_shoulder_3, sin_shoulder_elbow_4,
         cos_shoulder_elbow_4, sin_shoulder_4, cos_shoulder_4;
-    WG_MANY_SINCOS_4(angle_shoulder_elbow_3, sin_shoulder_elbow_3, cos_shoulder_elbow_3, rows[6], sin_shoulder_3,
-        cos_shoulder_3, angle_shoulder_elbow_4, sin_shoulder_elbow_4, cos_shoulder_elbow_4, rows[9], sin_shoulder_4,
-        cos_shoulder_4);
+    WG_MANY_SINCOS_4(WG_PART(angle_shoulder_elbow_3, rows[7]), sin_shoulder_elbow_3, cos_shoulder_elbow_3, rows[6],
+        sin_shoulder_3, cos_shoulder_3, WG_PART(angle_shoulder_elbow_4, rows[10]), sin_shoulder_elbow_4,
+        cos_shoulder_elbow_4, rows[9], sin_shoulder_4, cos_shoulder_4);
+    WG_TURN(sin_shoulder_elbow_3, cos_shoulder_elbow_3, sin_shoulder_3, cos_shoulder_3);
+    WG_TURN(sin_shoulder_elbow_4, cos_shoulder_elbow_4, sin_shoulder_4, cos_shoulder_4);
     const double extend_shift_z_3 = rows[8] + 0.5;
     const double shoulder_to_tip_x_3 = WG_FMA(1.5, cos_shoulder_3, cos_shoulder_elbow_3);
     const double shoulder_to_tip_y_3 = WG_FMA(1.5, sin_shoulder_3, sin_shoulder_elbow_3);
@@ -1138,7 +1178,9 @@ WG_INLINE void ambler_rrp_leg_acceleration_jacobian_kernel(const double *WG_REST
     rest[2] = a[2];
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     J[1] = -sin_shoulder_elbow;
     J[4] = cos_shoulder_elbow;
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
@@ -1314,7 +1356,9 @@ void ambler_rrp_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRIC
     T[63] = 1.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     T[16] = cos_shoulder;
     T[17] = -sin_shoulder;
     T[20] = sin_shoulder;
@@ -1506,7 +1550,9 @@ void ambler_rrp_leg_regressor(const double *WG_RESTRICT q, const double *WG_REST
     Y[89] = 0.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder, cos_shoulder, sin_shoulder_elbow, cos_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_shoulder, cos_shoulder, WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow,
+        cos_shoulder_elbow);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double elbow_lever_x = cos_shoulder*1.5;
     const double elbow_lever_y = sin_shoulder*1.5;
     const double shoulder_field_x_x = qd[0]*qd[0];
@@ -1600,7 +1646,9 @@ void ambler_rrp_platform_poses(const double *WG_RESTRICT q, double *WG_RESTRICT 
 void ambler_rrp_foot_positions(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     const double extend_shift_z = q[2] + 0.5;
     const double shoulder_to_tip_x = WG_FMA(cos_shoulder, 1.5, cos_shoulder_elbow);
     p[0] = shoulder_to_tip_x;
@@ -1618,7 +1666,9 @@ void ambler_rrp_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT 
     J[8] = -1.0;
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(angle_shoulder_elbow, sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
+        cos_shoulder);
+    WG_TURN(sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder);
     J[0] = WG_FMA(-sin_shoulder, 1.5, -sin_shoulder_elbow);
     J[1] = -sin_shoulder_elbow;
     J[4] = cos_shoulder_elbow;
@@ -1629,8 +1679,9 @@ void ambler_rrp_foot_jacobians(const double *WG_RESTRICT q, double *WG_RESTRICT 
 void ambler_rrp_com(const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q, double *WG_RESTRICT c) {
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder;
-    WG_SINCOS_2(angle_leg_shoulder_elbow, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0], sin_leg_shoulder,
-        cos_leg_shoulder);
+    WG_SINCOS_2(WG_PART(angle_leg_shoulder_elbow, q[1]), sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0],
+        sin_leg_shoulder, cos_leg_shoulder);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_extend_slid_z = 0.2 - q[2];
     const double leg_elbow_moment_own_x = cos_leg_shoulder_elbow*12.5;
     const double leg_elbow_moment_own_y = sin_leg_shoulder_elbow*12.5;
@@ -1669,8 +1720,9 @@ void ambler_rrp_com_jacobian(const double *WG_RESTRICT base_pose, const double *
     J[20] = base_pose[10];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder;
-    WG_SINCOS_2(angle_leg_shoulder_elbow, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0], sin_leg_shoulder,
-        cos_leg_shoulder);
+    WG_SINCOS_2(WG_PART(angle_leg_shoulder_elbow, q[1]), sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0],
+        sin_leg_shoulder, cos_leg_shoulder);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_extend_slid_z = 0.2 - q[2];
     const double leg_elbow_moment_own_x = cos_leg_shoulder_elbow*12.5;
     const double leg_elbow_moment_own_y = sin_leg_shoulder_elbow*12.5;
@@ -1735,8 +1787,9 @@ void ambler_rrp_centroidal_momentum_matrix(const double *WG_RESTRICT base_pose, 
     A[47] = 0.0;
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder;
-    WG_SINCOS_2(angle_leg_shoulder_elbow, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0], sin_leg_shoulder,
-        cos_leg_shoulder);
+    WG_SINCOS_2(WG_PART(angle_leg_shoulder_elbow, q[1]), sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, q[0],
+        sin_leg_shoulder, cos_leg_shoulder);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_extend_slid_z = 0.2 - q[2];
     const double t1 = cos_leg_shoulder_elbow*20.0;
     const double leg_elbow_moment_x = WG_FMA(cos_leg_shoulder_elbow, 12.5, t1);
@@ -1947,8 +2000,9 @@ void ambler_rrp_centroidal_inertia(const double *WG_RESTRICT base_pose, const do
     double *WG_RESTRICT I) {
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
-        cos_leg_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, WG_PART(angle_leg_shoulder_elbow, q[1]),
+        sin_leg_shoulder_elbow, cos_leg_shoulder_elbow);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_shoulder_inertia_spun_y = sin_leg_shoulder*86.25;
     const double leg_shoulder_inertia_xx = sin_leg_shoulder*leg_shoulder_inertia_spun_y;
     const double leg_shoulder_inertia_rest = 86.25 - leg_shoulder_inertia_xx;
@@ -2066,8 +2120,9 @@ void ambler_rrp_momentum(const double *WG_RESTRICT base_pose, const double *WG_R
     const double leg_shoulder_spin_z = v[5] + v[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
-        cos_leg_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, WG_PART(angle_leg_shoulder_elbow, q[1]),
+        sin_leg_shoulder_elbow, cos_leg_shoulder_elbow);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double leg_elbow_velocity_before_x = WG_FMA(-leg_shoulder_spin_z, leg_elbow_lever_y, v[0] + v[4]);
@@ -2195,8 +2250,9 @@ void ambler_rrp_momentum_rate(const double *WG_RESTRICT base_pose, const double 
     const double leg_shoulder_rate = a[5] + a[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
-        cos_leg_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, WG_PART(angle_leg_shoulder_elbow, q[1]),
+        sin_leg_shoulder_elbow, cos_leg_shoulder_elbow);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double t5 = leg_shoulder_spin_z*leg_shoulder_spin_z;
@@ -2372,8 +2428,9 @@ void ambler_rrp_demanded_wrench(const double *WG_RESTRICT base_pose, const doubl
     const double leg_shoulder_rate = a[5] + a[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
-        cos_leg_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, WG_PART(angle_leg_shoulder_elbow, q[1]),
+        sin_leg_shoulder_elbow, cos_leg_shoulder_elbow);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double t5 = leg_shoulder_spin_z*leg_shoulder_spin_z;
@@ -2554,8 +2611,9 @@ void ambler_rrp_floating_mass_matrix(const double *WG_RESTRICT base_pose, const 
     M[80] = 20.0;
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
-        cos_leg_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, WG_PART(angle_leg_shoulder_elbow, q[1]),
+        sin_leg_shoulder_elbow, cos_leg_shoulder_elbow);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_shoulder_inertia_spun_y = sin_leg_shoulder*86.25;
     const double leg_shoulder_inertia_xx = sin_leg_shoulder*leg_shoulder_inertia_spun_y;
     const double leg_shoulder_inertia_rest = 86.25 - leg_shoulder_inertia_xx;
@@ -2700,8 +2758,9 @@ void ambler_rrp_floating_inverse_dynamics(const double *WG_RESTRICT base_pose, c
     const double leg_shoulder_rate = a[5] + a[6];
     const double angle_leg_shoulder_elbow = q[0] + q[1];
     double sin_leg_shoulder, cos_leg_shoulder, sin_leg_shoulder_elbow, cos_leg_shoulder_elbow;
-    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, angle_leg_shoulder_elbow, sin_leg_shoulder_elbow,
-        cos_leg_shoulder_elbow);
+    WG_SINCOS_2(q[0], sin_leg_shoulder, cos_leg_shoulder, WG_PART(angle_leg_shoulder_elbow, q[1]),
+        sin_leg_shoulder_elbow, cos_leg_shoulder_elbow);
+    WG_TURN(sin_leg_shoulder_elbow, cos_leg_shoulder_elbow, sin_leg_shoulder, cos_leg_shoulder);
     const double leg_elbow_lever_x = cos_leg_shoulder*1.5;
     const double leg_elbow_lever_y = sin_leg_shoulder*1.5;
     const double t8 = leg_shoulder_spin_z*leg_shoulder_spin_z;

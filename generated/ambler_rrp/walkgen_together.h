@@ -86,6 +86,14 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
 #define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
 #define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
+#elif defined(WALKGEN_LIBM)
+/* The first last: what turns all the others is needed last, and less is kept over the calls. */
+#define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_2(a1, s1, c1, a0, s0, c0)
+#define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_3(a2, s2, c2, a1, s1, c1, a0, s0, c0)
+#define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_EACH_4(a3, s3, c3, a2, s2, c2, a1, s1, c1, a0, s0, c0)
+#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
+#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
+#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #else
 #define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1)
 #define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
@@ -107,6 +115,23 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #define WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_EACH_1(y2, x2, r2)
 #define WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
     WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1), WG_ATAN2_EACH_2(y2, x2, r2, y3, x3, r3)
+#endif
+
+/* An angle that is another one of the same statement and a part. The C library's sines take longer the larger an angle is, so with them the
+ * part alone has its sine and cosine, which the other angle's then turn. */
+#if !defined(WG_PART)
+#if defined(WALKGEN_LIBM) && !defined(__OPTIMIZE_SIZE__)
+#define WG_PART(angle, part) ((void)(angle), (part))
+#define WG_TURN(s, c, sine, cosine) \
+    do { \
+        const WG_REAL wg_sine = s; \
+        s = WG_FMA(cosine, wg_sine, (sine) * c); \
+        c = WG_FMA(cosine, c, -((sine) * wg_sine)); \
+    } while (0)
+#else
+#define WG_PART(angle, part) (angle)
+#define WG_TURN(s, c, sine, cosine) (void)0
+#endif
 #endif
 
 /* The same for a function of many angles: where each comes alone, it is called, or such functions would be little but sines. */

@@ -16,7 +16,8 @@ WG_ROW(void terrain_demo_leg_foot_position)(const double *WG_RESTRICT q, const d
     p[1] = 0.0;
     const double angle_hip_knee = q[0] + q[1];
     double sin_hip_knee, cos_hip_knee, sin_hip, cos_hip;
-    WG_SINCOS_2(angle_hip_knee, sin_hip_knee, cos_hip_knee, q[0], sin_hip, cos_hip);
+    WG_SINCOS_2(WG_PART(angle_hip_knee, q[1]), sin_hip_knee, cos_hip_knee, q[0], sin_hip, cos_hip);
+    WG_TURN(sin_hip_knee, cos_hip_knee, sin_hip, cos_hip);
     const double knee_to_tip_x = cos_hip_knee*0.25;
     const double knee_to_tip_y = sin_hip_knee*0.25;
     const double hip_to_tip_x = WG_FMA(0.25, cos_hip, knee_to_tip_x);

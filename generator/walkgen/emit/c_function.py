@@ -25,9 +25,9 @@ from walkgen.emit.c_lanes import Laned, arrays, has_closest
 from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_text import comment
 from walkgen.emit.manifest import operations
-from walkgen.emit.walker import Body, Statement, live, walk
+from walkgen.emit.walker import Body, Statement, Text, live, walk
 from walkgen.graph.program import Code, Composite, Program
-from walkgen.signature import Port, Signature, Table
+from walkgen.signature import STATUSES, Port, Signature, Table
 
 _KEPT = "\0"
 
@@ -38,7 +38,11 @@ def kernel(program: Program, name: str, printer: CPrinter, storage: str = "stati
     near = ["int wg_near"] if leaves else []
     head = declared(f"{storage} void {name}", [*parameters(signature.inputs, signature.outputs, printer.precision), *near])
     body = walk(program, replace(printer, leaves=leaves))
-    lines = (*(f"{INDENT}(void){parameter.split()[-1]};" for parameter in near), *_program_lines(program, body, printer, None))
+    usual = _usual(program, body) if leaves else None
+    lines = (
+        *(f"{INDENT}(void){parameter.split()[-1]};" for parameter in near),
+        *_program_lines(program, _asked_near(body, usual) if usual else body, printer, None, usual),
+    )
     return CFunction(name, head, lines, locals_size=_locals_size(body, printer.precision), leaves=leaves)
 
 
@@ -164,9 +168,31 @@ def _described(port: Port) -> str:
     return f"{port.name}{shape}{'' if port.unit == '1' else ' ' + port.unit}"
 
 
-def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None) -> Iterator[str]:
+def _usual(program: Program, body: Body) -> Text | None:
+    """The truth that is enough for a status OK, where the status begins with one and angles come after it."""
+    ports = (port for port in program.signature.outputs for _ in range(port.size))
+    status = next((program.ops[index] for port, index in zip(ports, program.outputs, strict=True) if port.name == "status"), None)
+    if status is None or status.code is not Code.SELECT:
+        return None
+    truth, then, _ = status.arguments
+    constant, usual = program.ops[then], body.written[truth]
+    enough = constant.code is Code.CONSTANT and constant.value == STATUSES.index("OK")
+    bound = any(statement.name == usual.text for statement in body.statements)
+    return usual if enough and bound and any(statement.names for statement in body.statements[usual.after :]) else None
+
+
+def _asked_near(body: Body, usual: Text) -> Body:
+    """With a truth that holds only where the function may leave: elsewhere what decides for all inputs does for usual ones too."""
+    statements = (
+        replace(statement, text=f"wg_near && ({statement.text})") if statement.name == usual.text else statement
+        for statement in body.statements
+    )
+    return replace(body, statements=tuple(statements))
+
+
+def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None, usual: Text | None = None) -> Iterator[str]:
     whole = printer.contained.get(program)
-    lines = _own_lines(program, body, printer, returned)
+    lines = _own_lines(program, body, printer, returned, usual)
     yield from (
         lines if whole is None else ("#if WG_SIZE_COUNTS", *_contained_lines(program, whole, printer.precision), "#else", *lines, "#endif")
     )
@@ -182,17 +208,22 @@ def _contained_lines(program: Program, whole: Program, precision: Precision) -> 
     yield f"{INDENT}{function_name(whole.signature, precision)}({', '.join(names)});"
 
 
-def _own_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None) -> Iterator[str]:
+def _own_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None, usual: Text | None) -> Iterator[str]:
     used = {program.ops[index].element[0] for index in live(program) if program.ops[index].code is Code.INPUT}
     for number, port in enumerate(program.signature.inputs):
         if number not in used:
             yield f"{INDENT}(void){port.name};"
-    yield from _interleaved(program.signature, body, printer.precision, returned)
+    yield from _interleaved(program.signature, body, printer.precision, returned, usual)
 
 
-def _interleaved(signature: Signature, body: Body, precision: Precision, returned: Port | None) -> Iterator[str]:
-    """Statements, each output as soon as it can be written: fewer values stay alive, so fewer are spilled to the stack."""
+def _interleaved(signature: Signature, body: Body, precision: Precision, returned: Port | None, usual: Text | None) -> Iterator[str]:
+    """Statements, each output as soon as it can be written: fewer values stay alive, so fewer are spilled to the stack.
+
+    What is not `usual` is left as soon as that is known.
+    """
     due: dict[int, list[str]] = defaultdict(list)
+    if usual:
+        due[usual.after].append(f"{INDENT}WG_LEAVE_BEYOND({usual.text})")
     for after, line in _output_lines(signature, body, returned):
         due[after].append(line)
     for place, statement in enumerate(body.statements):

@@ -75,13 +75,14 @@ class Statement:
 
 @dataclass(frozen=True)
 class Body:
-    """A Program as text: `outputs` has one expression for each of the Program's outputs, in its order.
+    """A Program as text: `outputs` has one expression for each of the Program's outputs, in its order, `written` those of all operations.
 
     Writing every statement and then every output is right; an output may also be written once `after` statements are.
     """
 
     statements: tuple[Statement, ...]
     outputs: tuple[Text, ...]
+    written: Mapping[int, Text]
 
 
 class Printer(Protocol):
@@ -125,7 +126,7 @@ def walk(program: Program, printer: Printer) -> Body:
     walked = _Walk(program, printer)
     for index in live(program):
         walked.visit(index)
-    return Body(tuple(walked.statements), tuple(walked.written[index] for index in program.outputs))
+    return Body(tuple(walked.statements), tuple(walked.written[index] for index in program.outputs), walked.written)
 
 
 def live(program: Program) -> tuple[int, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import sympy
 
@@ -117,9 +117,9 @@ class Branches:
         """Whether the target is not finite, or the branch unknown."""
         return Opposite(Finite(self._taint))
 
-    def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str) -> sympy.Expr:
+    def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str, usual: sympy.Basic = _FALSE) -> sympy.Expr:
         """q1 of the sheet with this signed rho; the target turned back by the leg plane's own angle."""
-        return self._yaw_of(Angle(*self._yaw_direction(rho, sign, name)), name)
+        return self._yaw_of(Angle(*self._yaw_direction(rho, sign, name)), name, usual)
 
     def _yaw_direction(self, rho: sympy.Expr, sign: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         x, y, _ = self.target
@@ -129,10 +129,10 @@ class Branches:
         sine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w)
         return turn * sine, self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
 
-    def _yaw_of(self, angle: sympy.Expr, name: str) -> sympy.Expr:
+    def _yaw_of(self, angle: sympy.Expr, name: str, usual: sympy.Basic = _FALSE) -> sympy.Expr:
         """Any yaw will do where the target lies on the axis."""
         name = f"yaw_{name}"
-        return self._poisoned(Select(self.on_axis, 0, self.half_open(angle, name)), name)
+        return self._poisoned(Select(self.on_axis, 0, self.half_open(angle, name)), name, usual)
 
     def _opposite_yaw(self) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
@@ -238,26 +238,41 @@ class Branches:
         """q2 in (-pi, pi]; 0 where any thigh will do."""
         return Select(knee.collapsed, self._taint, self.half_open(thigh, f"q2_{name}"))
 
-    def _poisoned(self, angle: sympy.Expr, name: str) -> sympy.Expr:
-        """The angle, NaN for a bad input."""
-        return self.tape.let(f"{name}_checked", self.tape.let(name, angle) + self._taint)
+    def _poisoned(self, angle: sympy.Expr, name: str, usual: sympy.Basic = _FALSE) -> sympy.Expr:
+        """The angle, NaN for a bad input, which no usual one is."""
+        return self.tape.let(f"{name}_checked", self.tape.let(name, angle) + Select(usual, 0, self._taint))
 
     def one_row(self) -> Row:
-        """The branch with this index, by signs instead of choices."""
-        index, z = self._index, self.target[2]
+        """The branch with this index, by signs instead of choices; what decides for usual targets comes first and is enough."""
+        g, index, z = self._geometry, self._index, self.target[2]
         rho_sign = self.tape.let("rho_sign", 1 - 2 * Indicator(LessEqual(2, index)))
         knee_sign = self.tape.let("knee_sign", 1 - 2 * Indicator(Either(Same(index, 1), Same(index, 3))))
         rho = self.tape.let("rho_signed", rho_sign * self.rho)
         X = self._ahead(rho, "X")
         knee = self.knee(X, "plus")
+        usual = self._usual(knee)
         sine = self.tape.let("knee_sin", knee_sign * knee.sine)
         along, across = self._shank(knee, sine)
         opposite, adjacent = self.tape.let("thigh_sin", z * along - X * across), self.tape.let("thigh_cos", X * along + z * across)
         straight = Both(Same(knee.sine, 0), Less(knee_sign, 0))
         duplicate = Either(straight, Both(Same(self.rho, 0), Less(rho_sign, 0)))
         singular = Either(self.on_axis, knee.collapsed)
-        status = self.tape.let("state", self.status(knee.outside, duplicate, singular, self.bad))
-        yaw = self.yaw(rho, rho_sign, "one")
-        gamma = self._poisoned(Angle(sine, knee.cosine), "gamma")
-        thigh = self._free(self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh"), knee, "one")
-        return (yaw, thigh, self.knee_value(gamma, "one", reaches_minus_pi=True)), status
+        status = self.tape.let("state", Select(usual, OK, self.status(knee.outside, duplicate, singular, self.bad)))
+        yaw = self.yaw(rho, rho_sign, "one", usual)
+        gamma = self.tape.let("gamma", Angle(sine, knee.cosine))
+        thigh = self.tape.let("thigh", Angle(*self._from_zero(opposite, adjacent, "thigh")))
+        thigh = self._free(Select(usual, thigh, self._poisoned(thigh, "thigh")), knee, "one")
+        last = self.knee_value(self._poisoned(gamma, "gamma"), "one", reaches_minus_pi=True)
+        last = Select(usual, g.sign3 * gamma, last) if g.zero3 == 0 else last  # a bent knee's angle is neither -pi nor -0
+        return (yaw, thigh, last), status
+
+    def _usual(self, knee: Knee) -> sympy.Basic:
+        """Enough for OK: a known branch, a knee neither straight nor folded by the tolerance, and a foot away from axis 1.
+
+        What is not finite leaves no such knee; nor, but for a runtime parameter, does what is out of reach.
+        """
+        parts = [Both(LessEqual(0, self._index), LessEqual(self._index, 3)), Less(self._tolerance, knee.sine)]
+        parts += [Opposite(self.on_axis)] if self.on_axis != _FALSE else []
+        parts += [Opposite(self.inside_cylinder), Less(0, self.rho)] if self.inside_cylinder != _FALSE else []
+        parts += [] if self._knee_scale.is_number else [Opposite(knee.outside), Finite(self._taint)]
+        return reduce(Both, parts)

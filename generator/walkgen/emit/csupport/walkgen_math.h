@@ -167,9 +167,16 @@ static inline float walkgen_of_bits_f32(uint32_t bits) {
     return x;
 }
 
-/* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. */
+/* Functions, because gcc reads the conversion of a comparison itself as a selection and may jump. A number at hand is there sooner than
+ * one converted, where no vectors are to be made of it. */
+#if defined(WALKGEN_LIBM) && !defined(__OPTIMIZE_SIZE__)
+static const double walkgen_truths[2] = {0.0, 1.0};
+static inline double walkgen_indicator(int truth) { return walkgen_truths[truth != 0]; }
+static inline float walkgen_indicator_f32(int truth) { return (float)walkgen_truths[truth != 0]; }
+#else
 static inline double walkgen_indicator(int truth) { return (double)truth; }
 static inline float walkgen_indicator_f32(int truth) { return (float)truth; }
+#endif
 
 /* Choices by the bits, for lanes: of a choice between numbers compilers make ways that part, and compute on each. */
 static inline double walkgen_select(int truth, double a, double b) {
