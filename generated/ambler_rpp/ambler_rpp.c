@@ -17,10 +17,6 @@
 #endif
 
 WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-#if WG_SIZE_COUNTS
-    double further_J[9];
-    ambler_rpp_leg_foot_position_jacobian(q, p, further_J);
-#else
     const double cos_shoulder = WG_COS(q[0]);
     const double sin_shoulder = WG_SIN(q[0]);
     const double extend_shift_z = q[2] + 0.5;
@@ -31,7 +27,6 @@ WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *W
     p[0] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     p[1] = shoulder_to_tip_y;
-#endif
 }
 
 WG_ROW(void ambler_rpp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
@@ -77,10 +72,6 @@ WG_ROW(void ambler_rpp_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_RE
 }
 
 WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-#if WG_SIZE_COUNTS
-    double further_p[3];
-    ambler_rpp_leg_foot_position_jacobian(q, further_p, J);
-#else
     J[2] = 0.0;
     J[5] = 0.0;
     J[6] = 0.0;
@@ -95,7 +86,6 @@ WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *W
     J[3] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     J[0] = -shoulder_to_tip_y;
-#endif
 }
 
 WG_ROW(void ambler_rpp_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,

@@ -17,10 +17,6 @@
 #endif
 
 WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-#if WG_SIZE_COUNTS
-    double further_J[9];
-    ambler_rrp_leg_foot_position_jacobian(q, p, further_J);
-#else
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
     WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
@@ -33,7 +29,6 @@ WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *W
     p[1] = shoulder_to_tip_y;
     const double shoulder_to_tip_z = 1.0 - extend_shift_z;
     p[2] = shoulder_to_tip_z;
-#endif
 }
 
 WG_ROW(void ambler_rrp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {

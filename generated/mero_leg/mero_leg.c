@@ -16,10 +16,6 @@
 #endif
 
 WG_ROW(void mero_leg_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
-#if WG_SIZE_COUNTS
-    double further_J[9];
-    mero_leg_leg_foot_position_jacobian(q, p, further_J);
-#else
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
     WG_SINCOS_3(q[0], sin_yaw, cos_yaw, WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1],
@@ -35,7 +31,6 @@ WG_ROW(void mero_leg_leg_foot_position)(const double *WG_RESTRICT q, double *WG_
     p[0] = yaw_to_tip_x;
     const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
     p[1] = yaw_to_tip_y;
-#endif
 }
 
 WG_ROW(void mero_leg_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
@@ -93,10 +88,6 @@ WG_ROW(void mero_leg_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_REST
 }
 
 WG_ROW(void mero_leg_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-#if WG_SIZE_COUNTS
-    double further_p[3];
-    mero_leg_leg_foot_position_jacobian(q, further_p, J);
-#else
     J[6] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
@@ -121,7 +112,6 @@ WG_ROW(void mero_leg_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_
     J[2] = -J_shank_x;
     const double J_shank_y = sin_yaw*shank_to_tip_y;
     J[5] = -J_shank_y;
-#endif
 }
 
 WG_ROW(void mero_leg_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p, double *WG_RESTRICT J) {
@@ -1252,27 +1242,28 @@ WG_INLINE void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int3
     const int t3 = 0.0 <= (double)branch && (double)branch <= 3.0;
     const double t4 = WG_SELECT(t3, 0.0, sqrt(WG_FMA(-((double)branch), (double)branch, -1.0)));
     const double taint = t4 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
-    const int t5 = wg_near && ((t3 && tolerance < knee_sin_plus) && !t2);
-    WG_LEAVE_BEYOND(t5)
-    const int t6 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
-    const int t7 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double t8 = WG_SELECT(t7, 1.0, WG_SELECT(t6, 6.0, WG_SELECT(t2, 3.0, 0.0)));
-    const double state = WG_SELECT(t5, 0.0, WG_SELECT(!isfinite(taint), 2.0, t8));
+    const int t5 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
+    const int t6 = outer2 < distance2_plus || distance2_plus < inner2;
+    const double t7 = WG_SELECT(t6, 1.0, WG_SELECT(t5, 6.0, WG_SELECT(t2, 3.0, 0.0)));
+    const double unusual_state = WG_SELECT(!isfinite(taint), 2.0, t7);
+    const int t8 = wg_near && ((t3 && tolerance < knee_sin_plus) && !t2);
+    WG_LEAVE_BEYOND(t8)
+    const double state = WG_SELECT(t8, 0.0, unusual_state);
     *status = (int32_t)(state);
     double yaw_one_angle, gamma_2, thigh;
     WG_NEAR_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, knee_sin, knee_cos_plus, gamma_2, thigh_sin,
         thigh_cos, thigh);
     const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
     const double yaw_one = WG_SELECT(t2, 0.0, yaw_one_half_open);
-    const double yaw_one_checked = yaw_one + WG_SELECT(t5, 0.0, taint);
+    const double yaw_one_checked = yaw_one + WG_SELECT(t8, 0.0, taint);
     q[0] = yaw_one_checked;
     const double thigh_checked = taint + thigh;
-    const double q2_one_angle = WG_SELECT(t5, thigh, thigh_checked);
+    const double q2_one_angle = WG_SELECT(t8, thigh, thigh_checked);
     const double q2_one_half_open = WG_SELECT(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle);
     q[1] = q2_one_half_open;
     const double gamma_checked = taint + gamma_2;
     const double q3_one_half_open = WG_SELECT(gamma_checked <= -3.141592653589793, 3.141592653589793, gamma_checked);
-    q[2] = WG_SELECT(t5, gamma_2, q3_one_half_open);
+    q[2] = WG_SELECT(t8, gamma_2, q3_one_half_open);
 }
 
 WG_INLINE void mero_leg_leg_limits_kernel(double *WG_RESTRICT limits) {

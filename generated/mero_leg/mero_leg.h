@@ -167,7 +167,7 @@ size_t mero_leg_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, doub
 
 /* The joint values of one branch that reach p.
  * p [3] m, branch -> q [3] rad, status
- * Returns the status. 93 operations (support routines not counted; at most 436 bytes of locals).
+ * Returns the status. 93 operations (support routines not counted; at most 444 bytes of locals).
  * Source: theory of the Fig. 7 leg: rho, theta_1, theta_3, theta_2 in closed form
  */
 int32_t mero_leg_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q);

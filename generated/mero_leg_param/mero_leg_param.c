@@ -17,10 +17,6 @@
 
 WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
-#if WG_SIZE_COUNTS
-    double further_J[9];
-    mero_leg_param_leg_foot_position_jacobian(q, param, p, further_J);
-#else
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
     WG_SINCOS_3(q[0], sin_yaw, cos_yaw, WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1],
@@ -36,15 +32,10 @@ WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const
     p[0] = yaw_to_tip_x;
     const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
     p[1] = yaw_to_tip_y;
-#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p_d_param) {
-#if WG_SIZE_COUNTS
-    double further_J_d_param[18];
-    mero_leg_param_leg_foot_position_jacobian_d_param(q, param, p_d_param, further_J_d_param);
-#else
     (void)param;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
@@ -55,7 +46,6 @@ WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT 
     p_d_param[3] = sin_yaw*sin_thigh_shank;
     p_d_param[4] = sin_thigh_shank;
     p_d_param[5] = -cos_thigh_shank;
-#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_rotation)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -185,10 +175,6 @@ WG_ROW(void mero_leg_param_leg_foot_pose_d_param)(const double *WG_RESTRICT q, c
 
 WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J) {
-#if WG_SIZE_COUNTS
-    double further_p[3];
-    mero_leg_param_leg_foot_position_jacobian(q, param, further_p, J);
-#else
     J[6] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
@@ -213,15 +199,10 @@ WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const
     J[2] = -J_shank_x;
     const double J_shank_y = sin_yaw*shank_to_tip_y;
     J[5] = -J_shank_y;
-#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J_d_param) {
-#if WG_SIZE_COUNTS
-    double further_p_d_param[6];
-    mero_leg_param_leg_foot_position_jacobian_d_param(q, param, further_p_d_param, J_d_param);
-#else
     (void)param;
     J_d_param[12] = 0.0;
     J_d_param[13] = 0.0;
@@ -249,7 +230,6 @@ WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT 
     J_d_param[1] = t5;
     J_d_param[8] = t5;
     J_d_param[10] = t5;
-#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_position_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -2202,19 +2182,20 @@ WG_INLINE void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p
     const double t5 = WG_SELECT(t4, 0.0, sqrt(WG_FMA(-((double)branch), (double)branch, -1.0)));
     const double t6 = param[0] - param[0] + (t5 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]))));
     const double taint = knee_scale - knee_scale + (param[1] - param[1] + t6);
-    const int t7 = outer2 < distance2_plus || distance2_plus < inner2;
-    const int t8 = isfinite(taint);
-    const int t9 = (((t4 && tolerance < knee_sin_plus) && !t3) && !t7) && t8;
-    const int t10 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
-    const double t11 = WG_SELECT(t7, 1.0, WG_SELECT(t10, 6.0, WG_SELECT(t3 || t2, 3.0, 0.0)));
-    const double state = WG_SELECT(t9, 0.0, WG_SELECT(!t8, 2.0, t11));
+    const int t7 = isfinite(taint);
+    const int t8 = outer2 < distance2_plus || distance2_plus < inner2;
+    const int t9 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
+    const double t10 = WG_SELECT(t8, 1.0, WG_SELECT(t9, 6.0, WG_SELECT(t3 || t2, 3.0, 0.0)));
+    const double unusual_state = WG_SELECT(!t7, 2.0, t10);
+    const int t11 = (((t4 && tolerance < knee_sin_plus) && !t3) && !t8) && t7;
+    const double state = WG_SELECT(t11, 0.0, unusual_state);
     *status = (int32_t)(state);
     const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
     const double yaw_one = WG_SELECT(t3, 0.0, yaw_one_half_open);
-    const double yaw_one_checked = yaw_one + WG_SELECT(t9, 0.0, taint);
+    const double yaw_one_checked = yaw_one + WG_SELECT(t11, 0.0, taint);
     q[0] = yaw_one_checked;
     const double thigh_checked = taint + thigh;
-    const double q2_one_angle = WG_SELECT(t9, thigh, thigh_checked);
+    const double q2_one_angle = WG_SELECT(t11, thigh, thigh_checked);
     const double q2_one_half_open = WG_SELECT(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle);
     q[1] = WG_SELECT(t2, taint, q2_one_half_open);
     const double gamma_checked = taint + gamma_2;

@@ -1233,19 +1233,20 @@ def leg_inverse_branch():
     t10 = ca.if_else(_finite(param[0]), 0.0, float("nan")) + t9
     t11 = ca.if_else(_finite(param[1]), 0.0, float("nan")) + t10
     taint = ca.if_else(_finite(knee_scale), 0.0, float("nan")) + t11
-    t12 = ca.logic_or(outer2 < distance2_plus, distance2_plus < inner2)
-    t13 = ca.logic_and(ca.logic_and(t5, tolerance < knee_sin_plus), ca.logic_not(t4))
-    t14 = _finite(taint)
-    t15 = ca.logic_and(ca.logic_and(t13, ca.logic_not(t12)), t14)
-    t16 = ca.logic_and(knee_sin_plus == 0.0, knee_sign < 0.0)
-    t17 = ca.logic_or(t16, ca.logic_and(rho == 0.0, rho_sign < 0.0))
-    t18 = ca.if_else(t17, 6.0, ca.if_else(ca.logic_or(t4, t2), 3.0, 0.0))
-    state = ca.if_else(t15, 0.0, ca.if_else(ca.logic_not(t14), 2.0, ca.if_else(t12, 1.0, t18)))
+    t12 = _finite(taint)
+    t13 = ca.logic_or(outer2 < distance2_plus, distance2_plus < inner2)
+    t14 = ca.logic_and(knee_sin_plus == 0.0, knee_sign < 0.0)
+    t15 = ca.logic_or(t14, ca.logic_and(rho == 0.0, rho_sign < 0.0))
+    t16 = ca.if_else(t15, 6.0, ca.if_else(ca.logic_or(t4, t2), 3.0, 0.0))
+    unusual_state = ca.if_else(ca.logic_not(t12), 2.0, ca.if_else(t13, 1.0, t16))
+    t17 = ca.logic_and(ca.logic_and(t5, tolerance < knee_sin_plus), ca.logic_not(t4))
+    t18 = ca.logic_and(ca.logic_and(t17, ca.logic_not(t13)), t12)
+    state = ca.if_else(t18, 0.0, unusual_state)
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = ca.if_else(t4, 0.0, yaw_one_half_open)
-    yaw_one_checked = yaw_one + ca.if_else(t15, 0.0, taint)
+    yaw_one_checked = yaw_one + ca.if_else(t18, 0.0, taint)
     thigh_checked = taint + thigh
-    q2_one_angle = ca.if_else(t15, thigh, thigh_checked)
+    q2_one_angle = ca.if_else(t18, thigh, thigh_checked)
     q2_one_half_open = ca.if_else(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle)
     gamma_checked = taint + gamma
     q3_one_sum = gamma_checked - shank_angle

@@ -93,10 +93,6 @@ WG_ROW(void phantomx_leg_right_front_foot_pose)(const double *WG_RESTRICT q, dou
 }
 
 WG_ROW(void phantomx_leg_right_front_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
-#if WG_SIZE_COUNTS
-    double further_p[3];
-    phantomx_leg_right_front_foot_position_jacobian(q, further_p, J);
-#else
     J[6] = 0.0;
     const double turned_coxa = q[0] + 0.7853981633974483;
     const double angle_thigh_tibia = q[1] - q[2];
@@ -125,7 +121,6 @@ WG_ROW(void phantomx_leg_right_front_foot_jacobian)(const double *WG_RESTRICT q,
     J[2] = -J_tibia_x;
     const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
     J[5] = J_tibia_y;
-#endif
 }
 
 WG_ROW(void phantomx_leg_right_front_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,
@@ -1339,12 +1334,13 @@ WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_REST
     const int t5 = 0.0 <= (double)branch && (double)branch <= 3.0;
     const double t6 = WG_SELECT(t5, 0.0, sqrt(WG_FMA(-((double)branch), (double)branch, -1.0)));
     const double taint = t6 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
-    const int t7 = wg_near && ((t5 && tolerance < knee_sin_plus) && !t4);
-    WG_LEAVE_BEYOND(t7)
-    const int t8 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
-    const int t9 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double t10 = WG_SELECT(t9, 1.0, WG_SELECT(t8, 6.0, WG_SELECT(t4, 3.0, 0.0)));
-    const double state = WG_SELECT(t7, 0.0, WG_SELECT(!isfinite(taint), 2.0, t10));
+    const int t7 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
+    const int t8 = outer2 < distance2_plus || distance2_plus < inner2;
+    const double t9 = WG_SELECT(t8, 1.0, WG_SELECT(t7, 6.0, WG_SELECT(t4, 3.0, 0.0)));
+    const double unusual_state = WG_SELECT(!isfinite(taint), 2.0, t9);
+    const int t10 = wg_near && ((t5 && tolerance < knee_sin_plus) && !t4);
+    WG_LEAVE_BEYOND(t10)
+    const double state = WG_SELECT(t10, 0.0, unusual_state);
     *status = (int32_t)(state);
     const double lift_thigh_sin = WG_FMA(-thigh_sin, 0.9756502324316491, thigh_cos*0.21933222279471182);
     double yaw_one_angle, gamma_2, thigh;
@@ -1352,10 +1348,10 @@ WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_REST
         lift_thigh_sin, WG_FMA(-thigh_cos, 0.9756502324316491, -(thigh_sin*0.21933222279471182)), thigh);
     const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
     const double yaw_one = WG_SELECT(t4, 0.0, yaw_one_half_open);
-    const double yaw_one_checked = yaw_one + WG_SELECT(t7, 0.0, taint);
+    const double yaw_one_checked = yaw_one + WG_SELECT(t10, 0.0, taint);
     q[0] = yaw_one_checked;
     const double thigh_checked = taint + thigh;
-    const double q2_one_angle = WG_SELECT(t7, thigh, thigh_checked);
+    const double q2_one_angle = WG_SELECT(t10, thigh, thigh_checked);
     const double q2_one_half_open = WG_SELECT(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle);
     q[1] = q2_one_half_open;
     const double gamma_checked = taint + gamma_2;

@@ -909,12 +909,13 @@ def right_front_inverse_branch():
     t7 = t6 + ca.if_else(_finite(p[1]), 0.0, float("nan"))
     t8 = ca.if_else(t5, 0.0, ca.sqrt(-branch * branch - 1.0))
     taint = t8 + (ca.if_else(_finite(p[2]), 0.0, float("nan")) + t7)
-    t9 = ca.logic_and(ca.logic_and(t5, tolerance < knee_sin_plus), ca.logic_not(t4))
-    t10 = ca.logic_and(knee_sin_plus == 0.0, knee_sign < 0.0)
-    t11 = ca.logic_or(t10, ca.logic_and(rho == 0.0, rho_sign < 0.0))
-    t12 = ca.logic_or(outer2 < distance2_plus, distance2_plus < inner2)
-    t13 = ca.if_else(t12, 1.0, ca.if_else(t11, 6.0, ca.if_else(t4, 3.0, 0.0)))
-    state = ca.if_else(t9, 0.0, ca.if_else(ca.logic_not(_finite(taint)), 2.0, t13))
+    t9 = ca.logic_and(knee_sin_plus == 0.0, knee_sign < 0.0)
+    t10 = ca.logic_or(t9, ca.logic_and(rho == 0.0, rho_sign < 0.0))
+    t11 = ca.logic_or(outer2 < distance2_plus, distance2_plus < inner2)
+    t12 = ca.if_else(t11, 1.0, ca.if_else(t10, 6.0, ca.if_else(t4, 3.0, 0.0)))
+    unusual_state = ca.if_else(ca.logic_not(_finite(taint)), 2.0, t12)
+    t13 = ca.logic_and(ca.logic_and(t5, tolerance < knee_sin_plus), ca.logic_not(t4))
+    state = ca.if_else(t13, 0.0, unusual_state)
     lift_thigh_sin = thigh_cos * 0.21933222279471182 - thigh_sin * 0.9756502324316491
     yaw_one_angle = ca.atan2(-(target_y * rho_sign), target_x * rho_sign)
     gamma = ca.atan2(knee_sin, knee_cos_plus)
@@ -922,9 +923,9 @@ def right_front_inverse_branch():
     thigh = ca.atan2(lift_thigh_sin, t14)
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = ca.if_else(t4, 0.0, yaw_one_half_open)
-    yaw_one_checked = yaw_one + ca.if_else(t9, 0.0, taint)
+    yaw_one_checked = yaw_one + ca.if_else(t13, 0.0, taint)
     thigh_checked = taint + thigh
-    q2_one_angle = ca.if_else(t9, thigh, thigh_checked)
+    q2_one_angle = ca.if_else(t13, thigh, thigh_checked)
     q2_one_half_open = ca.if_else(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle)
     gamma_checked = taint + gamma
     q3_one_sum = 4.491259005845174 - gamma_checked

@@ -328,12 +328,13 @@ def _right_front_inverse_one(p, branch):
     t5 = np.logical_and(0.0 <= branch, branch <= 3.0)
     t6 = np.where(t5, 0.0, np.sqrt(-branch * branch - 1.0))
     taint = t6 + (p_2 - p_2 + (p_0 - p_0 + (p_1 - p_1)))
-    t7 = np.logical_and(np.logical_and(t5, tolerance < knee_sin_plus), np.logical_not(t4))
-    t8 = np.logical_and(knee_sin_plus == 0.0, knee_sign < 0.0)
-    t9 = np.logical_or(t8, np.logical_and(rho == 0.0, rho_sign < 0.0))
-    t10 = np.logical_or(outer2 < distance2_plus, distance2_plus < inner2)
-    t11 = np.where(t10, 1.0, np.where(t9, 6.0, np.where(t4, 3.0, 0.0)))
-    state = np.where(t7, 0.0, np.where(np.logical_not(np.isfinite(taint)), 2.0, t11))
+    t7 = np.logical_and(knee_sin_plus == 0.0, knee_sign < 0.0)
+    t8 = np.logical_or(t7, np.logical_and(rho == 0.0, rho_sign < 0.0))
+    t9 = np.logical_or(outer2 < distance2_plus, distance2_plus < inner2)
+    t10 = np.where(t9, 1.0, np.where(t8, 6.0, np.where(t4, 3.0, 0.0)))
+    unusual_state = np.where(np.logical_not(np.isfinite(taint)), 2.0, t10)
+    t11 = np.logical_and(np.logical_and(t5, tolerance < knee_sin_plus), np.logical_not(t4))
+    state = np.where(t11, 0.0, unusual_state)
     lift_thigh_sin = thigh_cos * 0.21933222279471182 - thigh_sin * 0.9756502324316491
     yaw_one_angle = np.arctan2(-(target_y * rho_sign), target_x * rho_sign)
     gamma = np.arctan2(knee_sin, knee_cos_plus)
@@ -341,9 +342,9 @@ def _right_front_inverse_one(p, branch):
     thigh = np.arctan2(lift_thigh_sin, t12)
     yaw_one_half_open = np.where(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = np.where(t4, 0.0, yaw_one_half_open)
-    yaw_one_checked = yaw_one + np.where(t7, 0.0, taint)
+    yaw_one_checked = yaw_one + np.where(t11, 0.0, taint)
     thigh_checked = taint + thigh
-    q2_one_angle = np.where(t7, thigh, thigh_checked)
+    q2_one_angle = np.where(t11, thigh, thigh_checked)
     q2_one_half_open = np.where(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle)
     gamma_checked = taint + gamma
     q3_one_sum = 4.491259005845174 - gamma_checked

@@ -138,15 +138,3 @@ def test_without_damping_singular_rates_are_nan(build, tag, name, given, found):
     for ours, theirs in zip(left, rates, strict=True):
         assert np.array_equal(ours[answered], theirs[answered])
         assert np.isnan(ours[~answered]).all()
-
-
-@pytest.mark.parametrize("flags", [(), LEFT_OUT])
-def test_functions_contained_in_others_take_all_from_them(build, flags):
-    """Less code at -Os than the functions take apart."""
-    build("mero_leg", "-Os", *flags)
-    folder = Path(build("mero_leg", "-Os", *flags)._name).parent
-    command = ["gcc", *STRICT, *flags, "-Os", "-S", "mero_leg.c", "-o", "-"]
-    text = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
-    body = text.split("\nmero_leg_leg_foot_position:\n")[1].split(".cfi_endproc")[0]
-    assert "mero_leg_leg_foot_position_jacobian" in body
-    assert "mul" not in body

@@ -30,7 +30,6 @@ from walkgen.emit.c_rest import may_leave
 from walkgen.emit.c_rows import NO_BATCHES, Part, Rows, first_parts, guard, last_parts, read_rows, row_headers
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
-from walkgen.graph.containment import contained
 from walkgen.graph.program import Composite, Program
 
 Functions = Sequence[tuple[CFunction, tuple[CFunction, ...]]]
@@ -53,7 +52,7 @@ def c_sources(code: RobotCode) -> tuple[Artifact, ...]:
 def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     """The header and the source in one precision."""
     lanes = {each.body: each for each in laned(code)}
-    printer = CPrinter(precision, code.fma, contained=_contained(code))
+    printer = CPrinter(precision, code.fma)
     kernels = _kernels(code, printer, {each.program for each in lanes.values()})
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     known = kernels | programs
@@ -64,25 +63,6 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     own = (body for body in code.functions if isinstance(body, Composite) and body not in code.repeated)
     rests = [rest for body in own for rest in rest_functions(body, known, printer)]
     return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks, *rests], functions, rows)
-
-
-def _programs(code: RobotCode) -> tuple[Program, ...]:
-    """Every Program that is written."""
-    own = [body for body in code.functions if body not in code.repeated]
-    called = (call.callee for body in own if isinstance(body, Composite) for call in body.all_calls)
-    return tuple(dict.fromkeys(each for each in (*own, *called) if isinstance(each, Program) and each not in code.repeated))
-
-
-def _contained(code: RobotCode) -> dict[Program, Program]:
-    """What a public function without a status computes among other things."""
-    public = [body for body in code.functions if isinstance(body, Program) and _is_plain(body)]
-    found = ((program, contained(program, public)) for program in _programs(code) if _is_plain(program))
-    return {program: whole for program, whole in found if whole}
-
-
-def _is_plain(program: Program) -> bool:
-    ports = (*program.signature.inputs, *program.signature.outputs)
-    return all(port.shape and port.kind == "real" for port in ports)
 
 
 def _of_rows(code: RobotCode, body: Program | Composite, lanes: Laned | None, precision: Precision) -> tuple[CFunction, ...]:

@@ -191,24 +191,6 @@ def _asked_near(body: Body, usual: Text) -> Body:
 
 
 def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None, usual: Text | None = None) -> Iterator[str]:
-    whole = printer.contained.get(program)
-    lines = _own_lines(program, body, printer, returned, usual)
-    yield from (
-        lines if whole is None else ("#if WG_SIZE_COUNTS", *_contained_lines(program, whole, printer.precision), "#else", *lines, "#endif")
-    )
-
-
-def _contained_lines(program: Program, whole: Program, precision: Precision) -> Iterator[str]:
-    """All from a function that has more outputs."""
-    own = program.signature
-    further = [port for port in whole.signature.outputs if port not in own.outputs]
-    yield from (f"{INDENT}{port_type(port, precision)} further_{port.name}[{port.size}];" for port in further)
-    names = [port.name for port in own.inputs]
-    names += [port.name if port in own.outputs else f"further_{port.name}" for port in whole.signature.outputs]
-    yield f"{INDENT}{function_name(whole.signature, precision)}({', '.join(names)});"
-
-
-def _own_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None, usual: Text | None) -> Iterator[str]:
     used = {program.ops[index].element[0] for index in live(program) if program.ops[index].code is Code.INPUT}
     for number, port in enumerate(program.signature.inputs):
         if number not in used:

@@ -2,13 +2,13 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import cached_property
 
 from walkgen.emit.walker import Form, Level, Text
 from walkgen.graph.passes import TOGETHER
-from walkgen.graph.program import Code, Program
+from walkgen.graph.program import Code
 from walkgen.signature import Port
 
 _FLOAT_LARGEST = Decimal("3.40282346e38")
@@ -104,14 +104,12 @@ RESERVED = frozenset(_WORDS.split())
 class CPrinter:
     """Writes operations in one precision; `fma` fuses multiply-add where the target has it.
 
-    A function that is written to leave gives up beyond the range of sines and arctangents, if its caller says so. Where size counts,
-    Programs `contained` in another take all from that.
+    A function that is written to leave gives up beyond the range of sines and arctangents, if its caller says so.
     """
 
     precision: Precision
     fma: bool
     leaves: bool = False
-    contained: Mapping[Program, Program] = field(default_factory=dict)
 
     @cached_property
     def forms(self) -> Mapping[Code, Form]:
