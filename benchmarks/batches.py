@@ -38,8 +38,9 @@ BUILDS = {
     "lanes, any x86-64": ("-O3",),
 }
 PLANAR = "lanes, planar"
-_PADDING = 8
+_PADDING = 16
 """Numbers between planes: those whose lengths are powers of two would compete for the same lines of the cache."""
+_LINE = 64
 ASKED = {"foot_jacobian": {"double": 10, "float": 15}, "inverse": {"double": 7, "float": 20}}
 """How many times faster than the C library's loop, in the cache, with AVX-512."""
 
@@ -146,11 +147,19 @@ def calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: in
     }
 
 
+def _planes(elements: int, rows: int, kind: type) -> Array:
+    """Zeros, the first of each plane at the start of a line of the cache."""
+    room = np.zeros((rows + _PADDING) * elements + _LINE, kind)
+    start = -room.ctypes.data % _LINE // room.itemsize
+    return room[start : start + (rows + _PADDING) * elements].reshape(elements, -1)
+
+
 def planar_calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, PlanarCall]:
     """The same on planes."""
     inputs = leg.draw(rows, "limits")
-    q, p = (np.pad(array.astype(real).T, ((0, 0), (0, _PADDING))).copy() for array in (inputs.q, inputs.p))
-    J, angles, states = (np.zeros((size, rows + _PADDING), kind) for size, kind in ((9, real), (12, real), (4, np.int32)))
+    q, p = _planes(3, rows, real), _planes(3, rows, real)
+    q[:, :rows], p[:, :rows] = inputs.q.T, inputs.p.T
+    J, angles, states = (_planes(size, rows, kind) for size, kind in ((9, real), (12, real), (4, np.int32)))
     name = f"mero_leg{tag}_leg"
     return {
         "foot_jacobian": PlanarCall(timer, found[f"{name}_foot_jacobian_planar"], rows, (q, J)),

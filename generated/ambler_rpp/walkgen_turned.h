@@ -18,7 +18,7 @@
 #define WG_STREAM(to, from) __builtin_ia32_movntps((float *)(to), from)
 #endif
 
-/* A plane's lanes past the cache, into which what is written would be read first; `to` is aligned to its vectors. */
+/* A plane's lanes past the cache, into which what is written would be read first; `to` begins a line of it. */
 WG_INLINE void WG_NAME(wg_stream_lanes)(WG_REAL *to, const WG_REAL *lanes) {
     for (int at = 0; at < WG_LANES; at += 4) {
         WG_X4 four;

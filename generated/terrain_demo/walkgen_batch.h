@@ -23,6 +23,7 @@
 #define WG_MOST_GIVEN 48
 #define WG_MOST_FOUND 32
 #define WG_MOST_STATUSES 8
+#define WG_LINE 64 /* bytes of the cache's lines; parts of them are written past it slowly */
 #define WG_FAR_BYTES 33554432.0 /* results that do not stay in a cache */
 
 /* By fours, none in a loop: compilers make a call of the C library of that. */
@@ -164,7 +165,7 @@ WG_CALLED void WG_NAME(wg_scatter)(const struct wg_array *array, ptrdiff_t first
 #endif
         for (; step == 1 && count == WG_LANES && element < array->size; ++element) {
 #if defined(WALKGEN_VECTORS)
-            if (far && (uintptr_t)(numbers + element * across) % (4 * sizeof(WG_REAL)) == 0) {
+            if (far && (uintptr_t)(numbers + element * across) % WG_LINE == 0) {
                 WG_NAME(wg_stream_lanes)(numbers + element * across, found[element]);
                 continue;
             }
