@@ -9,7 +9,7 @@
  *
  * Range      |x| <= 1e5, in float 1e4; atan2 where the larger number lies in 1e-290 .. 1e300, in float 1e-30 .. 1e30. Beyond, for
  *            infinities and for NaN the C library answers. Special values are C99's (Annex F); sin(-0) is -0.
- * Error      at most, in units in the last place: sin and cos 1.6, in float beyond |x| = 100 2.4; atan2 1.6. In float measured on every
+ * Error      at most, in units in the last place: sin and cos 1.6, in float beyond |x| = 100 2.5; atan2 1.6. In float measured on every
  *            angle, in double on some ten millions. Sums that keep what r's rounding drops would bring sin and cos to 0.85, for a fifth
  *            of the time of a block of rows.
  * Together   where vectors of four are one instruction (WG_TOGETHER), WG_SINCOS_3 and its like evaluate all their angles in one;
