@@ -83,21 +83,18 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
         s0 = wg_turned[0], c0 = wg_turned[4], s1 = wg_turned[1], c1 = wg_turned[5]; \
         s2 = wg_turned[2], c2 = wg_turned[6], s3 = wg_turned[3], c3 = wg_turned[7]; \
     } while (0)
-#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
-#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
-#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #elif defined(WALKGEN_LIBM)
 /* The first last: what turns all the others is needed last, and less is kept over the calls. */
 #define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_2(a1, s1, c1, a0, s0, c0)
 #define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_3(a2, s2, c2, a1, s1, c1, a0, s0, c0)
 #define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_EACH_4(a3, s3, c3, a2, s2, c2, a1, s1, c1, a0, s0, c0)
-#define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
-#define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
-#define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #else
 #define WG_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1)
 #define WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
 #define WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_EACH_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#endif
+
+#if !defined(WG_ATAN2_2)
 #define WG_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_EACH_2(y0, x0, r0, y1, x1, r1)
 #define WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_EACH_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
 #define WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_EACH_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)

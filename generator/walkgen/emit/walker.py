@@ -25,14 +25,13 @@ class Level(IntEnum):
     """How tightly a text binds; an operand that binds less than its place asks for is bracketed."""
 
     ANY = 0
-    CONDITION = 1
-    OR = 2
-    AND = 3
-    COMPARE = 4
-    SUM = 5
-    PRODUCT = 6
-    UNARY = 7
-    ATOM = 8
+    OR = 1
+    AND = 2
+    COMPARE = 3
+    SUM = 4
+    PRODUCT = 5
+    UNARY = 6
+    ATOM = 7
 
 
 @dataclass(frozen=True)
