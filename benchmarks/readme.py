@@ -75,8 +75,8 @@ def _conditions(kinematics: dict[str, Any]) -> Iterator[str]:
 def _size(found: dict[str, Entry]) -> str:
     own, hand, casadi = (found[name] for name in ("walkgen", "by hand", "CasADi"))
     return (
-        f"`benchmarks/size.py`: nine functions of the leg take {own['bytes']} bytes on a Cortex-M7, {own['bytes'] - own['support']} "
-        f"without closest points and damping, CasADi's {casadi['bytes']}, by hand {hand['bytes']}; to compile, "
+        f"`benchmarks/size.py`: nine functions of the leg take {own['bytes']} bytes on a Cortex-M7, {own['small']} with WALKGEN_SMALL, "
+        f"{own['least']} also without closest points and damping, CasADi's {casadi['bytes']}, by hand {hand['bytes']}; to compile, "
         f"{own['seconds'] / casadi['seconds']:.1f} times as long as CasADi's C, batches included, "
         f"{own['single'] / casadi['single']:.1f} times without."
     )

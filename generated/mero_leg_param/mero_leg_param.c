@@ -17,6 +17,10 @@
 
 WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
+#if defined(WALKGEN_SMALL)
+    double J[9];
+    mero_leg_param_leg_foot_position_jacobian(q, param, p, J);
+#else
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
     WG_SINCOS_3(q[0], sin_yaw, cos_yaw, WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1],
@@ -32,10 +36,15 @@ WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const
     p[0] = yaw_to_tip_x;
     const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
     p[1] = yaw_to_tip_y;
+#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p_d_param) {
+#if defined(WALKGEN_SMALL)
+    double J_d_param[18];
+    mero_leg_param_leg_foot_position_jacobian_d_param(q, param, p_d_param, J_d_param);
+#else
     (void)param;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
@@ -46,6 +55,7 @@ WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT 
     p_d_param[3] = sin_yaw*sin_thigh_shank;
     p_d_param[4] = sin_thigh_shank;
     p_d_param[5] = -cos_thigh_shank;
+#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_rotation)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -175,6 +185,10 @@ WG_ROW(void mero_leg_param_leg_foot_pose_d_param)(const double *WG_RESTRICT q, c
 
 WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J) {
+#if defined(WALKGEN_SMALL)
+    double p[3];
+    mero_leg_param_leg_foot_position_jacobian(q, param, p, J);
+#else
     J[6] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
@@ -199,10 +213,15 @@ WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const
     J[2] = -J_shank_x;
     const double J_shank_y = sin_yaw*shank_to_tip_y;
     J[5] = -J_shank_y;
+#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J_d_param) {
+#if defined(WALKGEN_SMALL)
+    double p_d_param[6];
+    mero_leg_param_leg_foot_position_jacobian_d_param(q, param, p_d_param, J_d_param);
+#else
     (void)param;
     J_d_param[12] = 0.0;
     J_d_param[13] = 0.0;
@@ -230,6 +249,7 @@ WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT 
     J_d_param[1] = t5;
     J_d_param[8] = t5;
     J_d_param[10] = t5;
+#endif
 }
 
 WG_ROW(void mero_leg_param_leg_foot_position_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -902,6 +922,18 @@ WG_ROW(void mero_leg_param_leg_forward_dynamics)(const double *WG_RESTRICT q, co
 
 WG_ROW(void mero_leg_param_leg_mass_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT M) {
+#if defined(WALKGEN_SMALL)
+    double zero[6] = {0}, rest[3];
+    mero_leg_param_leg_inverse_dynamics(q, zero, zero, zero, param, rest);
+    for (int column = 0; column < 3; ++column) {
+        zero[3 + column] = WG_C(0x1p100);
+        mero_leg_param_leg_inverse_dynamics(q, zero, zero + 3, zero, param, M + 3 * column);
+        zero[3 + column] = WG_C(0.0);
+        for (int row = 0; row <= column; ++row) {
+            M[3 * row + column] = M[3 * column + row] = (M[3 * column + row] - rest[row]) / WG_C(0x1p100);
+        }
+    }
+#else
     M[1] = 0.0;
     M[2] = 0.0;
     M[3] = 0.0;
@@ -938,6 +970,7 @@ WG_ROW(void mero_leg_param_leg_mass_matrix)(const double *WG_RESTRICT q, const d
     const double M_shank_on_shank_moment_z = WG_FMA(shank_inertia_moment_y, shank_lever_y, t5);
     M[5] = M_shank_on_shank_moment_z;
     M[7] = M_shank_on_shank_moment_z;
+#endif
 }
 
 WG_ROW(void mero_leg_param_leg_mass_matrix_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -2867,6 +2900,14 @@ void mero_leg_param_leg_joint_frames_d_param(const double *WG_RESTRICT q, const 
 
 int32_t mero_leg_param_leg_inverse(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_SMALL)
+    int32_t ok = 0;
+    for (int32_t branch = 0; branch < 4; ++branch) {
+        status[branch] = mero_leg_param_leg_inverse_branch(p, branch, param, q + branch * 3);
+        ok += status[branch] == WALKGEN_OK;
+    }
+    return ok;
+#else
     double target[3];
     mero_leg_param_leg_inverse_branches_kernel(p, param, q, status, target);
     if (wg_any_unreachable(status, 4)) {
@@ -2877,6 +2918,7 @@ int32_t mero_leg_param_leg_inverse(const double *WG_RESTRICT p, const double *WG
         ok += status[index] == WALKGEN_OK;
     }
     return ok;
+#endif
 }
 
 int32_t mero_leg_param_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch,

@@ -1,6 +1,7 @@
-"""Where size counts: the bits of fast code from less of it, and builds without closest points and damping."""
+"""Where size counts: the bits of fast code from less of it, functions through one another, no closest points, no damping."""
 
 import ctypes
+import os
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +22,8 @@ LEFT_OUT = ("-DWALKGEN_NO_CLOSEST", "-DWALKGEN_NO_DAMPING")
 OK, UNREACHABLE, BAD_INPUT, SINGULAR = range(4)
 PRECISIONS = pytest.mark.parametrize("tag", ["", "_f32"])
 ROWS = 300
+LEGS = {"mero_leg": "leg", "phantomx_leg": "right_front"}
+"""Robots, each with its leg's name."""
 
 
 @pytest.fixture(scope="module")
@@ -69,13 +72,10 @@ def inputs(tag, *sizes, seed=4):
 
 
 @PRECISIONS
-@pytest.mark.parametrize(("robot", "leg"), [("mero_leg", "leg"), ("phantomx_leg", "right_front")])
-def test_the_bits_are_those_of_fast_code(build, robot, leg, tag):
+@pytest.mark.parametrize("robot", LEGS)
+def test_the_bits_are_those_of_fast_code(build, robot, tag):
     fast, small = build(robot, "-O2", "-DWALKGEN_PLAIN"), build(robot, "-Os")
-    leg = {"mero_leg": "leg", "phantomx_leg": "rf"}.get(robot, "leg")
-    start = next(
-        f"{robot}{tag}_{name}" for name in (leg, "leg", "right_front", "rf") if hasattr(fast, f"{robot}{tag}_{name}_foot_position")
-    )
+    start = f"{robot}{tag}_{LEGS[robot]}"
     cases = {
         "foot_position": ((3,), (3,)),
         "foot_position_jacobian": ((3,), (3, 9)),
@@ -138,3 +138,58 @@ def test_without_damping_singular_rates_are_nan(build, tag, name, given, found):
     for ours, theirs in zip(left, rates, strict=True):
         assert np.array_equal(ours[answered], theirs[answered])
         assert np.isnan(ours[~answered]).all()
+
+
+def one_from(build, robot, tag, *flags):
+    """Answers of the robot's only leg, by the function's name without robot and leg."""
+    library = build(robot, *flags)
+    start = f"{robot}{tag}_{LEGS[robot]}_"
+    return lambda name, *given: answers(library, start + name, *given)
+
+
+@PRECISIONS
+@pytest.mark.parametrize("robot", LEGS)
+def test_a_part_has_the_bits_of_the_whole(build, robot, tag):
+    fast, small = one_from(build, robot, tag, "-Os"), one_from(build, robot, tag, "-Os", "-DWALKGEN_SMALL")
+    q, v = inputs(tag, 3, 3)
+    assert_same_bits(small("foot_position", [q], (3,)), fast("foot_position", [q], (3,)))
+    assert_same_bits(small("inverse_velocity", [q, v], (3,), 1), fast("inverse_velocity", [q, v], (3,), 1))
+
+
+@PRECISIONS
+@pytest.mark.parametrize("robot", LEGS)
+def test_branches_come_one_after_the_other(build, robot, tag):
+    fast, small = one_from(build, robot, tag, "-Os"), one_from(build, robot, tag, "-Os", "-DWALKGEN_SMALL")
+    p = targets(tag)
+    q, status = small("inverse", [p], (12,), 4)
+    whole, expected = fast("inverse", [p], (12,), 4)
+    assert {OK, UNREACHABLE, BAD_INPUT} <= set(status.ravel())
+    assert np.array_equal(status, expected)
+    for branch in range(4):
+        one = small("inverse_branch", [p, np.full(ROWS, branch, np.int32)], (3,), 1)
+        assert_same_bits((q[:, 3 * branch : 3 * branch + 3], status[:, branch : branch + 1]), one)
+    reached = np.repeat(status == OK, 3, axis=1)
+    assert np.abs(np.exp(1j * q[reached]) - np.exp(1j * whole[reached])).max() < (2e-3 if tag else 1e-7)  # knees nearly stretched too
+    found, wanted = (each("foot_position", [np.ascontiguousarray(rows[:, :3])], (3,))[0] for each, rows in ((small, q), (fast, whole)))
+    assert np.abs(found - wanted)[status[:, 0] == OK].max() < (2e-6 if tag else 2e-15)
+
+
+@PRECISIONS
+@pytest.mark.parametrize("robot", LEGS)
+def test_masses_come_from_efforts(build, robot, tag):
+    fast, small = one_from(build, robot, tag, "-Os"), one_from(build, robot, tag, "-Os", "-DWALKGEN_SMALL")
+    (q,) = inputs(tag, 3)
+    (M,), (expected,) = (each("mass_matrix", [q], (9,)) for each in (small, fast))
+    epsilon = np.finfo(M.dtype).eps
+    assert (np.abs(M - expected).max(axis=1) <= 8 * epsilon * np.abs(expected).max(axis=1)).all()
+    assert np.array_equal(M[expected == 0], expected[expected == 0])
+    assert np.array_equal(M.reshape(-1, 3, 3), M.reshape(-1, 3, 3).transpose(0, 2, 1))
+
+
+@pytest.mark.parametrize("robot", ["ambler_rpp", "ambler_rrp", "mero_leg_param"])
+def test_small_c_has_no_warnings(robot):
+    folder = SPECS.parent / "generated" / robot
+    command = ["gcc", *STRICT, "-Os", "-DWALKGEN_SMALL", "-c", f"{robot}.c", "-o", os.devnull]
+    assert "WALKGEN_SMALL" in (folder / f"{robot}.c").read_text(encoding="utf-8")
+    answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stderr

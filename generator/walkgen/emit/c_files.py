@@ -28,6 +28,7 @@ from walkgen.emit.c_planar import planar_functions
 from walkgen.emit.c_printer import DOUBLE, FLOAT, CPrinter, Precision
 from walkgen.emit.c_rest import may_leave
 from walkgen.emit.c_rows import NO_BATCHES, Part, Rows, first_parts, guard, last_parts, read_rows, row_headers
+from walkgen.emit.c_small import Small
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
@@ -55,14 +56,17 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     printer = CPrinter(precision, code.fma)
     kernels = _kernels(code, printer, {each.program for each in lanes.values()})
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
-    known = kernels | programs
-    functions = [(_public(code, body, known, printer), _of_rows(code, body, lanes.get(body), precision)) for body in code.functions]
+    small = Small(code, frozenset(kernels), precision)
+    known = {program: small.answered(program, function) for program, function in (kernels | programs).items()}
+    functions = [(_public(code, body, known, printer, small), _of_rows(code, body, lanes.get(body), precision)) for body in code.functions]
     rows = read_rows(code, tuple(lanes.values()), known, functions, precision)
     called_back = dict.fromkeys(callback for body in code.functions if isinstance(body, Composite) for callback in body.all_callbacks)
     callbacks = [callback_function(callback, known, printer) for callback in called_back]
     own = (body for body in code.functions if isinstance(body, Composite) and body not in code.repeated)
     rests = [rest for body in own for rest in rest_functions(body, known, printer)]
-    return _header(code, precision, functions), _source(code, precision, [*kernels.values(), *callbacks, *rests], functions, rows)
+    return _header(code, precision, functions), _source(
+        code, precision, [*(known[each] for each in kernels), *callbacks, *rests], functions, rows
+    )
 
 
 def _of_rows(code: RobotCode, body: Program | Composite, lanes: Laned | None, precision: Precision) -> tuple[CFunction, ...]:
@@ -181,9 +185,11 @@ def _weights(code: RobotCode, functions: Functions, rows: Rows) -> Iterator[int]
         met |= needed
 
 
-def _public(code: RobotCode, body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
+def _public(code: RobotCode, body: Program | Composite, known: Mapping[Program, CFunction], printer: CPrinter, small: Small) -> CFunction:
     function, earlier = known[body] if isinstance(body, Program) else composite_function(body, known, printer), code.repeated.get(body)
-    return repeating_function(function, body.signature, earlier.signature, printer.precision) if earlier else function
+    if earlier:
+        return repeating_function(function, body.signature, earlier.signature, printer.precision)
+    return small.answered(body, function) if isinstance(body, Composite) else function
 
 
 def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -> dict[Program, CFunction]:
