@@ -16,11 +16,13 @@
 #include "walkgen_damped_general.h"
 #endif
 
-WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     double J[9];
     ambler_rpp_leg_foot_position_jacobian(q, p, J);
+}
 #else
+WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double cos_shoulder = WG_COS(q[0]);
     const double sin_shoulder = WG_SIN(q[0]);
     const double extend_shift_z = q[2] + 0.5;
@@ -31,8 +33,8 @@ WG_ROW(void ambler_rpp_leg_foot_position)(const double *WG_RESTRICT q, double *W
     p[0] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     p[1] = shoulder_to_tip_y;
-#endif
 }
+#endif
 
 WG_ROW(void ambler_rpp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
     R[2] = 0.0;
@@ -76,11 +78,13 @@ WG_ROW(void ambler_rpp_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_RE
     T[4] = t1;
 }
 
-WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     double p[3];
     ambler_rpp_leg_foot_position_jacobian(q, p, J);
+}
 #else
+WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     J[2] = 0.0;
     J[5] = 0.0;
     J[6] = 0.0;
@@ -95,8 +99,8 @@ WG_ROW(void ambler_rpp_leg_foot_jacobian)(const double *WG_RESTRICT q, double *W
     J[3] = shoulder_to_tip_x;
     const double shoulder_to_tip_y = sin_shoulder*reach_shift_z;
     J[0] = -shoulder_to_tip_y;
-#endif
 }
+#endif
 
 WG_ROW(void ambler_rpp_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,
     double *WG_RESTRICT J) {
@@ -313,8 +317,8 @@ WG_ROW(void ambler_rpp_leg_forward_dynamics)(const double *WG_RESTRICT q, const 
     qdd[2] = solution_2;
 }
 
-WG_ROW(void ambler_rpp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void ambler_rpp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     double zero[6] = {0}, rest[3];
     ambler_rpp_leg_inverse_dynamics(q, zero, zero, zero, rest);
     for (int column = 0; column < 3; ++column) {
@@ -325,7 +329,9 @@ WG_ROW(void ambler_rpp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_
             M[3 * row + column] = M[3 * column + row] = (M[3 * column + row] - rest[row]) / WG_C(0x1p100);
         }
     }
+}
 #else
+WG_ROW(void ambler_rpp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     M[1] = 0.0;
     M[2] = 0.0;
     M[3] = 0.0;
@@ -340,8 +346,8 @@ WG_ROW(void ambler_rpp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_
     const double reach_whole_rest = reach_whole_trace - reach_borne_xx;
     const double shoulder_borne_zz = reach_whole_rest + WG_FMA(45.0, q[1]*q[1], WG_FMA(q[1], 47.0, 5.85));
     M[0] = shoulder_borne_zz;
-#endif
 }
+#endif
 
 WG_ROW(void ambler_rpp_leg_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
     h[2] = -196.133;

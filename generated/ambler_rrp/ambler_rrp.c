@@ -16,11 +16,13 @@
 #include "walkgen_damped_general.h"
 #endif
 
-WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     double J[9];
     ambler_rrp_leg_foot_position_jacobian(q, p, J);
+}
 #else
+WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double angle_shoulder_elbow = q[0] + q[1];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
     WG_SINCOS_2(WG_PART(angle_shoulder_elbow, q[1]), sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder,
@@ -33,8 +35,8 @@ WG_ROW(void ambler_rrp_leg_foot_position)(const double *WG_RESTRICT q, double *W
     p[1] = shoulder_to_tip_y;
     const double shoulder_to_tip_z = 1.0 - extend_shift_z;
     p[2] = shoulder_to_tip_z;
-#endif
 }
+#endif
 
 WG_ROW(void ambler_rrp_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
     R[2] = 0.0;
@@ -363,8 +365,8 @@ WG_ROW(void ambler_rrp_leg_forward_dynamics)(const double *WG_RESTRICT q, const 
     qdd[2] = solution_2;
 }
 
-WG_ROW(void ambler_rrp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void ambler_rrp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     double zero[6] = {0}, rest[3];
     ambler_rrp_leg_inverse_dynamics(q, zero, zero, zero, rest);
     for (int column = 0; column < 3; ++column) {
@@ -375,7 +377,9 @@ WG_ROW(void ambler_rrp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_
             M[3 * row + column] = M[3 * column + row] = (M[3 * column + row] - rest[row]) / WG_C(0x1p100);
         }
     }
+}
 #else
+WG_ROW(void ambler_rrp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     M[2] = 0.0;
     M[5] = 0.0;
     M[6] = 0.0;
@@ -404,8 +408,8 @@ WG_ROW(void ambler_rrp_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_
     const double M_elbow_on_elbow_moment_z = WG_FMA(elbow_composite_moment_y, elbow_lever_y, t5);
     M[1] = M_elbow_on_elbow_moment_z;
     M[3] = M_elbow_on_elbow_moment_z;
-#endif
 }
+#endif
 
 WG_ROW(void ambler_rrp_leg_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
     h[2] = -196.133;

@@ -15,11 +15,13 @@
 #include "walkgen_damped_general.h"
 #endif
 
-WG_ROW(void mero_leg_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void mero_leg_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     double J[9];
     mero_leg_leg_foot_position_jacobian(q, p, J);
+}
 #else
+WG_ROW(void mero_leg_leg_foot_position)(const double *WG_RESTRICT q, double *WG_RESTRICT p) {
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
     WG_SINCOS_3(q[0], sin_yaw, cos_yaw, WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1],
@@ -35,8 +37,8 @@ WG_ROW(void mero_leg_leg_foot_position)(const double *WG_RESTRICT q, double *WG_
     p[0] = yaw_to_tip_x;
     const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
     p[1] = yaw_to_tip_y;
-#endif
 }
+#endif
 
 WG_ROW(void mero_leg_leg_foot_rotation)(const double *WG_RESTRICT q, double *WG_RESTRICT R) {
     R[8] = 0.0;
@@ -92,11 +94,13 @@ WG_ROW(void mero_leg_leg_foot_pose)(const double *WG_RESTRICT q, double *WG_REST
     T[5] = -frame_thigh_shank_y_y;
 }
 
-WG_ROW(void mero_leg_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void mero_leg_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     double p[3];
     mero_leg_leg_foot_position_jacobian(q, p, J);
+}
 #else
+WG_ROW(void mero_leg_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     J[6] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
@@ -121,8 +125,8 @@ WG_ROW(void mero_leg_leg_foot_jacobian)(const double *WG_RESTRICT q, double *WG_
     J[2] = -J_shank_x;
     const double J_shank_y = sin_yaw*shank_to_tip_y;
     J[5] = -J_shank_y;
-#endif
 }
+#endif
 
 WG_ROW(void mero_leg_leg_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p, double *WG_RESTRICT J) {
     J[6] = 0.0;
@@ -537,8 +541,8 @@ WG_ROW(void mero_leg_leg_forward_dynamics)(const double *WG_RESTRICT q, const do
     qdd[2] = solution_2;
 }
 
-WG_ROW(void mero_leg_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void mero_leg_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     double zero[6] = {0}, rest[3];
     mero_leg_leg_inverse_dynamics(q, zero, zero, zero, rest);
     for (int column = 0; column < 3; ++column) {
@@ -549,7 +553,9 @@ WG_ROW(void mero_leg_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RE
             M[3 * row + column] = M[3 * column + row] = (M[3 * column + row] - rest[row]) / WG_C(0x1p100);
         }
     }
+}
 #else
+WG_ROW(void mero_leg_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     M[1] = 0.0;
     M[2] = 0.0;
     M[3] = 0.0;
@@ -579,8 +585,8 @@ WG_ROW(void mero_leg_leg_mass_matrix)(const double *WG_RESTRICT q, double *WG_RE
     const double M_shank_on_shank_moment_z = WG_FMA(shank_inertia_moment_y, shank_lever_y, t4);
     M[5] = M_shank_on_shank_moment_z;
     M[7] = M_shank_on_shank_moment_z;
-#endif
 }
+#endif
 
 WG_ROW(void mero_leg_leg_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
     const double angle_thigh_shank = q[1] + q[2];
@@ -1686,15 +1692,17 @@ void mero_leg_leg_joint_frames(const double *WG_RESTRICT q, double *WG_RESTRICT 
     T[54] = t1;
 }
 
-int32_t mero_leg_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
 #if defined(WALKGEN_SMALL)
+int32_t mero_leg_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     int32_t ok = 0;
     for (int32_t branch = 0; branch < 4; ++branch) {
         status[branch] = mero_leg_leg_inverse_branch(p, branch, q + branch * 3);
         ok += status[branch] == WALKGEN_OK;
     }
     return ok;
+}
 #else
+int32_t mero_leg_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     double target[3];
     mero_leg_leg_inverse_branches_kernel(p, q, status, target);
     if (wg_any_unreachable(status, 4)) {
@@ -1705,8 +1713,8 @@ int32_t mero_leg_leg_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q,
         ok += status[index] == WALKGEN_OK;
     }
     return ok;
-#endif
 }
+#endif
 
 int32_t mero_leg_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q) {
     double target[3];

@@ -15,12 +15,15 @@
 #include "walkgen_damped_general.h"
 #endif
 
+#if defined(WALKGEN_SMALL)
 WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p) {
-#if defined(WALKGEN_SMALL)
     double J[9];
     mero_leg_param_leg_foot_position_jacobian(q, param, p, J);
+}
 #else
+WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT p) {
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
     WG_SINCOS_3(q[0], sin_yaw, cos_yaw, WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1],
@@ -36,15 +39,18 @@ WG_ROW(void mero_leg_param_leg_foot_position)(const double *WG_RESTRICT q, const
     p[0] = yaw_to_tip_x;
     const double yaw_to_tip_y = sin_yaw*thigh_to_tip_x;
     p[1] = yaw_to_tip_y;
-#endif
 }
+#endif
 
+#if defined(WALKGEN_SMALL)
 WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p_d_param) {
-#if defined(WALKGEN_SMALL)
     double J_d_param[18];
     mero_leg_param_leg_foot_position_jacobian_d_param(q, param, p_d_param, J_d_param);
+}
 #else
+WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT p_d_param) {
     (void)param;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank;
@@ -55,8 +61,8 @@ WG_ROW(void mero_leg_param_leg_foot_position_d_param)(const double *WG_RESTRICT 
     p_d_param[3] = sin_yaw*sin_thigh_shank;
     p_d_param[4] = sin_thigh_shank;
     p_d_param[5] = -cos_thigh_shank;
-#endif
 }
+#endif
 
 WG_ROW(void mero_leg_param_leg_foot_rotation)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT R) {
@@ -183,12 +189,15 @@ WG_ROW(void mero_leg_param_leg_foot_pose_d_param)(const double *WG_RESTRICT q, c
     T_d_param[15] = frame_thigh_shank_y_y;
 }
 
+#if defined(WALKGEN_SMALL)
 WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J) {
-#if defined(WALKGEN_SMALL)
     double p[3];
     mero_leg_param_leg_foot_position_jacobian(q, param, p, J);
+}
 #else
+WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT J) {
     J[6] = 0.0;
     const double angle_thigh_shank = q[1] + q[2];
     double sin_yaw, cos_yaw, sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh;
@@ -213,15 +222,18 @@ WG_ROW(void mero_leg_param_leg_foot_jacobian)(const double *WG_RESTRICT q, const
     J[2] = -J_shank_x;
     const double J_shank_y = sin_yaw*shank_to_tip_y;
     J[5] = -J_shank_y;
-#endif
 }
+#endif
 
+#if defined(WALKGEN_SMALL)
 WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT J_d_param) {
-#if defined(WALKGEN_SMALL)
     double p_d_param[6];
     mero_leg_param_leg_foot_position_jacobian_d_param(q, param, p_d_param, J_d_param);
+}
 #else
+WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT J_d_param) {
     (void)param;
     J_d_param[12] = 0.0;
     J_d_param[13] = 0.0;
@@ -249,8 +261,8 @@ WG_ROW(void mero_leg_param_leg_foot_jacobian_d_param)(const double *WG_RESTRICT 
     J_d_param[1] = t5;
     J_d_param[8] = t5;
     J_d_param[10] = t5;
-#endif
 }
+#endif
 
 WG_ROW(void mero_leg_param_leg_foot_position_jacobian)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT p, double *WG_RESTRICT J) {
@@ -920,9 +932,9 @@ WG_ROW(void mero_leg_param_leg_forward_dynamics)(const double *WG_RESTRICT q, co
     qdd[2] = solution_2;
 }
 
+#if defined(WALKGEN_SMALL)
 WG_ROW(void mero_leg_param_leg_mass_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT M) {
-#if defined(WALKGEN_SMALL)
     double zero[6] = {0}, rest[3];
     mero_leg_param_leg_inverse_dynamics(q, zero, zero, zero, param, rest);
     for (int column = 0; column < 3; ++column) {
@@ -933,7 +945,10 @@ WG_ROW(void mero_leg_param_leg_mass_matrix)(const double *WG_RESTRICT q, const d
             M[3 * row + column] = M[3 * column + row] = (M[3 * column + row] - rest[row]) / WG_C(0x1p100);
         }
     }
+}
 #else
+WG_ROW(void mero_leg_param_leg_mass_matrix)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
+    double *WG_RESTRICT M) {
     M[1] = 0.0;
     M[2] = 0.0;
     M[3] = 0.0;
@@ -970,8 +985,8 @@ WG_ROW(void mero_leg_param_leg_mass_matrix)(const double *WG_RESTRICT q, const d
     const double M_shank_on_shank_moment_z = WG_FMA(shank_inertia_moment_y, shank_lever_y, t5);
     M[5] = M_shank_on_shank_moment_z;
     M[7] = M_shank_on_shank_moment_z;
-#endif
 }
+#endif
 
 WG_ROW(void mero_leg_param_leg_mass_matrix_d_param)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
     double *WG_RESTRICT M_d_param) {
@@ -2898,16 +2913,19 @@ void mero_leg_param_leg_joint_frames_d_param(const double *WG_RESTRICT q, const 
     T_d_param[110] = frame_thigh_shank_x_y;
 }
 
+#if defined(WALKGEN_SMALL)
 int32_t mero_leg_param_leg_inverse(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-#if defined(WALKGEN_SMALL)
     int32_t ok = 0;
     for (int32_t branch = 0; branch < 4; ++branch) {
         status[branch] = mero_leg_param_leg_inverse_branch(p, branch, param, q + branch * 3);
         ok += status[branch] == WALKGEN_OK;
     }
     return ok;
+}
 #else
+int32_t mero_leg_param_leg_inverse(const double *WG_RESTRICT p, const double *WG_RESTRICT param,
+    double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     double target[3];
     mero_leg_param_leg_inverse_branches_kernel(p, param, q, status, target);
     if (wg_any_unreachable(status, 4)) {
@@ -2918,8 +2936,8 @@ int32_t mero_leg_param_leg_inverse(const double *WG_RESTRICT p, const double *WG
         ok += status[index] == WALKGEN_OK;
     }
     return ok;
-#endif
 }
+#endif
 
 int32_t mero_leg_param_leg_inverse_branch(const double *WG_RESTRICT p, int32_t branch,
     const double *WG_RESTRICT param, double *WG_RESTRICT q) {

@@ -92,11 +92,13 @@ WG_ROW(void phantomx_leg_right_front_foot_pose)(const double *WG_RESTRICT q, dou
     T[5] = frame_thigh_tibia_y_y;
 }
 
-WG_ROW(void phantomx_leg_right_front_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void phantomx_leg_right_front_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     double p[3];
     phantomx_leg_right_front_foot_position_jacobian(q, p, J);
+}
 #else
+WG_ROW(void phantomx_leg_right_front_foot_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT J) {
     J[6] = 0.0;
     const double turned_coxa = q[0] + 0.7853981633974483;
     const double angle_thigh_tibia = q[1] - q[2];
@@ -125,8 +127,8 @@ WG_ROW(void phantomx_leg_right_front_foot_jacobian)(const double *WG_RESTRICT q,
     J[2] = -J_tibia_x;
     const double J_tibia_y = cos_turned_coxa*tibia_to_tip_x;
     J[5] = J_tibia_y;
-#endif
 }
+#endif
 
 WG_ROW(void phantomx_leg_right_front_foot_position_jacobian)(const double *WG_RESTRICT q, double *WG_RESTRICT p,
     double *WG_RESTRICT J) {
@@ -588,8 +590,8 @@ WG_ROW(void phantomx_leg_right_front_forward_dynamics)(const double *WG_RESTRICT
     qdd[2] = solution_2;
 }
 
-WG_ROW(void phantomx_leg_right_front_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
 #if defined(WALKGEN_SMALL)
+WG_ROW(void phantomx_leg_right_front_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     double zero[6] = {0}, rest[3];
     phantomx_leg_right_front_inverse_dynamics(q, zero, zero, zero, rest);
     for (int column = 0; column < 3; ++column) {
@@ -600,7 +602,9 @@ WG_ROW(void phantomx_leg_right_front_mass_matrix)(const double *WG_RESTRICT q, d
             M[3 * row + column] = M[3 * column + row] = (M[3 * column + row] - rest[row]) / WG_C(0x1p100);
         }
     }
+}
 #else
+WG_ROW(void phantomx_leg_right_front_mass_matrix)(const double *WG_RESTRICT q, double *WG_RESTRICT M) {
     M[5] = -0.0051411124;
     M[7] = -0.0051411124;
     M[8] = 0.0051411124;
@@ -633,8 +637,8 @@ WG_ROW(void phantomx_leg_right_front_mass_matrix)(const double *WG_RESTRICT q, d
     const double t2 = -thigh_composite_yz;
     M[1] = t2;
     M[3] = t2;
-#endif
 }
+#endif
 
 WG_ROW(void phantomx_leg_right_front_bias)(const double *WG_RESTRICT q, const double *WG_RESTRICT qd, double *WG_RESTRICT h) {
     const double angle_thigh_tibia = q[1] - q[2];
@@ -1811,16 +1815,19 @@ void phantomx_leg_right_front_joint_frames(const double *WG_RESTRICT q, double *
     T[48] = t2;
 }
 
+#if defined(WALKGEN_SMALL)
 int32_t phantomx_leg_right_front_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q,
     int32_t *WG_RESTRICT status) {
-#if defined(WALKGEN_SMALL)
     int32_t ok = 0;
     for (int32_t branch = 0; branch < 4; ++branch) {
         status[branch] = phantomx_leg_right_front_inverse_branch(p, branch, q + branch * 3);
         ok += status[branch] == WALKGEN_OK;
     }
     return ok;
+}
 #else
+int32_t phantomx_leg_right_front_inverse(const double *WG_RESTRICT p, double *WG_RESTRICT q,
+    int32_t *WG_RESTRICT status) {
     double target[3];
     phantomx_leg_right_front_inverse_branches_kernel(p, q, status, target);
     if (wg_any_unreachable(status, 4)) {
@@ -1831,8 +1838,8 @@ int32_t phantomx_leg_right_front_inverse(const double *WG_RESTRICT p, double *WG
         ok += status[index] == WALKGEN_OK;
     }
     return ok;
-#endif
 }
+#endif
 
 int32_t phantomx_leg_right_front_inverse_branch(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q) {
     double target[3];

@@ -12,7 +12,7 @@ COLUMNS = 116
 
 @dataclass(frozen=True)
 class CFunction:
-    """One function, ready to be laid out: `head` is its declaration without `;`, `lines` its body, indented.
+    """One function, ready to be laid out: `head` is its declaration without `;`, `lines` its body, indented, `small` that of small builds.
 
     `locals_size` bounds the bytes of its named locals: temporaries live in registers or share their slots. One that `leaves` takes at last
     whether it may give up with the status UNREACHABLE.
@@ -24,6 +24,7 @@ class CFunction:
     doc: tuple[str, ...] = ()
     locals_size: int = 0
     leaves: bool = False
+    small: tuple[str, ...] = ()
 
 
 def function_name(signature: Signature, precision: Precision) -> str:

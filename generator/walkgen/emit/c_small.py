@@ -28,10 +28,7 @@ class Small:
 
     def answered(self, body: Body, function: CFunction) -> CFunction:
         """The function with its way round, if it has one."""
-        lines = tuple(self._lines(body))
-        if not lines or body in self.code.repeated:
-            return function
-        return replace(function, lines=("#if defined(WALKGEN_SMALL)", *lines, "#else", *function.lines, "#endif"))
+        return function if body in self.code.repeated else replace(function, small=tuple(self._lines(body)))
 
     def _lines(self, body: Body) -> Iterator[str]:
         signature = body.signature
