@@ -102,7 +102,11 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 
 #if !defined(WG_SINCOS_EACH_1)
 /* One after another. */
+#if defined(WALKGEN_SINCOS)
+#define WG_SINCOS_EACH_1(a, s, c) WG_LIB_SINCOS(a, &(s), &(c))
+#else
 #define WG_SINCOS_EACH_1(a, s, c) s = WG_SIN(a), c = WG_COS(a)
+#endif
 #define WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_EACH_1(a0, s0, c0), WG_SINCOS_EACH_1(a1, s1, c1)
 #define WG_SINCOS_EACH_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_EACH_2(a0, s0, c0, a1, s1, c1), WG_SINCOS_EACH_1(a2, s2, c2)
 #define WG_SINCOS_EACH_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \

@@ -193,3 +193,31 @@ def test_small_c_has_no_warnings(robot):
     assert "WALKGEN_SMALL" in (folder / f"{robot}.c").read_text(encoding="utf-8")
     answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert answer.returncode == 0, answer.stderr
+
+
+@PRECISIONS
+@pytest.mark.parametrize("robot", LEGS)
+def test_the_c_librarys_functions_give_the_same(build, robot, tag):
+    own, library = one_from(build, robot, tag, "-O2"), one_from(build, robot, tag, "-O2", "-DWALKGEN_LIBM")
+    (q,), p = inputs(tag, 3), targets(tag)
+    tolerance = 2e-5 if tag else 1e-13
+    for found, expected in zip(*(each("foot_position_jacobian", [q], (3, 9)) for each in (library, own)), strict=True):
+        assert np.abs(found - expected).max() < tolerance
+    for branch in range(4):
+        given = [p, np.full(ROWS, branch, np.int32)]
+        (found, status), (expected, told) = (each("inverse_branch", given, (3,), 1) for each in (library, own))
+        assert np.array_equal(status, told)
+        assert np.nanmax(np.abs(np.exp(1j * found) - np.exp(1j * expected))) < tolerance
+        assert np.array_equal(np.isnan(found), np.isnan(expected))
+
+
+@PRECISIONS
+@pytest.mark.parametrize("flags", [("-O2",), ("-O2", "-DWALKGEN_LIBM"), ("-Os", "-DWALKGEN_SMALL"), ("-O2", "-DWALKGEN_PLAIN")])
+def test_a_folded_knee_is_half_a_turn(build, tag, flags):
+    p = np.array([[0.05, 0, 0.12], [-0.03, 0.04, 0.12], [0, 0.05, 0.12]], np.float32 if tag else np.float64)
+    for branch in range(4):
+        given = [p, np.full(len(p), branch, np.int32)]
+        q, _ = one_from(build, "mero_leg", tag, *flags)("inverse_branch", given, (3,), 1)
+        assert np.abs(np.abs(q[:, 2]) - np.pi).max() < (2e-2 if tag else 1e-6)  # the root of a rounding
+        assert (q <= np.float32(np.pi) if tag else q <= np.pi).all()
+        assert (q > -np.pi).all()

@@ -27,8 +27,9 @@ Row = tuple[tuple[sympy.Expr, sympy.Expr, sympy.Expr], sympy.Expr]
 
 @dataclass(frozen=True)
 class Knee:
-    """The knee triangle: cos and sin (positive) of the knee angle, out of reach, foot on the hip with a folded knee."""
+    """The knee triangle: 1 + cos, cos and sin (positive) of the knee angle, out of reach, foot on the hip with a folded knee."""
 
+    opening: sympy.Expr
     cosine: sympy.Expr
     sine: sympy.Expr
     outside: sympy.Expr
@@ -167,7 +168,7 @@ class Branches:
         folded = Either(Less(versine, 0), collapsed)
         opening = self.tape.let(f"knee_{name}_clamped", Select(Less(2, versine), 2, Select(folded, 0, versine)))
         sine = self.tape.let(f"knee_sin_{name}", sympy.sqrt(opening * (2 - opening)))
-        return Knee(self.tape.let(f"knee_cos_{name}", opening - 1), sine, outside, collapsed)
+        return Knee(opening, self.tape.let(f"knee_cos_{name}", opening - 1), sine, outside, collapsed)
 
     def _from_zero(self, sine: sympy.Expr, cosine: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         zero, turn = self._geometry.zero2, self._geometry.sign2
@@ -260,10 +261,12 @@ class Branches:
         unusual = self.tape.let("unusual_state", self.status(knee.outside, duplicate, singular, self.bad))
         status = self.tape.let("state", Select(usual, OK, unusual))
         yaw = self.yaw(rho, rho_sign, "one", usual)
-        gamma = self.tape.let("gamma", Angle(sine, knee.cosine))
+        folded = Both(Opposite(usual), Same(knee.opening, 0))
+        half = Angle(Select(folded, g.sign3, sine), sympy.Abs(knee.opening))  # at most a right angle: no half planes to tell
+        gamma = self.tape.let("gamma", 2 * half)
         thigh = self.tape.let("thigh", Angle(*self._from_zero(opposite, adjacent, "thigh")))
         thigh = self._free(Select(usual, thigh, self._poisoned(thigh, "thigh")), knee, "one")
-        last = self.knee_value(self._poisoned(gamma, "gamma"), "one", reaches_minus_pi=True)
+        last = self.knee_value(self._poisoned(gamma, "gamma"), "one", reaches_minus_pi=False)
         last = Select(usual, g.sign3 * gamma, last) if g.zero3 == 0 else last  # a bent knee's angle is neither -pi nor -0
         return (yaw, thigh, last), status
 

@@ -76,6 +76,11 @@
 #define WALKGEN_LIBM
 #endif
 
+/* The C library has a sincos: called by another name it writes where its results are wanted, while compilers copy them. */
+#if defined(WALKGEN_LIBM) && defined(__GNUC__) && defined(__GLIBC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN)
+#define WALKGEN_SINCOS
+#endif
+
 /* Small functions that callers share work with once they are inlined; where size counts, they are called. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define WG_INLINE static inline __attribute__((always_inline))
