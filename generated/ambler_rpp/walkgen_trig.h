@@ -95,14 +95,14 @@ WG_INLINE WG_REAL WG_NAME(wg_atan2)(WG_REAL y, WG_REAL x) {
 /* The same without the way to the C library: NaN beyond the range (walkgen_lanes.h). */
 WG_INLINE WG_REAL WG_NAME(wg_sin_lane)(WG_REAL x) {
     WG_REAL sine, cosine;
-    WG_NAME(wg_sincos_near)(x, &sine, &cosine);
-    return WG_ABS(x) <= WG_FARTHEST ? sine : WG_NAN;
+    WG_NAME(wg_sincos_near)(WG_ABS(x) <= WG_FARTHEST ? x : WG_NAN, &sine, &cosine);
+    return sine;
 }
 
 WG_INLINE WG_REAL WG_NAME(wg_cos_lane)(WG_REAL x) {
     WG_REAL sine, cosine;
-    WG_NAME(wg_sincos_near)(x, &sine, &cosine);
-    return WG_ABS(x) <= WG_FARTHEST ? cosine : WG_NAN;
+    WG_NAME(wg_sincos_near)(WG_ABS(x) <= WG_FARTHEST ? x : WG_NAN, &sine, &cosine);
+    return cosine;
 }
 
 WG_INLINE WG_REAL WG_NAME(wg_atan2_lane)(WG_REAL y, WG_REAL x) {

@@ -76,11 +76,6 @@
 #define WALKGEN_LIBM
 #endif
 
-/* The C library has a sincos: called by another name it writes where its results are wanted, while compilers copy them. */
-#if defined(WALKGEN_LIBM) && defined(__GNUC__) && defined(__GLIBC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN)
-#define WALKGEN_SINCOS
-#endif
-
 /* Small functions that callers share work with once they are inlined; where size counts, they are called. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define WG_INLINE static inline __attribute__((always_inline))
@@ -144,6 +139,23 @@
 
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
+#endif
+
+/* The C library's functions. Its sincos, called by another name, writes where results are wanted, while compilers copy them. */
+#if defined(WALKGEN_LIBM)
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN)
+#define WG_NOT_NEGATIVE(x) (__builtin_constant_p((x) < 0) && (x) > 0) /* as far as compilers see */
+#if defined(__GLIBC__)
+#define WALKGEN_SINCOS
+extern void wg_sincos_lib(double x, double *sine, double *cosine) __asm__("sincos");
+extern void wg_sincos_lib_f32(float x, float *sine, float *cosine) __asm__("sincosf");
+#endif
+#else
+#define WG_NOT_NEGATIVE(x) 0
+#endif
+/* Of finite numbers: without half planes to tell, the arctangent of the ratio is enough, in two thirds of the time. */
+static inline double wg_atan2_lib(double y, double x) { return WG_NOT_NEGATIVE(x) ? atan(y / x) : atan2(y, x); }
+static inline float wg_atan2_lib_f32(float y, float x) { return WG_NOT_NEGATIVE(x) ? atanf(y / x) : atan2f(y, x); }
 #endif
 
 static inline double walkgen_min(double a, double b) { return a < b ? a : b; }

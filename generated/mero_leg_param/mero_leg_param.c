@@ -1366,12 +1366,12 @@ WG_ROW(void mero_leg_param_leg_potential_energy_d_param)(const double *WG_RESTRI
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], p[3];
+        double q[3], param[2], p[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_position_lane(q, param, p);
         WG_KEEP_3(p, 0)
-        WG_DONE(3)
+        WG_DONE(3, p[0])
     }
 }
 
@@ -1384,12 +1384,12 @@ WG_LANED(mero_leg_param_leg_foot_position, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], p_d_param[6];
+        double q[3], param[2], p_d_param[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_position_d_param_lane(q, param, p_d_param);
         WG_KEEP_6(p_d_param, 0)
-        WG_DONE(6)
+        WG_DONE(6, p_d_param[0])
     }
 }
 
@@ -1402,12 +1402,12 @@ WG_LANED(mero_leg_param_leg_foot_position_d_param, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_rotation) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], R[9];
+        double q[3], param[2], R[9];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_rotation_lane(q, param, R);
         WG_KEEP_9(R, 0)
-        WG_DONE(9)
+        WG_DONE(9, R[0])
     }
 }
 
@@ -1420,12 +1420,12 @@ WG_LANED(mero_leg_param_leg_foot_rotation, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_rotation_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], R_d_param[18];
+        double q[3], param[2], R_d_param[18];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_rotation_d_param_lane(q, param, R_d_param);
         WG_KEEP_18(R_d_param, 0)
-        WG_DONE(18)
+        WG_DONE(18, 0)
     }
 }
 
@@ -1438,12 +1438,12 @@ WG_LANED(mero_leg_param_leg_foot_rotation_d_param, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_pose) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], T[16];
+        double q[3], param[2], T[16];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_pose_lane(q, param, T);
         WG_KEEP_16(T, 0)
-        WG_DONE(16)
+        WG_DONE(16, T[3])
     }
 }
 
@@ -1456,12 +1456,12 @@ WG_LANED(mero_leg_param_leg_foot_pose, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_pose_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], T_d_param[32];
+        double q[3], param[2], T_d_param[32];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_pose_d_param_lane(q, param, T_d_param);
         WG_KEEP_32(T_d_param, 0)
-        WG_DONE(32)
+        WG_DONE(32, T_d_param[6])
     }
 }
 
@@ -1474,12 +1474,12 @@ WG_LANED(mero_leg_param_leg_foot_pose_d_param, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_jacobian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], J[9];
+        double q[3], param[2], J[9];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_jacobian_lane(q, param, J);
         WG_KEEP_9(J, 0)
-        WG_DONE(9)
+        WG_DONE(9, J[0])
     }
 }
 
@@ -1492,12 +1492,12 @@ WG_LANED(mero_leg_param_leg_foot_jacobian, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_jacobian_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], J_d_param[18];
+        double q[3], param[2], J_d_param[18];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_jacobian_d_param_lane(q, param, J_d_param);
         WG_KEEP_18(J_d_param, 0)
-        WG_DONE(18)
+        WG_DONE(18, J_d_param[0])
     }
 }
 
@@ -1510,13 +1510,13 @@ WG_LANED(mero_leg_param_leg_foot_jacobian_d_param, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_jacobian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], p[3], J[9];
+        double q[3], param[2], p[3], J[9];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_position_jacobian_lane(q, param, p, J);
         WG_KEEP_3(p, 0)
         WG_KEEP_9(J, 3)
-        WG_DONE(12)
+        WG_DONE(12, p[0])
     }
 }
 
@@ -1529,13 +1529,13 @@ WG_LANED(mero_leg_param_leg_foot_position_jacobian, 2, 2);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_jacobian_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], p_d_param[6], J_d_param[18];
+        double q[3], param[2], p_d_param[6], J_d_param[18];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_position_jacobian_d_param_lane(q, param, p_d_param, J_d_param);
         WG_KEEP_6(p_d_param, 0)
         WG_KEEP_18(J_d_param, 6)
-        WG_DONE(24)
+        WG_DONE(24, p_d_param[0])
     }
 }
 
@@ -1548,12 +1548,12 @@ WG_LANED(mero_leg_param_leg_foot_position_jacobian_d_param, 2, 2);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_spatial_jacobian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], J[18];
+        double q[3], param[2], J[18];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_spatial_jacobian_lane(q, param, J);
         WG_KEEP_18(J, 0)
-        WG_DONE(18)
+        WG_DONE(18, J[0])
     }
 }
 
@@ -1566,12 +1566,12 @@ WG_LANED(mero_leg_param_leg_foot_spatial_jacobian, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_hessian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], H[27];
+        double q[3], param[2], H[27];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_foot_hessian_lane(q, param, H);
         WG_KEEP_27(H, 0)
-        WG_DONE(27)
+        WG_DONE(27, H[0])
     }
 }
 
@@ -1584,13 +1584,13 @@ WG_LANED(mero_leg_param_leg_foot_hessian, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_velocity) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], v[3];
+        double q[3], qd[3], param[2], v[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_foot_velocity_lane(q, qd, param, v);
         WG_KEEP_3(v, 0)
-        WG_DONE(3)
+        WG_DONE(3, v[0])
     }
 }
 
@@ -1603,13 +1603,13 @@ WG_LANED(mero_leg_param_leg_foot_velocity, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_velocity_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], v_d_param[6];
+        double q[3], qd[3], param[2], v_d_param[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_foot_velocity_d_param_lane(q, qd, param, v_d_param);
         WG_KEEP_6(v_d_param, 0)
-        WG_DONE(6)
+        WG_DONE(6, v_d_param[0])
     }
 }
 
@@ -1622,14 +1622,14 @@ WG_LANED(mero_leg_param_leg_foot_velocity_d_param, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_acceleration) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], qdd[3], param[2], a[3];
+        double q[3], qd[3], qdd[3], param[2], a[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(qdd, 6)
         WG_TAKE_2(param, 9)
         mero_leg_param_leg_foot_acceleration_lane(q, qd, qdd, param, a);
         WG_KEEP_3(a, 0)
-        WG_DONE(3)
+        WG_DONE(3, a[0])
     }
 }
 
@@ -1642,14 +1642,14 @@ WG_LANED(mero_leg_param_leg_foot_acceleration, 4, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_acceleration_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], qdd[3], param[2], a_d_param[6];
+        double q[3], qd[3], qdd[3], param[2], a_d_param[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(qdd, 6)
         WG_TAKE_2(param, 9)
         mero_leg_param_leg_foot_acceleration_d_param_lane(q, qd, qdd, param, a_d_param);
         WG_KEEP_6(a_d_param, 0)
-        WG_DONE(6)
+        WG_DONE(6, a_d_param[0])
     }
 }
 
@@ -1662,13 +1662,13 @@ WG_LANED(mero_leg_param_leg_foot_acceleration_d_param, 4, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], a[6];
+        double q[3], qd[3], param[2], a[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_foot_bias_acceleration_lane(q, qd, param, a);
         WG_KEEP_6(a, 0)
-        WG_DONE(6)
+        WG_DONE(6, a[0])
     }
 }
 
@@ -1681,13 +1681,13 @@ WG_LANED(mero_leg_param_leg_foot_bias_acceleration, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], a_d_param[12];
+        double q[3], qd[3], param[2], a_d_param[12];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_foot_bias_acceleration_d_param_lane(q, qd, param, a_d_param);
         WG_KEEP_12(a_d_param, 0)
-        WG_DONE(12)
+        WG_DONE(12, a_d_param[0])
     }
 }
 
@@ -1700,13 +1700,13 @@ WG_LANED(mero_leg_param_leg_foot_bias_acceleration_d_param, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_torque) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], f[3], param[2], tau[3];
+        double q[3], f[3], param[2], tau[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(f, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_foot_torque_lane(q, f, param, tau);
         WG_KEEP_3(tau, 0)
-        WG_DONE(3)
+        WG_DONE(3, tau[0])
     }
 }
 
@@ -1719,13 +1719,13 @@ WG_LANED(mero_leg_param_leg_foot_torque, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_torque_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], f[3], param[2], tau_d_param[6];
+        double q[3], f[3], param[2], tau_d_param[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(f, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_foot_torque_d_param_lane(q, f, param, tau_d_param);
         WG_KEEP_6(tau_d_param, 0)
-        WG_DONE(6)
+        WG_DONE(6, tau_d_param[0])
     }
 }
 
@@ -1738,13 +1738,13 @@ WG_LANED(mero_leg_param_leg_foot_torque_d_param, 3, 1);
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_param_leg_within_limits) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2];
+        double q[3], param[2];
         WG_STATE within[1];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         within[0] = mero_leg_param_leg_within_limits_lane(q, param);
-        WG_KEEP_STATUS_1(within, 0)
-        WG_DONE(1)
+        WG_KEEP_1(within, 0)
+        WG_DONE(1, 0)
     }
 }
 
@@ -1759,13 +1759,13 @@ WG_LANED(mero_leg_param_leg_within_limits, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_within_limits_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2];
+        double q[3], param[2];
         WG_STATE within_d_param[2];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_within_limits_d_param_lane(q, param, within_d_param);
-        WG_KEEP_STATUS_2(within_d_param, 0)
-        WG_DONE(2)
+        WG_KEEP_2(within_d_param, 0)
+        WG_DONE(2, 0)
     }
 }
 
@@ -1780,7 +1780,7 @@ WG_LANED(mero_leg_param_leg_within_limits_d_param, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_inverse_dynamics) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], qdd[3], f[3], param[2], tau[3];
+        double q[3], qd[3], qdd[3], f[3], param[2], tau[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(qdd, 6)
@@ -1788,7 +1788,7 @@ WG_BLOCK(mero_leg_param_leg_inverse_dynamics) {
         WG_TAKE_2(param, 12)
         mero_leg_param_leg_inverse_dynamics_lane(q, qd, qdd, f, param, tau);
         WG_KEEP_3(tau, 0)
-        WG_DONE(3)
+        WG_DONE(3, tau[0])
     }
 }
 
@@ -1801,7 +1801,7 @@ WG_LANED(mero_leg_param_leg_inverse_dynamics, 5, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_inverse_dynamics_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], qdd[3], f[3], param[2], tau_d_param[6];
+        double q[3], qd[3], qdd[3], f[3], param[2], tau_d_param[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(qdd, 6)
@@ -1809,7 +1809,7 @@ WG_BLOCK(mero_leg_param_leg_inverse_dynamics_d_param) {
         WG_TAKE_2(param, 12)
         mero_leg_param_leg_inverse_dynamics_d_param_lane(q, qd, qdd, f, param, tau_d_param);
         WG_KEEP_6(tau_d_param, 0)
-        WG_DONE(6)
+        WG_DONE(6, tau_d_param[0])
     }
 }
 
@@ -1822,7 +1822,7 @@ WG_LANED(mero_leg_param_leg_inverse_dynamics_d_param, 5, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_forward_dynamics) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], tau[3], f[3], param[2], qdd[3];
+        double q[3], qd[3], tau[3], f[3], param[2], qdd[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(tau, 6)
@@ -1830,7 +1830,7 @@ WG_BLOCK(mero_leg_param_leg_forward_dynamics) {
         WG_TAKE_2(param, 12)
         mero_leg_param_leg_forward_dynamics_lane(q, qd, tau, f, param, qdd);
         WG_KEEP_3(qdd, 0)
-        WG_DONE(3)
+        WG_DONE(3, qdd[0])
     }
 }
 
@@ -1843,12 +1843,12 @@ WG_LANED(mero_leg_param_leg_forward_dynamics, 5, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_mass_matrix) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], M[9];
+        double q[3], param[2], M[9];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_mass_matrix_lane(q, param, M);
         WG_KEEP_9(M, 0)
-        WG_DONE(9)
+        WG_DONE(9, M[0])
     }
 }
 
@@ -1861,12 +1861,12 @@ WG_LANED(mero_leg_param_leg_mass_matrix, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_mass_matrix_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], M_d_param[18];
+        double q[3], param[2], M_d_param[18];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_mass_matrix_d_param_lane(q, param, M_d_param);
         WG_KEEP_18(M_d_param, 0)
-        WG_DONE(18)
+        WG_DONE(18, M_d_param[0])
     }
 }
 
@@ -1879,13 +1879,13 @@ WG_LANED(mero_leg_param_leg_mass_matrix_d_param, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_bias) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], h[3];
+        double q[3], qd[3], param[2], h[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_bias_lane(q, qd, param, h);
         WG_KEEP_3(h, 0)
-        WG_DONE(3)
+        WG_DONE(3, h[0])
     }
 }
 
@@ -1898,13 +1898,13 @@ WG_LANED(mero_leg_param_leg_bias, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_bias_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], h_d_param[6];
+        double q[3], qd[3], param[2], h_d_param[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_bias_d_param_lane(q, qd, param, h_d_param);
         WG_KEEP_6(h_d_param, 0)
-        WG_DONE(6)
+        WG_DONE(6, h_d_param[0])
     }
 }
 
@@ -1917,12 +1917,12 @@ WG_LANED(mero_leg_param_leg_bias_d_param, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_gravity_torque) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], g[3];
+        double q[3], param[2], g[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_gravity_torque_lane(q, param, g);
         WG_KEEP_3(g, 0)
-        WG_DONE(3)
+        WG_DONE(3, g[1])
     }
 }
 
@@ -1935,12 +1935,12 @@ WG_LANED(mero_leg_param_leg_gravity_torque, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_gravity_torque_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], g_d_param[6];
+        double q[3], param[2], g_d_param[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_gravity_torque_d_param_lane(q, param, g_d_param);
         WG_KEEP_6(g_d_param, 0)
-        WG_DONE(6)
+        WG_DONE(6, g_d_param[2])
     }
 }
 
@@ -1953,13 +1953,13 @@ WG_LANED(mero_leg_param_leg_gravity_torque_d_param, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_coriolis_matrix) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], C[9];
+        double q[3], qd[3], param[2], C[9];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_coriolis_matrix_lane(q, qd, param, C);
         WG_KEEP_9(C, 0)
-        WG_DONE(9)
+        WG_DONE(9, C[0])
     }
 }
 
@@ -1972,13 +1972,13 @@ WG_LANED(mero_leg_param_leg_coriolis_matrix, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_coriolis_matrix_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], C_d_param[18];
+        double q[3], qd[3], param[2], C_d_param[18];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_coriolis_matrix_d_param_lane(q, qd, param, C_d_param);
         WG_KEEP_18(C_d_param, 0)
-        WG_DONE(18)
+        WG_DONE(18, C_d_param[0])
     }
 }
 
@@ -1991,13 +1991,13 @@ WG_LANED(mero_leg_param_leg_coriolis_matrix_d_param, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_kinetic_energy) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], T[1];
+        double q[3], qd[3], param[2], T[1];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_kinetic_energy_lane(q, qd, param, T);
         WG_KEEP_1(T, 0)
-        WG_DONE(1)
+        WG_DONE(1, T[0])
     }
 }
 
@@ -2010,13 +2010,13 @@ WG_LANED(mero_leg_param_leg_kinetic_energy, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_kinetic_energy_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], param[2], T_d_param[2];
+        double q[3], qd[3], param[2], T_d_param[2];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_2(param, 6)
         mero_leg_param_leg_kinetic_energy_d_param_lane(q, qd, param, T_d_param);
         WG_KEEP_2(T_d_param, 0)
-        WG_DONE(2)
+        WG_DONE(2, T_d_param[0])
     }
 }
 
@@ -2029,12 +2029,12 @@ WG_LANED(mero_leg_param_leg_kinetic_energy_d_param, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_potential_energy) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], U[1];
+        double q[3], param[2], U[1];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_potential_energy_lane(q, param, U);
         WG_KEEP_1(U, 0)
-        WG_DONE(1)
+        WG_DONE(1, U[0])
     }
 }
 
@@ -2047,12 +2047,12 @@ WG_LANED(mero_leg_param_leg_potential_energy, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_potential_energy_d_param) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], param[2], U_d_param[2];
+        double q[3], param[2], U_d_param[2];
         WG_TAKE_3(q, 0)
         WG_TAKE_2(param, 3)
         mero_leg_param_leg_potential_energy_d_param_lane(q, param, U_d_param);
         WG_KEEP_2(U_d_param, 0)
-        WG_DONE(2)
+        WG_DONE(2, U_d_param[0])
     }
 }
 

@@ -18,6 +18,7 @@
 #undef WG_COS
 #undef WG_TAN
 #undef WG_ATAN2
+#undef WG_LIB_SINCOS
 #undef WG_SQRT
 #undef WG_ABS
 #undef WG_HYPOT
@@ -74,19 +75,7 @@
 #define WG_SIN(x) sin(x)
 #define WG_COS(x) cos(x)
 #define WG_ATAN2(y, x) wg_atan2_lib(y, x)
-#if defined(WALKGEN_SINCOS)
 #define WG_LIB_SINCOS(x, s, c) wg_sincos_lib(x, s, c)
-extern void wg_sincos_lib(double x, double *sine, double *cosine) __asm__("sincos");
-#endif
-/* Of finite numbers. Where the compiler sees that x is not negative, the arctangent of the ratio does, which takes two thirds of the time. */
-static inline double wg_atan2_lib(double y, double x) {
-#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN)
-    if (__builtin_constant_p(x < 0.0) && x > 0.0) {
-        return atan(y / x);
-    }
-#endif
-    return atan2(y, x);
-}
 #else
 #define WG_SIN(x) wg_sin(x)
 #define WG_COS(x) wg_cos(x)

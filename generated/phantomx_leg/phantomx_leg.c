@@ -802,11 +802,11 @@ WG_ROW(void phantomx_leg_right_front_potential_energy)(const double *WG_RESTRICT
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_position) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], p[3];
+        double q[3], p[3];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_foot_position_lane(q, p);
         WG_KEEP_3(p, 0)
-        WG_DONE(3)
+        WG_DONE(3, p[0])
     }
 }
 
@@ -819,11 +819,11 @@ WG_LANED(phantomx_leg_right_front_foot_position, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_rotation) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], R[9];
+        double q[3], R[9];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_foot_rotation_lane(q, R);
         WG_KEEP_9(R, 0)
-        WG_DONE(9)
+        WG_DONE(9, R[1])
     }
 }
 
@@ -836,11 +836,11 @@ WG_LANED(phantomx_leg_right_front_foot_rotation, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_pose) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], T[16];
+        double q[3], T[16];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_foot_pose_lane(q, T);
         WG_KEEP_16(T, 0)
-        WG_DONE(16)
+        WG_DONE(16, T[3])
     }
 }
 
@@ -853,11 +853,11 @@ WG_LANED(phantomx_leg_right_front_foot_pose, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_jacobian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], J[9];
+        double q[3], J[9];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_foot_jacobian_lane(q, J);
         WG_KEEP_9(J, 0)
-        WG_DONE(9)
+        WG_DONE(9, J[0])
     }
 }
 
@@ -870,12 +870,12 @@ WG_LANED(phantomx_leg_right_front_foot_jacobian, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_position_jacobian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], p[3], J[9];
+        double q[3], p[3], J[9];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_foot_position_jacobian_lane(q, p, J);
         WG_KEEP_3(p, 0)
         WG_KEEP_9(J, 3)
-        WG_DONE(12)
+        WG_DONE(12, p[0])
     }
 }
 
@@ -888,11 +888,11 @@ WG_LANED(phantomx_leg_right_front_foot_position_jacobian, 1, 2);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_spatial_jacobian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], J[18];
+        double q[3], J[18];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_foot_spatial_jacobian_lane(q, J);
         WG_KEEP_18(J, 0)
-        WG_DONE(18)
+        WG_DONE(18, J[0])
     }
 }
 
@@ -905,11 +905,11 @@ WG_LANED(phantomx_leg_right_front_foot_spatial_jacobian, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_hessian) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], H[27];
+        double q[3], H[27];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_foot_hessian_lane(q, H);
         WG_KEEP_27(H, 0)
-        WG_DONE(27)
+        WG_DONE(27, H[0])
     }
 }
 
@@ -922,12 +922,12 @@ WG_LANED(phantomx_leg_right_front_foot_hessian, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_velocity) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], v[3];
+        double q[3], qd[3], v[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         phantomx_leg_right_front_foot_velocity_lane(q, qd, v);
         WG_KEEP_3(v, 0)
-        WG_DONE(3)
+        WG_DONE(3, v[0])
     }
 }
 
@@ -940,13 +940,13 @@ WG_LANED(phantomx_leg_right_front_foot_velocity, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_acceleration) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], qdd[3], a[3];
+        double q[3], qd[3], qdd[3], a[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(qdd, 6)
         phantomx_leg_right_front_foot_acceleration_lane(q, qd, qdd, a);
         WG_KEEP_3(a, 0)
-        WG_DONE(3)
+        WG_DONE(3, a[0])
     }
 }
 
@@ -959,12 +959,12 @@ WG_LANED(phantomx_leg_right_front_foot_acceleration, 3, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_bias_acceleration) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], a[6];
+        double q[3], qd[3], a[6];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         phantomx_leg_right_front_foot_bias_acceleration_lane(q, qd, a);
         WG_KEEP_6(a, 0)
-        WG_DONE(6)
+        WG_DONE(6, a[0])
     }
 }
 
@@ -977,12 +977,12 @@ WG_LANED(phantomx_leg_right_front_foot_bias_acceleration, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_foot_torque) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], f[3], tau[3];
+        double q[3], f[3], tau[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(f, 3)
         phantomx_leg_right_front_foot_torque_lane(q, f, tau);
         WG_KEEP_3(tau, 0)
-        WG_DONE(3)
+        WG_DONE(3, tau[0])
     }
 }
 
@@ -995,12 +995,12 @@ WG_LANED(phantomx_leg_right_front_foot_torque, 2, 1);
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(phantomx_leg_right_front_within_limits) {
     WG_EACH_LANE {
-        double WG_LOST, q[3];
+        double q[3];
         WG_STATE within[1];
         WG_TAKE_3(q, 0)
         within[0] = phantomx_leg_right_front_within_limits_lane(q);
-        WG_KEEP_STATUS_1(within, 0)
-        WG_DONE(1)
+        WG_KEEP_1(within, 0)
+        WG_DONE(1, 0)
     }
 }
 
@@ -1015,14 +1015,14 @@ WG_LANED(phantomx_leg_right_front_within_limits, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_inverse_dynamics) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], qdd[3], f[3], tau[3];
+        double q[3], qd[3], qdd[3], f[3], tau[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(qdd, 6)
         WG_TAKE_3(f, 9)
         phantomx_leg_right_front_inverse_dynamics_lane(q, qd, qdd, f, tau);
         WG_KEEP_3(tau, 0)
-        WG_DONE(3)
+        WG_DONE(3, tau[0])
     }
 }
 
@@ -1035,14 +1035,14 @@ WG_LANED(phantomx_leg_right_front_inverse_dynamics, 4, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_forward_dynamics) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], tau[3], f[3], qdd[3];
+        double q[3], qd[3], tau[3], f[3], qdd[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         WG_TAKE_3(tau, 6)
         WG_TAKE_3(f, 9)
         phantomx_leg_right_front_forward_dynamics_lane(q, qd, tau, f, qdd);
         WG_KEEP_3(qdd, 0)
-        WG_DONE(3)
+        WG_DONE(3, qdd[0])
     }
 }
 
@@ -1055,11 +1055,11 @@ WG_LANED(phantomx_leg_right_front_forward_dynamics, 4, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_mass_matrix) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], M[9];
+        double q[3], M[9];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_mass_matrix_lane(q, M);
         WG_KEEP_9(M, 0)
-        WG_DONE(9)
+        WG_DONE(9, M[0])
     }
 }
 
@@ -1072,12 +1072,12 @@ WG_LANED(phantomx_leg_right_front_mass_matrix, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_bias) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], h[3];
+        double q[3], qd[3], h[3];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         phantomx_leg_right_front_bias_lane(q, qd, h);
         WG_KEEP_3(h, 0)
-        WG_DONE(3)
+        WG_DONE(3, h[0])
     }
 }
 
@@ -1090,11 +1090,11 @@ WG_LANED(phantomx_leg_right_front_bias, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_gravity_torque) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], g[3];
+        double q[3], g[3];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_gravity_torque_lane(q, g);
         WG_KEEP_3(g, 0)
-        WG_DONE(3)
+        WG_DONE(3, g[1])
     }
 }
 
@@ -1107,12 +1107,12 @@ WG_LANED(phantomx_leg_right_front_gravity_torque, 1, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_coriolis_matrix) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], C[9];
+        double q[3], qd[3], C[9];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         phantomx_leg_right_front_coriolis_matrix_lane(q, qd, C);
         WG_KEEP_9(C, 0)
-        WG_DONE(9)
+        WG_DONE(9, C[0])
     }
 }
 
@@ -1125,12 +1125,12 @@ WG_LANED(phantomx_leg_right_front_coriolis_matrix, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_kinetic_energy) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], qd[3], T[1];
+        double q[3], qd[3], T[1];
         WG_TAKE_3(q, 0)
         WG_TAKE_3(qd, 3)
         phantomx_leg_right_front_kinetic_energy_lane(q, qd, T);
         WG_KEEP_1(T, 0)
-        WG_DONE(1)
+        WG_DONE(1, T[0])
     }
 }
 
@@ -1143,11 +1143,11 @@ WG_LANED(phantomx_leg_right_front_kinetic_energy, 2, 1);
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(phantomx_leg_right_front_potential_energy) {
     WG_EACH_LANE {
-        double WG_LOST, q[3], U[1];
+        double q[3], U[1];
         WG_TAKE_3(q, 0)
         phantomx_leg_right_front_potential_energy_lane(q, U);
         WG_KEEP_1(U, 0)
-        WG_DONE(1)
+        WG_DONE(1, U[0])
     }
 }
 

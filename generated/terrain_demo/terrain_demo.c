@@ -32,12 +32,12 @@ WG_ROW(void terrain_demo_leg_foot_position)(const double *WG_RESTRICT q, const d
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(terrain_demo_leg_foot_position) {
     WG_EACH_LANE {
-        double WG_LOST, q[2], param[1], p[3];
+        double q[2], param[1], p[3];
         WG_TAKE_2(q, 0)
         WG_TAKE_1(param, 2)
         terrain_demo_leg_foot_position_lane(q, param, p);
         WG_KEEP_3(p, 0)
-        WG_DONE(3)
+        WG_DONE(3, p[0])
     }
 }
 

@@ -7,7 +7,8 @@ from itertools import accumulate
 from walkgen.emit.artifact import Body, RobotCode
 from walkgen.emit.c_declaration import INDENT, CFunction, function_name
 from walkgen.emit.c_printer import Precision
-from walkgen.graph.lanes import runs_in_lanes
+from walkgen.emit.c_rest import may_leave
+from walkgen.graph.lanes import telling
 from walkgen.graph.program import Code, Composite, Program
 from walkgen.graph.sharing import nameless
 from walkgen.signature import Port, Signature
@@ -26,13 +27,15 @@ class Laned:
     """A function with lanes: `program` computes its outputs from `arguments`, names of the body's ports or of its locals.
 
     Of a Composite the other steps are run only for rows with an UNREACHABLE target, one by one. `table` is the function whose block
-    serves: its own, or that of an earlier one with the same code, as of an equal leg.
+    serves: its own, or that of an earlier one with the same code, as of an equal leg. `telling` are the elements of the program's outputs
+    that tell of rows to be computed once more.
     """
 
     body: Body
     program: Program
     arguments: tuple[str, ...]
     table: Signature
+    telling: tuple[int, ...] = ()
 
     @property
     def signature(self) -> Signature:
@@ -57,7 +60,8 @@ def laned(code: RobotCode) -> tuple[Laned, ...]:
     bodies = [body for body in code.functions if body.signature.owner in owners and _fits(body.signature)]
     found = [each for each in filter(None, map(_laned, bodies)) if each.program.operation_count <= _MOST_OPERATIONS]
     first: dict[Hashable, Signature] = {}
-    return tuple(replace(each, table=first.setdefault(_code(each), each.signature)) for each in found if runs_in_lanes(each.program))
+    sure = (replace(each, telling=places) for each in found if (places := telling(each.program)) is not None)
+    return tuple(replace(each, table=first.setdefault(_code(each), each.signature)) for each in sure)
 
 
 def _code(each: Laned) -> Hashable:
@@ -90,7 +94,7 @@ def _laned(body: Body) -> Laned | None:
     names = tuple(map(str, first.arguments))
     if not isinstance(first.callee, Program) or first.guard or first.repeat > 1 or names != first.arguments:
         return None
-    if others and not (body.signature.status and all(call.guard and call.guard[0] == _GUARD for call in others)):
+    if may_leave(body) or (others and not (body.signature.status and all(call.guard and call.guard[0] == _GUARD for call in others))):
         return None
     computed = names[len(first.callee.signature.inputs) :]
     return Laned(body, first.callee, names, body.signature) if _known(body, computed) else None
@@ -161,7 +165,7 @@ def _block(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
     given, found = _starts(signature.inputs), _starts(signature.outputs)
     sizes = dict(zip(each.arguments, (*own.inputs, *own.outputs), strict=True))
     reals, whole = ([f"{name}[{port.size}]" for name, port in sizes.items() if (port.kind == "real") == real] for real in (True, False))
-    yield f"{precision.real} {', '.join(['WG_LOST', *reals])};"
+    yield f"{precision.real} {', '.join(reals)};"
     yield from [f"WG_STATE {', '.join(whole)};"] if whole else []
     for port in signature.inputs:
         if port.name in sizes:
@@ -169,8 +173,16 @@ def _block(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
     texts = {name: f"{name}[0]" for name, port in zip(each.arguments, own.inputs, strict=False) if not port.shape}
     yield _call(each.program, f"{kernel}_lane", each.arguments, texts, isinstance(each.body, Program))
     for port in signature.outputs:
-        yield f"WG_KEEP_{'' if port.kind == 'real' else 'STATUS_'}{port.size}({port.name}, {found[port.name]})"
-    yield f"WG_DONE({sum(port.size for port in signature.outputs)})"
+        yield f"WG_KEEP_{port.size}({port.name}, {found[port.name]})"
+    yield f"WG_DONE({sum(port.size for port in signature.outputs)}, {_telling(each)})"
+
+
+def _telling(each: Laned) -> str:
+    """A sum that is NaN where an angle is."""
+    own = each.program.signature
+    names = zip(each.arguments[len(own.inputs) :], own.outputs, strict=True)
+    elements = [f"{name}[{element}]" for name, port in names for element in range(port.size)]
+    return " + ".join(elements[place] for place in each.telling) or "0"
 
 
 def _alone(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:

@@ -2,7 +2,7 @@
  *
  * The same text is a function of one row, and within a loop over WG_LANES rows, whose like numbers lie side by side, what compilers turn
  * into vectors of any width: it has no branch, and here sine, cosine and arctangent have none either. Beyond their range (walkgen_trig.h)
- * they give NaN, and a row with a NaN among its results is computed once more, alone. Lane by lane the bits of one row.
+ * they give NaN, and a row with a NaN among the results that tell of it is computed once more, alone. Lane by lane the bits of one row.
  */
 #if defined(WALKGEN_ROWS)
 #undef WG_ROW
@@ -26,7 +26,7 @@
 #define WG_ATAN2(y, x) WG_NAME(wg_atan2_lane)(y, x)
 #include "walkgen_together.h"
 
-/* How a block of rows is computed: given [inputs][lane], found [outputs][lane], and last a number for each lane that is 0 where all are finite;
+/* How a block of rows is computed: given [inputs][lane], found [outputs][lane], and last a number for each lane that is 0 where no angle was lost;
  * and how one row is, its numbers side by side. */
 #define WG_BLOCK(name) \
     static void name##_block(const WG_REAL (*WG_RESTRICT given)[WG_LANES], WG_REAL (*WG_RESTRICT found)[WG_LANES])
@@ -65,48 +65,38 @@
 #define WG_TAKE_30(port, first) WG_TAKE_29(port, first) port[29] = given[(first) + 29][lane];
 #define WG_TAKE_31(port, first) WG_TAKE_30(port, first) port[30] = given[(first) + 30][lane];
 #define WG_TAKE_32(port, first) WG_TAKE_31(port, first) port[31] = given[(first) + 31][lane];
-/* Four sums, because one would be a chain as long as there are results. */
-#define WG_LOST lost_0 = 0, lost_1 = 0, lost_2 = 0, lost_3 = 0
-#define WG_DONE(outputs) lost_0 = (lost_0 + lost_1) + (lost_2 + lost_3), found[outputs][lane] = lost_0 - lost_0;
-#define WG_KEPT(number, place, lost) found[place][lane] = number, lost += (number);
-#define WG_KEEP_1(port, first) WG_KEPT(port[0], first, lost_0)
-#define WG_KEEP_2(port, first) WG_KEEP_1(port, first) WG_KEPT(port[1], (first) + 1, lost_1)
-#define WG_KEEP_3(port, first) WG_KEEP_2(port, first) WG_KEPT(port[2], (first) + 2, lost_2)
-#define WG_KEEP_4(port, first) WG_KEEP_3(port, first) WG_KEPT(port[3], (first) + 3, lost_3)
-#define WG_KEEP_5(port, first) WG_KEEP_4(port, first) WG_KEPT(port[4], (first) + 4, lost_0)
-#define WG_KEEP_6(port, first) WG_KEEP_5(port, first) WG_KEPT(port[5], (first) + 5, lost_1)
-#define WG_KEEP_7(port, first) WG_KEEP_6(port, first) WG_KEPT(port[6], (first) + 6, lost_2)
-#define WG_KEEP_8(port, first) WG_KEEP_7(port, first) WG_KEPT(port[7], (first) + 7, lost_3)
-#define WG_KEEP_9(port, first) WG_KEEP_8(port, first) WG_KEPT(port[8], (first) + 8, lost_0)
-#define WG_KEEP_10(port, first) WG_KEEP_9(port, first) WG_KEPT(port[9], (first) + 9, lost_1)
-#define WG_KEEP_11(port, first) WG_KEEP_10(port, first) WG_KEPT(port[10], (first) + 10, lost_2)
-#define WG_KEEP_12(port, first) WG_KEEP_11(port, first) WG_KEPT(port[11], (first) + 11, lost_3)
-#define WG_KEEP_13(port, first) WG_KEEP_12(port, first) WG_KEPT(port[12], (first) + 12, lost_0)
-#define WG_KEEP_14(port, first) WG_KEEP_13(port, first) WG_KEPT(port[13], (first) + 13, lost_1)
-#define WG_KEEP_15(port, first) WG_KEEP_14(port, first) WG_KEPT(port[14], (first) + 14, lost_2)
-#define WG_KEEP_16(port, first) WG_KEEP_15(port, first) WG_KEPT(port[15], (first) + 15, lost_3)
-#define WG_KEEP_17(port, first) WG_KEEP_16(port, first) WG_KEPT(port[16], (first) + 16, lost_0)
-#define WG_KEEP_18(port, first) WG_KEEP_17(port, first) WG_KEPT(port[17], (first) + 17, lost_1)
-#define WG_KEEP_19(port, first) WG_KEEP_18(port, first) WG_KEPT(port[18], (first) + 18, lost_2)
-#define WG_KEEP_20(port, first) WG_KEEP_19(port, first) WG_KEPT(port[19], (first) + 19, lost_3)
-#define WG_KEEP_21(port, first) WG_KEEP_20(port, first) WG_KEPT(port[20], (first) + 20, lost_0)
-#define WG_KEEP_22(port, first) WG_KEEP_21(port, first) WG_KEPT(port[21], (first) + 21, lost_1)
-#define WG_KEEP_23(port, first) WG_KEEP_22(port, first) WG_KEPT(port[22], (first) + 22, lost_2)
-#define WG_KEEP_24(port, first) WG_KEEP_23(port, first) WG_KEPT(port[23], (first) + 23, lost_3)
-#define WG_KEEP_25(port, first) WG_KEEP_24(port, first) WG_KEPT(port[24], (first) + 24, lost_0)
-#define WG_KEEP_26(port, first) WG_KEEP_25(port, first) WG_KEPT(port[25], (first) + 25, lost_1)
-#define WG_KEEP_27(port, first) WG_KEEP_26(port, first) WG_KEPT(port[26], (first) + 26, lost_2)
-#define WG_KEEP_28(port, first) WG_KEEP_27(port, first) WG_KEPT(port[27], (first) + 27, lost_3)
-#define WG_KEEP_29(port, first) WG_KEEP_28(port, first) WG_KEPT(port[28], (first) + 28, lost_0)
-#define WG_KEEP_30(port, first) WG_KEEP_29(port, first) WG_KEPT(port[29], (first) + 29, lost_1)
-#define WG_KEEP_31(port, first) WG_KEEP_30(port, first) WG_KEPT(port[30], (first) + 30, lost_2)
-#define WG_KEEP_32(port, first) WG_KEEP_31(port, first) WG_KEPT(port[31], (first) + 31, lost_3)
-#define WG_KEEP_STATUS_1(port, first) found[first][lane] = port[0];
-#define WG_KEEP_STATUS_2(port, first) WG_KEEP_STATUS_1(port, first) found[(first) + 1][lane] = port[1];
-#define WG_KEEP_STATUS_3(port, first) WG_KEEP_STATUS_2(port, first) found[(first) + 2][lane] = port[2];
-#define WG_KEEP_STATUS_4(port, first) WG_KEEP_STATUS_3(port, first) found[(first) + 3][lane] = port[3];
-#define WG_KEEP_STATUS_5(port, first) WG_KEEP_STATUS_4(port, first) found[(first) + 4][lane] = port[4];
-#define WG_KEEP_STATUS_6(port, first) WG_KEEP_STATUS_5(port, first) found[(first) + 5][lane] = port[5];
-#define WG_KEEP_STATUS_7(port, first) WG_KEEP_STATUS_6(port, first) found[(first) + 6][lane] = port[6];
-#define WG_KEEP_STATUS_8(port, first) WG_KEEP_STATUS_7(port, first) found[(first) + 7][lane] = port[7];
+/* `telling` is NaN where an angle is beyond its range. */
+#define WG_DONE(outputs, telling) found[outputs][lane] = (telling) - (telling);
+#define WG_KEEP_1(port, first) found[first][lane] = port[0];
+#define WG_KEEP_2(port, first) WG_KEEP_1(port, first) found[(first) + 1][lane] = port[1];
+#define WG_KEEP_3(port, first) WG_KEEP_2(port, first) found[(first) + 2][lane] = port[2];
+#define WG_KEEP_4(port, first) WG_KEEP_3(port, first) found[(first) + 3][lane] = port[3];
+#define WG_KEEP_5(port, first) WG_KEEP_4(port, first) found[(first) + 4][lane] = port[4];
+#define WG_KEEP_6(port, first) WG_KEEP_5(port, first) found[(first) + 5][lane] = port[5];
+#define WG_KEEP_7(port, first) WG_KEEP_6(port, first) found[(first) + 6][lane] = port[6];
+#define WG_KEEP_8(port, first) WG_KEEP_7(port, first) found[(first) + 7][lane] = port[7];
+#define WG_KEEP_9(port, first) WG_KEEP_8(port, first) found[(first) + 8][lane] = port[8];
+#define WG_KEEP_10(port, first) WG_KEEP_9(port, first) found[(first) + 9][lane] = port[9];
+#define WG_KEEP_11(port, first) WG_KEEP_10(port, first) found[(first) + 10][lane] = port[10];
+#define WG_KEEP_12(port, first) WG_KEEP_11(port, first) found[(first) + 11][lane] = port[11];
+#define WG_KEEP_13(port, first) WG_KEEP_12(port, first) found[(first) + 12][lane] = port[12];
+#define WG_KEEP_14(port, first) WG_KEEP_13(port, first) found[(first) + 13][lane] = port[13];
+#define WG_KEEP_15(port, first) WG_KEEP_14(port, first) found[(first) + 14][lane] = port[14];
+#define WG_KEEP_16(port, first) WG_KEEP_15(port, first) found[(first) + 15][lane] = port[15];
+#define WG_KEEP_17(port, first) WG_KEEP_16(port, first) found[(first) + 16][lane] = port[16];
+#define WG_KEEP_18(port, first) WG_KEEP_17(port, first) found[(first) + 17][lane] = port[17];
+#define WG_KEEP_19(port, first) WG_KEEP_18(port, first) found[(first) + 18][lane] = port[18];
+#define WG_KEEP_20(port, first) WG_KEEP_19(port, first) found[(first) + 19][lane] = port[19];
+#define WG_KEEP_21(port, first) WG_KEEP_20(port, first) found[(first) + 20][lane] = port[20];
+#define WG_KEEP_22(port, first) WG_KEEP_21(port, first) found[(first) + 21][lane] = port[21];
+#define WG_KEEP_23(port, first) WG_KEEP_22(port, first) found[(first) + 22][lane] = port[22];
+#define WG_KEEP_24(port, first) WG_KEEP_23(port, first) found[(first) + 23][lane] = port[23];
+#define WG_KEEP_25(port, first) WG_KEEP_24(port, first) found[(first) + 24][lane] = port[24];
+#define WG_KEEP_26(port, first) WG_KEEP_25(port, first) found[(first) + 25][lane] = port[25];
+#define WG_KEEP_27(port, first) WG_KEEP_26(port, first) found[(first) + 26][lane] = port[26];
+#define WG_KEEP_28(port, first) WG_KEEP_27(port, first) found[(first) + 27][lane] = port[27];
+#define WG_KEEP_29(port, first) WG_KEEP_28(port, first) found[(first) + 28][lane] = port[28];
+#define WG_KEEP_30(port, first) WG_KEEP_29(port, first) found[(first) + 29][lane] = port[29];
+#define WG_KEEP_31(port, first) WG_KEEP_30(port, first) found[(first) + 30][lane] = port[30];
+#define WG_KEEP_32(port, first) WG_KEEP_31(port, first) found[(first) + 31][lane] = port[31];
 #endif

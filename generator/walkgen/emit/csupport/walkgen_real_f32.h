@@ -18,6 +18,7 @@
 #undef WG_COS
 #undef WG_TAN
 #undef WG_ATAN2
+#undef WG_LIB_SINCOS
 #undef WG_SQRT
 #undef WG_ABS
 #undef WG_HYPOT
@@ -67,19 +68,7 @@
 #define WG_SIN(x) sinf(x)
 #define WG_COS(x) cosf(x)
 #define WG_ATAN2(y, x) wg_atan2_lib_f32(y, x)
-#if defined(WALKGEN_SINCOS)
 #define WG_LIB_SINCOS(x, s, c) wg_sincos_lib_f32(x, s, c)
-extern void wg_sincos_lib_f32(float x, float *sine, float *cosine) __asm__("sincosf");
-#endif
-/* Of finite numbers. Where the compiler sees that x is not negative, the arctangent of the ratio does, which takes two thirds of the time. */
-static inline float wg_atan2_lib_f32(float y, float x) {
-#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN)
-    if (__builtin_constant_p(x < 0.0f) && x > 0.0f) {
-        return atanf(y / x);
-    }
-#endif
-    return atan2f(y, x);
-}
 #else
 #define WG_SIN(x) wg_sin_f32(x)
 #define WG_COS(x) wg_cos_f32(x)
