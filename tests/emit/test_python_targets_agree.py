@@ -1,5 +1,6 @@
 """NumPy, CasADi and the interpreter on every function of shipped robots: the same numbers, and NaN in the same places."""
 
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -78,7 +79,8 @@ def interpreted(body, inputs, row):
         signature = call.callee.signature
         names = [port.name for port in (*signature.inputs, *signature.outputs)]
         given = dict(zip(names, call.arguments, strict=True))
-        found = interpret(call.callee, {port.name: values[given[port.name]] for port in signature.inputs})
+        read = {port.name: given[port.name] for port in signature.inputs}
+        found = interpret(call.callee, {name: [float(each)] if isinstance(each, Decimal) else values[each] for name, each in read.items()})
         values |= {given[name]: np.array(result) for name, result in found.items()}
     return [values[port.name] for port in body.signature.outputs]
 

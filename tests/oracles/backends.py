@@ -2,6 +2,7 @@
 
 import pickle
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from walkgen.graph.interpret import interpret
-from walkgen.graph.program import Program
+from walkgen.graph.program import Composite, Program
 from walkgen.pipeline import programs_of
 from walkgen.runtime import load
 from walkgen.signature import Signature
@@ -21,14 +22,14 @@ KEPT = "programs.pickle"
 """Beside a spec: the programs that its build derived."""
 
 
-def programs(spec: Path) -> dict[str, Program]:
-    """Every straight-line function of a spec, by full name; what needs a support routine is left out."""
+def programs(spec: Path) -> dict[str, Program | Composite]:
+    """Every function of a spec that is a Program, or steps that are, by full name; what needs a support routine is left out."""
     kept = spec.with_name(KEPT)
     found = pickle.loads(kept.read_bytes()) if kept.exists() else programs_of(spec)  # noqa: S301 (written by this run)
-    return {program.signature.full_name: program for program in found if isinstance(program, Program)}
+    return {body.signature.full_name: body for body in found if isinstance(body, Program) or not body.calls_routines}
 
 
-def interpreted(program: Program, *inputs: Any) -> Array:
+def interpreted(program: Program | Composite, *inputs: Any) -> Array:
     """The first output port for rows of inputs, each [..., *shape of the port]."""
     signature = program.signature
     arrays = [np.asarray(value, dtype=float) for value in inputs]
@@ -41,9 +42,22 @@ def _rows(array: Array, batch: tuple[int, ...]) -> Array:
     return array.reshape(int(np.prod(batch)), -1)
 
 
-def _interpret_row(program: Program, row: tuple[Array, ...]) -> list[float]:
-    inputs = {port.name: list(value) for port, value in zip(program.signature.inputs, row, strict=True)}
-    return interpret(program, inputs)[program.signature.outputs[0].name]
+def _interpret_row(body: Program | Composite, row: tuple[Array, ...]) -> list[float]:
+    values = {port.name: list(value) for port, value in zip(body.signature.inputs, row, strict=True)}
+    return _interpret(body, values)[body.signature.outputs[0].name]
+
+
+def _interpret(body: Program | Composite, values: dict[str, list[float]]) -> dict[str, list[float]]:
+    """All values by their names, of a Composite those of its steps too."""
+    if isinstance(body, Program):
+        return interpret(body, values)
+    for call in body.calls:
+        ports = call.callee.signature.inputs
+        read, written = call.arguments[: len(ports)], call.arguments[len(ports) :]
+        given = [[float(each)] if isinstance(each, Decimal) else values[each] for each in read]
+        found = interpret(call.callee, {port.name: value for port, value in zip(ports, given, strict=True)})
+        values = values | dict(zip(written, found.values(), strict=True))
+    return values
 
 
 @dataclass(frozen=True)

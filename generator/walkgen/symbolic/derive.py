@@ -14,7 +14,7 @@ from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_
 from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.curved_soles import curved_sole_functions
 from walkgen.symbolic.driven_search import inverse_driven
-from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route
+from walkgen.symbolic.forward import CHAIN, FOOT, Entry, PathFunctions, Route, Sided
 from walkgen.symbolic.function import Derivation
 from walkgen.symbolic.gait import gait_functions
 from walkgen.symbolic.inverse import inverse, inverse_branch
@@ -29,6 +29,7 @@ from walkgen.symbolic.reach import inverse_pose, inverse_pose_driven, inverse_re
 from walkgen.symbolic.robot import RobotFunctions
 from walkgen.symbolic.robot_dynamics import ROBOT_DYNAMICS, FloatingFunctions
 from walkgen.symbolic.settle import settle
+from walkgen.symbolic.sides import sides
 from walkgen.symbolic.soles import SoleFunctions
 from walkgen.symbolic.stability import StabilityFunctions
 from walkgen.symbolic.stance import stance_functions
@@ -36,6 +37,7 @@ from walkgen.symbolic.terrain import TerrainFunctions
 
 LegBuilder = Callable[[Mechanism, Limb], Derivation]
 PathBuilder = Callable[[Mechanism, Route], Derivation]
+RatesBuilder = Callable[[Mechanism, Route, Sided | None], Derivation]
 
 BRANCHED: dict[str, LegBuilder] = {
     "inverse": inverse,
@@ -52,13 +54,12 @@ FLAT: dict[str, LegBuilder] = {name: BRANCHED[name] for name in ("inverse", "inv
 ITERATED: dict[str, PathBuilder] = {"inverse_near": inverse_reach, "inverse_pose": inverse_pose}
 """Of longer legs and routes."""
 
-JOINTED: dict[str, PathBuilder] = {
-    "within_limits": within_limits,
+RATES: dict[str, RatesBuilder] = {
     "inverse_velocity": inverse_velocity,
     "inverse_acceleration": inverse_acceleration,
     "inverse_velocity_acceleration": inverse_velocity_acceleration,
 }
-"""Of every leg and route."""
+"""Of every leg and route, from its Jacobian."""
 
 YIELDING: dict[str, Callable[[Mechanism, Limb], Derivation | None]] = {
     "foot_compliance": foot_compliance,
@@ -103,9 +104,11 @@ def _of_paths(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
     """Chains and routes."""
     for limb in mechanism.chains:
         yield from _path(mechanism, Route(limb.name, (limb,)), CHAIN, wanted)
-    for route in routes(mechanism):
-        yield from _path(mechanism, route, FOOT, wanted)
-        yield from _path_inverse(mechanism, route, wanted)
+    ways = routes(mechanism)
+    sided = sides(mechanism, ways)
+    for route in ways:
+        yield from _path(mechanism, route, FOOT, wanted, sided.get(route))
+        yield from _path_inverse(mechanism, route, wanted, sided.get(route))
 
 
 def _of_robot(mechanism: Mechanism, wanted: Wanted) -> Iterator[Derivation]:
@@ -178,9 +181,11 @@ def routes(mechanism: Mechanism) -> tuple[Route, ...]:
     )
 
 
-def _path(mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted: Wanted) -> Iterator[Derivation]:
-    path = PathFunctions(mechanism, route)
-    yield from (path.function(name, entry) for name, entry in entries.items() if wanted(name))
+def _path(
+    mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted: Wanted, sided: Sided | None = None
+) -> Iterator[Derivation]:
+    path = PathFunctions(mechanism, route, sided)
+    yield from (path.derivation(name, entry) for name, entry in entries.items() if wanted(name))
 
 
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:
@@ -197,10 +202,12 @@ def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[De
     yield from _path_inverse(mechanism, Route(leg.name, (leg,)), wanted)
 
 
-def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted) -> Iterator[Derivation]:
+def _path_inverse(mechanism: Mechanism, route: Route, wanted: Wanted, sided: Sided | None = None) -> Iterator[Derivation]:
     """What any path has; the iterated inverse where there are too many joints for branches."""
-    builders = JOINTED | _iterated(mechanism, route)
-    yield from (build(mechanism, route) for name, build in builders.items() if wanted(name))
+    if wanted("within_limits"):
+        yield within_limits(mechanism, route)
+    yield from (build(mechanism, route, sided) for name, build in RATES.items() if wanted(name))
+    yield from (build(mechanism, route) for name, build in _iterated(mechanism, route).items() if wanted(name))
 
 
 def _iterated(mechanism: Mechanism, route: Route) -> dict[str, PathBuilder]:

@@ -1,17 +1,18 @@
 """Forward kinematics of any path: what is computed from joint values, rates and accelerations, and by which equation."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
 from itertools import chain
 
 import sympy
 
 from walkgen.model.mechanism import Joint, Limb, Mechanism
-from walkgen.signature import Port
+from walkgen.signature import Argument, Port, Signature
 from walkgen.symbolic.driven import DrivenKinematics, kinematics_of
 from walkgen.symbolic.frames import parameter_symbols
-from walkgen.symbolic.function import Function
-from walkgen.symbolic.path import Kinematics
+from walkgen.symbolic.function import Derivation, Function, Solve, Step
+from walkgen.symbolic.path import Kinematics, Path
 from walkgen.symbolic.ports import joint_port, joint_unit, signature
 from walkgen.symbolic.tape import Columns, Tape, Vec, dot, plus, symbols_of
 
@@ -176,11 +177,23 @@ class Route:
         return tuple(joint for limb in self.limbs for joint in limb.joints)
 
 
-class PathFunctions:
-    """Functions of one path; they share one tape, so what two of them need is derived once."""
+SIDE = Port("side")
+"""1, or -1 where what has it as a factor has the other sign."""
 
-    def __init__(self, mechanism: Mechanism, route: Route) -> None:
-        self._mechanism, self._route = mechanism, route
+
+@dataclass(frozen=True)
+class Sided:
+    """A path that serves two routes, with factors `side` in it, and what that is for one of them."""
+
+    path: Path
+    side: Decimal
+
+
+class PathFunctions:
+    """Functions of one path; they share one tape, so what two of them need is derived once. Those of a `sided` one take its side."""
+
+    def __init__(self, mechanism: Mechanism, route: Route, sided: Sided | None = None) -> None:
+        self._mechanism, self._route, self._sided = mechanism, route, sided
         joints = route.joints
         self._ports = {
             "q": joint_port("q", joints),
@@ -190,13 +203,34 @@ class PathFunctions:
         }
         symbols = {name: symbols_of(port) for name, port in self._ports.items()}
         self.tape = Tape()
-        kinematics = kinematics_of(route.limbs, symbols["q"], parameter_symbols(mechanism), self.tape)
+        parameters = parameter_symbols(mechanism)
+        kinematics = Kinematics(sided.path, self.tape) if sided else kinematics_of(route.limbs, symbols["q"], parameters, self.tape)
         self.motion = Motion(kinematics, symbols["qd"], symbols["qdd"], symbols["f"])
 
+    @property
+    def sides(self) -> tuple[Port, ...]:
+        """Inputs of what is computed here that are none of the route's functions."""
+        return (SIDE,) if self._sided else ()
+
+    def arguments(self, ports: Iterable[Port]) -> tuple[Argument, ...]:
+        """Of a step that calls what is computed here: ports by their names, the side by its value."""
+        return tuple(self._sided.side if self._sided and port is SIDE else port.name for port in ports)
+
+    def derivation(self, name: str, entry: Entry) -> Derivation:
+        """One entry as a function of this path."""
+        words = self._words(name, entry)
+        if not self._sided:
+            return self.function(name, entry)
+        kernel = replace(words, inputs=(*words.inputs, SIDE))
+        step = Step(self.tape.function(kernel, entry.build(self.motion)), self.arguments((*kernel.inputs, *kernel.outputs)))
+        return Solve(words, (), (step,))
+
     def function(self, name: str, entry: Entry) -> Function:
-        """One entry as a Function of this path."""
+        """One entry as a Function."""
+        return self.tape.function(self._words(name, entry), entry.build(self.motion))
+
+    def _words(self, name: str, entry: Entry) -> Signature:
         inputs = [self._ports[port] for port in entry.inputs]
         outputs = entry.outputs(self._route.joints)
         doc = entry.doc + (_ROLLING if self._route.limbs[-1].curved_sole and name != "joint_frames" else "")
-        words = signature(self._mechanism, self._route.owner, name, inputs, outputs, doc, entry.source)
-        return self.tape.function(words, entry.build(self.motion))
+        return signature(self._mechanism, self._route.owner, name, inputs, outputs, doc, entry.source)

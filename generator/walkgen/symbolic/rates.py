@@ -7,7 +7,7 @@ import sympy
 
 from walkgen.model.mechanism import Mechanism
 from walkgen.signature import Port, Signature
-from walkgen.symbolic.forward import PathFunctions, Route, flat
+from walkgen.symbolic.forward import PathFunctions, Route, Sided, flat
 from walkgen.symbolic.function import Function, Solve, Step
 from walkgen.symbolic.ports import joint_port, joint_unit, signature
 from walkgen.symbolic.rate_damping import rate_damping
@@ -45,41 +45,44 @@ def words_of(route: Route) -> Words:
     return _FEWER if count < 3 else _THREE if count == 3 else _MORE
 
 
-def inverse_velocity(mechanism: Mechanism, route: Route) -> Solve:
+def inverse_velocity(mechanism: Mechanism, route: Route, sided: Sided | None = None) -> Solve:
     """qd of a wanted foot velocity; damping is that of the route's leg."""
     wanted, path, told = Port("v", (3,), "m/s"), PathFunctions(mechanism, route), words_of(route)
     doc = f"Joint rates {told.meaning.format('velocity', 'v')}, |qd| <= |v| / (2 lambda)."
     outputs = (joint_port("qd", route.joints, "/s"), STATUS)
     words = signature(mechanism, route.owner, "inverse_velocity", (joint_port("q", route.joints), wanted), outputs, doc, told.source)
     closed = _closed_form(words, path.tape, path.motion.kinematics.jacobian, vector(wanted), rate_damping(mechanism, route.limbs[-1]))
-    steps = (jacobian_step(mechanism, route, path), damped_step(mechanism, route, "v", "qd", "status"))
+    steps = (jacobian_step(mechanism, route, PathFunctions(mechanism, route, sided)), damped_step(mechanism, route, "v", "qd", "status"))
     return Solve(words, (jacobian_port(route),), steps, closed)
 
 
-def inverse_acceleration(mechanism: Mechanism, route: Route) -> Solve:
+def inverse_acceleration(mechanism: Mechanism, route: Route, sided: Sided | None = None) -> Solve:
     """qdd of a wanted foot acceleration at given joint rates; damping is that of the route's leg."""
     path, told = PathFunctions(mechanism, route), words_of(route)
     doc = f"Joint accelerations {told.meaning.format('acceleration', 'a')}."
     outputs = (joint_port("qdd", route.joints, "/s^2"), STATUS)
     words = signature(mechanism, route.owner, "inverse_acceleration", _moving(route), outputs, doc, told.source)
     closed = _closed_form(words, path.tape, path.motion.kinematics.jacobian, _rest(path), rate_damping(mechanism, route.limbs[-1]))
-    steps = (rest_step(mechanism, route, path, "qd"), damped_step(mechanism, route, "rest", "qdd", "status"))
+    rest = rest_step(mechanism, route, PathFunctions(mechanism, route, sided), "qd")
+    steps = (rest, damped_step(mechanism, route, "rest", "qdd", "status"))
     return Solve(words, (jacobian_port(route), REST), steps, closed)
 
 
 def jacobian_step(mechanism: Mechanism, route: Route, path: PathFunctions) -> Step:
     """q -> J."""
     port = jacobian_port(route)
-    words = signature(mechanism, route.owner, "velocity_jacobian", (joint_port("q", route.joints),), (port,), "", words_of(route).source)
-    return Step(path.tape.function(words, flat(path.motion.kinematics.jacobian)), (*(port.name for port in words.inputs), port.name))
+    inputs = (joint_port("q", route.joints), *path.sides)
+    words = signature(mechanism, route.owner, "velocity_jacobian", inputs, (port,), "", words_of(route).source)
+    return Step(path.tape.function(words, flat(path.motion.kinematics.jacobian)), path.arguments((*words.inputs, port)))
 
 
 def rest_step(mechanism: Mechanism, route: Route, path: PathFunctions, rates: str) -> Step:
     """q, `rates`, a -> J, rest."""
     outputs = (jacobian_port(route), REST)
-    words = signature(mechanism, route.owner, "acceleration_jacobian", _moving(route), outputs, "", words_of(route).source)
+    inputs = (*_moving(route), *path.sides)
+    words = signature(mechanism, route.owner, "acceleration_jacobian", inputs, outputs, "", words_of(route).source)
     kernel = path.tape.function(words, (*flat(path.motion.kinematics.jacobian), *_rest(path)))
-    names = (port.name for port in (*words.inputs, *outputs))
+    names = path.arguments((*words.inputs, *outputs))
     return Step(kernel, tuple(rates if name == "qd" else name for name in names))
 
 

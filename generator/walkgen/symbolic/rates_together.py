@@ -10,7 +10,7 @@ from walkgen.model.mechanism import Mechanism
 from walkgen.signature import STATUSES, Port, Signature
 from walkgen.spec.scalar import ZERO
 from walkgen.symbolic.choices import both, chosen, either, less, same
-from walkgen.symbolic.forward import PathFunctions, Route
+from walkgen.symbolic.forward import PathFunctions, Route, Sided
 from walkgen.symbolic.frames import Frame, expression, parameter_symbols
 from walkgen.symbolic.function import Epsilon, Function, Residue, Solve, Step
 from walkgen.symbolic.path import Kinematics, Path, path_of, quarter_turned
@@ -28,7 +28,7 @@ _LEAST = sympy.Rational(1, 10**5)
 """Products of three numbers of a Jacobian of this norm do not vanish, in float either."""
 
 
-def inverse_velocity_acceleration(mechanism: Mechanism, route: Route) -> Solve:
+def inverse_velocity_acceleration(mechanism: Mechanism, route: Route, sided: Sided | None = None) -> Solve:
     """qd and qdd of a wanted foot velocity and acceleration: what `inverse_velocity` and, at its qd, `inverse_acceleration` give."""
     joints, told, name = route.joints, words_of(route), "inverse_velocity_acceleration"
     outputs = (joint_port("qd", joints, "/s"), joint_port("qdd", joints, "/s^2"), STATUS)
@@ -36,7 +36,7 @@ def inverse_velocity_acceleration(mechanism: Mechanism, route: Route) -> Solve:
     words = signature(mechanism, route.owner, name, (joint_port("q", joints), _V, _A), outputs, doc, told.source)
     path = PathFunctions(mechanism, route)
     quick = _regular(mechanism, route)
-    steps = _one_after_the_other(mechanism, route, path, unsure=quick is not None)
+    steps = _one_after_the_other(mechanism, route, PathFunctions(mechanism, route, sided), unsure=quick is not None)
     if quick is not None:
         guard, names = ("wg_any_unreachable", ("status", 1)), (*(port.name for port in words.inputs), "qd", "qdd", "status")
         steps = (Step(quick, names), *(replace(step, guard=guard) for step in steps))
@@ -64,10 +64,10 @@ def _one_after_the_other(mechanism: Mechanism, route: Route, path: PathFunctions
 
 def _rest_steps(mechanism: Mechanism, route: Route, path: PathFunctions) -> tuple[Step, Step]:
     """q, rates -> bias, as `foot_bias_acceleration` computes it, whose code then serves; a, bias -> rest."""
-    moving = joint_port("q", route.joints), joint_port("qd", route.joints, "/s")
+    moving = joint_port("q", route.joints), joint_port("qd", route.joints, "/s"), *path.sides
     words = signature(mechanism, route.owner, "rates_bias", moving, (_BIAS,), "", words_of(route).source)
     bias = path.tape.function(words, tuple(chain.from_iterable(path.motion.kinematics.bias(path.motion.qd))))
-    names = tuple(port.name for port in words.inputs[2:])
+    names = path.arguments(words.inputs[2:])
     wanted = Signature(mechanism.name, route.owner, "rates_wanted", (_A, _BIAS), (REST,), "", "")
     rest = Tape().function(wanted, minus(vector(_A), symbols_of(_BIAS)[:3]))
     return Step(bias, ("q", "rates", *names, "bias")), Step(rest, ("a", "bias", "rest"))
