@@ -82,6 +82,8 @@ _KNOWN = (
     Routine("wg_settle", "walkgen_settle.h", "settle", inputs=11, outputs=5),
     Routine("wg_approach", "walkgen_triads.h", "triads", inputs=5, outputs=3),
     Routine("wg_close_triads", "walkgen_triads.h", "triads", inputs=5, outputs=2),
+    Routine("wg_second_derivatives", "walkgen_columns.h", "columns", inputs=3, outputs=1),
+    Routine("wg_rest_acceleration", "walkgen_columns.h", "columns", inputs=5, outputs=1),
     Routine("wg_damped_inverse_3", "walkgen_damped.h", "damped", inputs=4, outputs=2),
     Routine("wg_damped_inverse", "walkgen_damped_general.h", "damped_general", inputs=5, outputs=2),
 )

@@ -10,6 +10,7 @@ from walkgen.spec.functions import TERRAIN_FUNCTIONS
 from walkgen.symbolic.adapt import adapt_functions
 from walkgen.symbolic.chain_reactions import chain_reactions
 from walkgen.symbolic.closing import closed
+from walkgen.symbolic.columns import path_function
 from walkgen.symbolic.compliance import StanceCompliance, foot_compliance, sole_compliance
 from walkgen.symbolic.contact import contact_functions
 from walkgen.symbolic.curved_soles import curved_sole_functions
@@ -185,7 +186,7 @@ def _path(
     mechanism: Mechanism, route: Route, entries: dict[str, Entry], wanted: Wanted, sided: Sided | None = None
 ) -> Iterator[Derivation]:
     path = PathFunctions(mechanism, route, sided)
-    yield from (path.derivation(name, entry) for name, entry in entries.items() if wanted(name))
+    yield from (path_function(mechanism, route, path, name, entry) for name, entry in entries.items() if wanted(name))
 
 
 def _leg_inverse(mechanism: Mechanism, leg: Limb, wanted: Wanted) -> Iterator[Derivation]:

@@ -218,7 +218,7 @@ class PathFunctions:
 
     def derivation(self, name: str, entry: Entry) -> Derivation:
         """One entry as a function of this path."""
-        words = self._words(name, entry)
+        words = self.words(name, entry)
         if not self._sided:
             return self.function(name, entry)
         kernel = replace(words, inputs=(*words.inputs, SIDE))
@@ -227,9 +227,10 @@ class PathFunctions:
 
     def function(self, name: str, entry: Entry) -> Function:
         """One entry as a Function."""
-        return self.tape.function(self._words(name, entry), entry.build(self.motion))
+        return self.tape.function(self.words(name, entry), entry.build(self.motion))
 
-    def _words(self, name: str, entry: Entry) -> Signature:
+    def words(self, name: str, entry: Entry) -> Signature:
+        """What the function of an entry takes and gives."""
         inputs = [self._ports[port] for port in entry.inputs]
         outputs = entry.outputs(self._route.joints)
         doc = entry.doc + (_ROLLING if self._route.limbs[-1].curved_sole and name != "joint_frames" else "")

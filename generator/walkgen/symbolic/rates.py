@@ -7,6 +7,7 @@ import sympy
 
 from walkgen.model.mechanism import Mechanism
 from walkgen.signature import Port, Signature
+from walkgen.symbolic.columns import column_ports, columns_rest, columns_step, has_spare_joints
 from walkgen.symbolic.forward import PathFunctions, Route, Sided, flat
 from walkgen.symbolic.function import Function, Solve, Step
 from walkgen.symbolic.ports import joint_port, joint_unit, signature
@@ -63,9 +64,15 @@ def inverse_acceleration(mechanism: Mechanism, route: Route, sided: Sided | None
     outputs = (joint_port("qdd", route.joints, "/s^2"), STATUS)
     words = signature(mechanism, route.owner, "inverse_acceleration", _moving(route), outputs, doc, told.source)
     closed = _closed_form(words, path.tape, path.motion.kinematics.jacobian, _rest(path), rate_damping(mechanism, route.limbs[-1]))
-    rest = rest_step(mechanism, route, PathFunctions(mechanism, route, sided), "qd")
-    steps = (rest, damped_step(mechanism, route, "rest", "qdd", "status"))
-    return Solve(words, (jacobian_port(route), REST), steps, closed)
+    locals_, steps = _rest_steps(mechanism, route, PathFunctions(mechanism, route, sided))
+    return Solve(words, locals_, (*steps, damped_step(mechanism, route, "rest", "qdd", "status")), closed)
+
+
+def _rest_steps(mechanism: Mechanism, route: Route, path: PathFunctions) -> tuple[tuple[Port, ...], tuple[Step, ...]]:
+    """q, qd, a -> J, rest, and what else is found on the way."""
+    if has_spare_joints(route, path):
+        return (*column_ports(route), REST), (columns_step(mechanism, route, path), columns_rest(route, "qd"))
+    return (jacobian_port(route), REST), (rest_step(mechanism, route, path, "qd"),)
 
 
 def jacobian_step(mechanism: Mechanism, route: Route, path: PathFunctions) -> Step:

@@ -10,6 +10,7 @@ from walkgen.model.mechanism import Mechanism
 from walkgen.signature import STATUSES, Port, Signature
 from walkgen.spec.scalar import ZERO
 from walkgen.symbolic.choices import both, chosen, either, less, same
+from walkgen.symbolic.columns import column_ports, columns_rest, columns_step, has_spare_joints
 from walkgen.symbolic.forward import PathFunctions, Route, Sided
 from walkgen.symbolic.frames import Frame, expression, parameter_symbols
 from walkgen.symbolic.function import Epsilon, Function, Residue, Solve, Step
@@ -40,7 +41,8 @@ def inverse_velocity_acceleration(mechanism: Mechanism, route: Route, sided: Sid
     if quick is not None:
         guard, names = ("wg_any_unreachable", ("status", 1)), (*(port.name for port in words.inputs), "qd", "qdd", "status")
         steps = (Step(quick, names), *(replace(step, guard=guard) for step in steps))
-    return Solve(words, (jacobian_port(route), _BIAS, REST, *_found(route)), steps, _closed_form(mechanism, route, words, path))
+    kept = (*column_ports(route), REST) if has_spare_joints(route, path) else (jacobian_port(route), _BIAS, REST)
+    return Solve(words, (*kept, *_found(route)), steps, _closed_form(mechanism, route, words, path))
 
 
 # ---- any pose
@@ -53,10 +55,11 @@ def _found(route: Route) -> tuple[Port, Port, Port, Port]:
 
 
 def _one_after_the_other(mechanism: Mechanism, route: Route, path: PathFunctions, *, unsure: bool) -> tuple[Step, ...]:
+    spare = has_spare_joints(route, path)
     return (
-        jacobian_step(mechanism, route, path),
+        columns_step(mechanism, route, path) if spare else jacobian_step(mechanism, route, path),
         damped_step(mechanism, route, "v", "rates", "first", unsure=unsure),
-        *_rest_steps(mechanism, route, path),
+        *((columns_rest(route, "rates"),) if spare else _rest_steps(mechanism, route, path)),
         damped_step(mechanism, route, "rest", "further", "second", unsure=unsure),
         Step(_joined(mechanism, route), ("rates", "further", "first", "second", "qd", "qdd", "status")),
     )
