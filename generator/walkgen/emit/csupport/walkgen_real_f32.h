@@ -18,6 +18,7 @@
 #undef WG_COS
 #undef WG_TAN
 #undef WG_ATAN2
+#undef WG_ATAN2_CALLED
 #undef WG_LIB_SINCOS
 #undef WG_SQRT
 #undef WG_ABS
@@ -68,11 +69,13 @@
 #define WG_SIN(x) sinf(x)
 #define WG_COS(x) cosf(x)
 #define WG_ATAN2(y, x) wg_atan2_lib_f32(y, x)
+#define WG_ATAN2_CALLED(y, x) WG_ATAN2(y, x)
 #define WG_LIB_SINCOS(x, s, c) wg_sincos_lib_f32(x, s, c)
 #else
 #define WG_SIN(x) wg_sin_f32(x)
 #define WG_COS(x) wg_cos_f32(x)
 #define WG_ATAN2(y, x) wg_atan2_f32(y, x)
+#define WG_ATAN2_CALLED(y, x) wg_atan2_called_f32(y, x)
 #include "walkgen_trig.h"
 #endif
 
