@@ -38,7 +38,7 @@ PEERS = {
     "by hand": ("peers.hand_c", "peers.dynamics_hand"),
     "CasADi": ("peers.casadi_c", "peers.dynamics_casadi"),
 }
-NOT_COUNTED = re.compile(r"^bench_|_batch$|forward_dynamics|^mero_(?!leg)")
+NOT_COUNTED = re.compile(r"^bench_|_batch(\.|$)|forward_dynamics|^mero_(?!leg)")
 """The harness's ways in, batches, and the functions that only benchmarks/dynamics.py has."""
 SMALL = ("-DWALKGEN_SMALL",)
 LEAST = (*SMALL, "-DWALKGEN_NO_CLOSEST", "-DWALKGEN_NO_DAMPING")
