@@ -8,6 +8,7 @@
 #include "ambler_rpp.h"
 #include "walkgen_real_f64.h"
 #include "walkgen_batch.h"
+#include "walkgen_each.h"
 #include "walkgen_inverse_general.h"
 #include "walkgen_rows.h"
 #include "walkgen_inverse.h"
@@ -2404,12 +2405,7 @@ size_t ambler_rpp_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRIC
 
 size_t ambler_rpp_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_near(p + row * 3, q_seed + row * 3, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_2_1_told_batch(rows, &ambler_rpp_leg_inverse_near, p, 3, q_seed, 3, q, 3, status);
 }
 
 size_t ambler_rpp_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT q,
@@ -2423,40 +2419,23 @@ size_t ambler_rpp_leg_inverse_admissible_batch(size_t rows, const double *WG_RES
 }
 
 void ambler_rpp_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p, double *WG_RESTRICT distance) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_leg_inverse_distance(p + row * 3, distance + row * 2);
-    }
+    wg_each_1_1_batch(rows, &ambler_rpp_leg_inverse_distance, p, 3, distance, 2);
 }
 
 size_t ambler_rpp_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT v,
     double *WG_RESTRICT qd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_velocity(q + row * 3, v + row * 3, qd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_2_1_told_batch(rows, &ambler_rpp_leg_inverse_velocity, q, 3, v, 3, qd, 3, status);
 }
 
 size_t ambler_rpp_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_acceleration(q + row * 3, qd + row * 3, a + row * 3, qdd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_3_1_told_batch(rows, &ambler_rpp_leg_inverse_acceleration, q, 3, qd, 3, a, 3, qdd, 3, status);
 }
 
 size_t ambler_rpp_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
     int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = ambler_rpp_leg_inverse_velocity_acceleration(q + row * 3, v + row * 3, a + row * 3, qd + row * 3, qdd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_3_2_told_batch(rows, &ambler_rpp_leg_inverse_velocity_acceleration, q, 3, v, 3, a, 3, qd, 3, qdd, 3, status);
 }
 
 void ambler_rpp_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
@@ -2500,37 +2479,27 @@ void ambler_rpp_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_p
 
 void ambler_rpp_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, double *WG_RESTRICT A) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, A + row * 54);
-    }
+    wg_each_2_1_batch(rows, &ambler_rpp_centroidal_momentum_matrix, base_pose, 16, q, 3, A, 54);
 }
 
 void ambler_rpp_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, double *WG_RESTRICT I) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_centroidal_inertia(base_pose + row * 16, q + row * 3, I + row * 9);
-    }
+    wg_each_2_1_batch(rows, &ambler_rpp_centroidal_inertia, base_pose, 16, q, 3, I, 9);
 }
 
 void ambler_rpp_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_momentum(base_pose + row * 16, q + row * 3, v + row * 9, h + row * 6);
-    }
+    wg_each_3_1_batch(rows, &ambler_rpp_momentum, base_pose, 16, q, 3, v, 9, h, 6);
 }
 
 void ambler_rpp_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT hd) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_momentum_rate(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, hd + row * 6);
-    }
+    wg_each_4_1_batch(rows, &ambler_rpp_momentum_rate, base_pose, 16, q, 3, v, 9, a, 9, hd, 6);
 }
 
 void ambler_rpp_demanded_wrench_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT w) {
-    for (size_t row = 0; row < rows; ++row) {
-        ambler_rpp_demanded_wrench(base_pose + row * 16, q + row * 3, v + row * 9, a + row * 9, w + row * 6);
-    }
+    wg_each_4_1_batch(rows, &ambler_rpp_demanded_wrench, base_pose, 16, q, 3, v, 9, a, 9, w, 6);
 }
 
 void ambler_rpp_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,

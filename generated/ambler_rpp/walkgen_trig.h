@@ -92,6 +92,9 @@ WG_INLINE WG_REAL WG_NAME(wg_atan2)(WG_REAL y, WG_REAL x) {
     return WG_LIKELY(extent >= WG_LEAST_EXTENT && extent <= WG_GREATEST_EXTENT) ? answer : WG_LIBM(atan2)(y, x);
 }
 
+/* The same in one call. */
+WG_CALLED WG_REAL WG_NAME(wg_atan2_called)(WG_REAL y, WG_REAL x) { return WG_NAME(wg_atan2)(y, x); }
+
 /* The same without the way to the C library: NaN beyond the range (walkgen_lanes.h). */
 WG_INLINE WG_REAL WG_NAME(wg_sin_lane)(WG_REAL x) {
     WG_REAL sine, cosine;
@@ -123,10 +126,6 @@ struct WG_NAME(wg_angles) {
 };
 
 #if WG_TOGETHER == 4
-/* Of angles beyond the range and of points too near or too far. */
-WG_CALLED WG_REAL WG_NAME(wg_sin_alone)(WG_REAL x) { return WG_NAME(wg_sin)(x); }
-WG_CALLED WG_REAL WG_NAME(wg_cos_alone)(WG_REAL x) { return WG_NAME(wg_cos)(x); }
-WG_CALLED WG_REAL WG_NAME(wg_atan2_alone)(WG_REAL y, WG_REAL x) { return WG_NAME(wg_atan2)(y, x); }
 #include "walkgen_trig_x4.h"
 #elif WG_TOGETHER == 2
 #include "walkgen_trig_x2.h"

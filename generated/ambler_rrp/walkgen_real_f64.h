@@ -18,6 +18,7 @@
 #undef WG_COS
 #undef WG_TAN
 #undef WG_ATAN2
+#undef WG_ATAN2_CALLED
 #undef WG_LIB_SINCOS
 #undef WG_SQRT
 #undef WG_ABS
@@ -75,11 +76,13 @@
 #define WG_SIN(x) sin(x)
 #define WG_COS(x) cos(x)
 #define WG_ATAN2(y, x) wg_atan2_lib(y, x)
+#define WG_ATAN2_CALLED(y, x) WG_ATAN2(y, x)
 #define WG_LIB_SINCOS(x, s, c) wg_sincos_lib(x, s, c)
 #else
 #define WG_SIN(x) wg_sin(x)
 #define WG_COS(x) wg_cos(x)
 #define WG_ATAN2(y, x) wg_atan2(y, x)
+#define WG_ATAN2_CALLED(y, x) wg_atan2_called(y, x)
 #include "walkgen_trig.h"
 #endif
 

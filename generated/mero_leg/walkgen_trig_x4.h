@@ -68,9 +68,9 @@ WG_INLINE struct WG_NAME(wg_turned) WG_NAME(wg_sincos_together)(WG_REAL x0, WG_R
         const struct WG_NAME(wg_turned) turned = {s[0], s[1], s[2], s[3], c[0], c[1], c[2], c[3]};
         return turned;
     } else {
-        const struct WG_NAME(wg_turned) turned = {
-            WG_NAME(wg_sin_alone)(x0), WG_NAME(wg_sin_alone)(x1), WG_NAME(wg_sin_alone)(x2), WG_NAME(wg_sin_alone)(x3),
-            WG_NAME(wg_cos_alone)(x0), WG_NAME(wg_cos_alone)(x1), WG_NAME(wg_cos_alone)(x2), WG_NAME(wg_cos_alone)(x3)};
+        const struct WG_NAME(wg_sine_cosine) a = WG_NAME(wg_sincos_called)(x0), b = WG_NAME(wg_sincos_called)(x1),
+                                             d = WG_NAME(wg_sincos_called)(x2), e = WG_NAME(wg_sincos_called)(x3);
+        const struct WG_NAME(wg_turned) turned = {a.sine, b.sine, d.sine, e.sine, a.cosine, b.cosine, d.cosine, e.cosine};
         return turned;
     }
 }
@@ -92,8 +92,8 @@ WG_INLINE struct WG_NAME(wg_angles) WG_NAME(wg_atan2_together)(WG_REAL y0, WG_RE
         const struct WG_NAME(wg_angles) angles = {a[0], a[1], a[2], a[3]};
         return angles;
     } else {
-        const struct WG_NAME(wg_angles) angles = {WG_NAME(wg_atan2_alone)(y0, x0), WG_NAME(wg_atan2_alone)(y1, x1),
-                                                  WG_NAME(wg_atan2_alone)(y2, x2), WG_NAME(wg_atan2_alone)(y3, x3)};
+        const struct WG_NAME(wg_angles) angles = {WG_NAME(wg_atan2_called)(y0, x0), WG_NAME(wg_atan2_called)(y1, x1),
+                                                  WG_NAME(wg_atan2_called)(y2, x2), WG_NAME(wg_atan2_called)(y3, x3)};
         return angles;
     }
 }

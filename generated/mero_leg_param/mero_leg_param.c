@@ -8,6 +8,7 @@
 #include "mero_leg_param.h"
 #include "walkgen_real_f64.h"
 #include "walkgen_batch.h"
+#include "walkgen_each.h"
 #include "walkgen_inverse.h"
 #include "walkgen_rows.h"
 #include "walkgen_within.h"
@@ -6664,40 +6665,23 @@ size_t mero_leg_param_leg_inverse_branch_batch(size_t rows, const double *WG_RES
 size_t mero_leg_param_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT q_seed, const double *WG_RESTRICT param, double *WG_RESTRICT q,
     int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_near(p + row * 3, q_seed + row * 3, param, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_3_1_told_batch(rows, &mero_leg_param_leg_inverse_near, p, 3, q_seed, 3, param, 0, q, 3, status);
 }
 
 size_t mero_leg_param_leg_inverse_admissible_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_admissible(p + row * 3, param, q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_2_1_told_batch(rows, &mero_leg_param_leg_inverse_admissible, p, 3, param, 0, q, 3, status);
 }
 
 void mero_leg_param_leg_inverse_distance_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT distance) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_inverse_distance(p + row * 3, param, distance + row * 4);
-    }
+    wg_each_2_1_batch(rows, &mero_leg_param_leg_inverse_distance, p, 3, param, 0, distance, 4);
 }
 
 size_t mero_leg_param_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT param, double *WG_RESTRICT qd,
     int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_velocity(q + row * 3, v + row * 3, param, qd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_3_1_told_batch(rows, &mero_leg_param_leg_inverse_velocity, q, 3, v, 3, param, 0, qd, 3, status);
 }
 
 size_t mero_leg_param_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
@@ -6752,17 +6736,13 @@ void mero_leg_param_leg_inverse_dynamics_derivatives_d_param_batch(size_t rows, 
 
 void mero_leg_param_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, const double *WG_RESTRICT param, double *WG_RESTRICT Y) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_regressor(q + row * 3, qd + row * 3, qdd + row * 3, param, Y + row * 90);
-    }
+    wg_each_4_1_batch(rows, &mero_leg_param_leg_regressor, q, 3, qd, 3, qdd, 3, param, 0, Y, 90);
 }
 
 void mero_leg_param_leg_regressor_d_param_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT qdd, const double *WG_RESTRICT param,
     double *WG_RESTRICT Y_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_leg_regressor_d_param(q + row * 3, qd + row * 3, qdd + row * 3, param, Y_d_param + row * 180);
-    }
+    wg_each_4_1_batch(rows, &mero_leg_param_leg_regressor_d_param, q, 3, qd, 3, qdd, 3, param, 0, Y_d_param, 180);
 }
 
 void mero_leg_param_leg_base_parameters_batch(size_t rows, const double *WG_RESTRICT q,
@@ -6840,9 +6820,7 @@ void mero_leg_param_com_d_param_batch(size_t rows, const double *WG_RESTRICT bas
 
 void mero_leg_param_com_jacobian_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT J) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_com_jacobian(base_pose + row * 16, q + row * 3, param, J + row * 27);
-    }
+    wg_each_3_1_batch(rows, &mero_leg_param_com_jacobian, base_pose, 16, q, 3, param, 0, J, 27);
 }
 
 void mero_leg_param_com_jacobian_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
@@ -6854,45 +6832,34 @@ void mero_leg_param_com_jacobian_d_param_batch(size_t rows, const double *WG_RES
 
 void mero_leg_param_centroidal_momentum_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT A) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_momentum_matrix(base_pose + row * 16, q + row * 3, param, A + row * 54);
-    }
+    wg_each_3_1_batch(rows, &mero_leg_param_centroidal_momentum_matrix, base_pose, 16, q, 3, param, 0, A, 54);
 }
 
 void mero_leg_param_centroidal_momentum_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT A_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_momentum_matrix_d_param(base_pose + row * 16, q + row * 3, param, A_d_param + row * 108);
-    }
+    wg_each_3_1_batch(rows, &mero_leg_param_centroidal_momentum_matrix_d_param, base_pose, 16, q, 3, param, 0,
+        A_d_param, 108);
 }
 
 void mero_leg_param_centroidal_inertia_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT I) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_inertia(base_pose + row * 16, q + row * 3, param, I + row * 9);
-    }
+    wg_each_3_1_batch(rows, &mero_leg_param_centroidal_inertia, base_pose, 16, q, 3, param, 0, I, 9);
 }
 
 void mero_leg_param_centroidal_inertia_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT I_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_centroidal_inertia_d_param(base_pose + row * 16, q + row * 3, param, I_d_param + row * 18);
-    }
+    wg_each_3_1_batch(rows, &mero_leg_param_centroidal_inertia_d_param, base_pose, 16, q, 3, param, 0, I_d_param, 18);
 }
 
 void mero_leg_param_momentum_batch(size_t rows, const double *WG_RESTRICT base_pose, const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT param, double *WG_RESTRICT h) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum(base_pose + row * 16, q + row * 3, v + row * 9, param, h + row * 6);
-    }
+    wg_each_4_1_batch(rows, &mero_leg_param_momentum, base_pose, 16, q, 3, v, 9, param, 0, h, 6);
 }
 
 void mero_leg_param_momentum_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT v, const double *WG_RESTRICT param,
     double *WG_RESTRICT h_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_momentum_d_param(base_pose + row * 16, q + row * 3, v + row * 9, param, h_d_param + row * 12);
-    }
+    wg_each_4_1_batch(rows, &mero_leg_param_momentum_d_param, base_pose, 16, q, 3, v, 9, param, 0, h_d_param, 12);
 }
 
 void mero_leg_param_momentum_rate_batch(size_t rows, const double *WG_RESTRICT base_pose,
@@ -6931,16 +6898,12 @@ void mero_leg_param_demanded_wrench_d_param_batch(size_t rows, const double *WG_
 
 void mero_leg_param_floating_mass_matrix_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT M) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_mass_matrix(base_pose + row * 16, q + row * 3, param, M + row * 81);
-    }
+    wg_each_3_1_batch(rows, &mero_leg_param_floating_mass_matrix, base_pose, 16, q, 3, param, 0, M, 81);
 }
 
 void mero_leg_param_floating_mass_matrix_d_param_batch(size_t rows, const double *WG_RESTRICT base_pose,
     const double *WG_RESTRICT q, const double *WG_RESTRICT param, double *WG_RESTRICT M_d_param) {
-    for (size_t row = 0; row < rows; ++row) {
-        mero_leg_param_floating_mass_matrix_d_param(base_pose + row * 16, q + row * 3, param, M_d_param + row * 162);
-    }
+    wg_each_3_1_batch(rows, &mero_leg_param_floating_mass_matrix_d_param, base_pose, 16, q, 3, param, 0, M_d_param, 162);
 }
 
 void mero_leg_param_floating_inverse_dynamics_batch(size_t rows, const double *WG_RESTRICT base_pose,

@@ -39,8 +39,14 @@ WG_INLINE int wg_angles_within(double x0, double x1, double x2, double x3) {
 /* Four sines, then cosines, of angles of which one is beyond the range. They come by memory: compilers that keep numbers in registers over
  * a call save these first on every way. */
 WG_CALLED void wg_sincos_far(double x0, double x1, double x2, double x3, struct wg_turned *turned) {
-    turned->sine0 = wg_sin(x0), turned->sine1 = wg_sin(x1), turned->sine2 = wg_sin(x2), turned->sine3 = wg_sin(x3);
-    turned->cosine0 = wg_cos(x0), turned->cosine1 = wg_cos(x1), turned->cosine2 = wg_cos(x2), turned->cosine3 = wg_cos(x3);
+    struct wg_sine_cosine turn = wg_sincos_called(x0);
+    turned->sine0 = turn.sine, turned->cosine0 = turn.cosine;
+    turn = wg_sincos_called(x1);
+    turned->sine1 = turn.sine, turned->cosine1 = turn.cosine;
+    turn = wg_sincos_called(x2);
+    turned->sine2 = turn.sine, turned->cosine2 = turn.cosine;
+    turn = wg_sincos_called(x3);
+    turned->sine3 = turn.sine, turned->cosine3 = turn.cosine;
 }
 
 WG_INLINE struct wg_turned wg_sincos_together(double x0, double x1, double x2, double x3) {
@@ -70,8 +76,8 @@ WG_INLINE int wg_points_within(double y0, double x0, double y1, double x1, doubl
 
 /* Angles of points of which one is beyond the range; by memory, as above. */
 WG_CALLED void wg_atan2_far(double y0, double x0, double y1, double x1, double y2, double x2, double y3, double x3, struct wg_angles *angles) {
-    angles->angle0 = wg_atan2(y0, x0), angles->angle1 = wg_atan2(y1, x1);
-    angles->angle2 = wg_atan2(y2, x2), angles->angle3 = wg_atan2(y3, x3);
+    angles->angle0 = wg_atan2_called(y0, x0), angles->angle1 = wg_atan2_called(y1, x1);
+    angles->angle2 = wg_atan2_called(y2, x2), angles->angle3 = wg_atan2_called(y3, x3);
 }
 
 WG_INLINE struct wg_angles wg_atan2_together(double y0, double x0, double y1, double x1, double y2, double x2, double y3, double x3) {

@@ -92,9 +92,9 @@ static inline WG_REAL WG_NAME(wg_sheet_slope)(const struct WG_NAME(wg_sheet) *sh
 }
 
 /* The angle in [low, high] where the distance is least; K changes its sign there at most once, from - to +. */
-static inline WG_REAL WG_NAME(wg_sheet_minimum)(const struct WG_NAME(wg_sheet) *sheet, WG_REAL r, WG_REAL low, WG_REAL high) {
+WG_CALLED WG_REAL WG_NAME(wg_sheet_minimum)(const struct WG_NAME(wg_sheet) *sheet, WG_REAL r, WG_REAL low, WG_REAL high) {
     WG_REAL derivative, last = high - low, before = last;
-    WG_REAL angle = WG_ATAN2(sheet->height, sheet->radius - sheet->centre); /* the answer where w = 0 */
+    WG_REAL angle = WG_ATAN2_CALLED(sheet->height, sheet->radius - sheet->centre); /* the answer where w = 0 */
     int i;
     if (WG_NAME(wg_sheet_slope)(sheet, r, high, &derivative) <= WG_C(0.0)) {
         return high;
@@ -217,7 +217,7 @@ static inline void WG_NAME(wg_sheet_scale)(const WG_REAL *geometry, const WG_REA
 static inline void WG_NAME(wg_sheet_joints)(const WG_REAL *geometry, const WG_REAL *target, WG_REAL sigma, WG_REAL joints[6]) {
     struct WG_NAME(wg_sheet) sheet;
     struct WG_NAME(wg_sheet_point) point;
-    WG_REAL leg[4], foot[3], yaw, knee, thigh;
+    WG_REAL leg[4], foot[3], yaw, knee, thigh, inside;
     int i, free_yaw;
     WG_NAME(wg_sheet_scale)(geometry, target, leg, foot);
     sheet.outer = leg[1] + leg[2];
@@ -228,13 +228,13 @@ static inline void WG_NAME(wg_sheet_joints)(const WG_REAL *geometry, const WG_RE
     sheet.radius = WG_HYPOT(foot[0], foot[1]);
     sheet.height = WG_ABS(foot[2]);
     point = WG_NAME(wg_sheet_closest)(&sheet);
-    yaw = WG_ATAN2(target[1], target[0]) - WG_ATAN2(-leg[3], sigma * point.rho);
+    yaw = WG_ATAN2_CALLED(target[1], target[0]) - WG_ATAN2_CALLED(-leg[3], sigma * point.rho);
     free_yaw = !(WG_ABS(target[0]) + WG_ABS(target[1]) > WG_C(0.0)) || !(point.rho + sheet.w > WG_C(0.0));
-    knee = WG_C(2.0) * WG_ATAN2(WG_SQRT(WG_MAX((sheet.outer - point.extent) * (sheet.outer + point.extent), WG_C(0.0))),
+    knee = WG_C(2.0) * WG_ATAN2_CALLED(WG_SQRT(WG_MAX((sheet.outer - point.extent) * (sheet.outer + point.extent), WG_C(0.0))),
                                 WG_SQRT(WG_MAX((point.extent - sheet.inner) * (point.extent + sheet.inner), WG_C(0.0))));
-    thigh = WG_ATAN2(target[2] < WG_C(0.0) ? -point.sine : point.sine, sigma * point.cosine);
-    for (i = 0; i < 2; ++i, knee = -knee) {
-        const WG_REAL inside = WG_ATAN2(leg[2] * WG_SIN(knee), leg[1] + leg[2] * WG_COS(knee));
+    thigh = WG_ATAN2_CALLED(target[2] < WG_C(0.0) ? -point.sine : point.sine, sigma * point.cosine);
+    inside = WG_ATAN2_CALLED(leg[2] * WG_SIN(knee), leg[1] + leg[2] * WG_COS(knee));
+    for (i = 0; i < 2; ++i, knee = -knee, inside = -inside) {
         joints[3 * i] = free_yaw ? WG_C(0.0) : WG_NAME(wg_wrap_angle)(geometry[4] * (yaw - geometry[5]));
         joints[3 * i + 1] = point.extent > WG_C(0.0) ? WG_NAME(wg_wrap_angle)(geometry[6] * (thigh - inside - geometry[7])) : WG_C(0.0);
         joints[3 * i + 2] = WG_NAME(wg_wrap_angle)(geometry[8] * (knee - geometry[9]));

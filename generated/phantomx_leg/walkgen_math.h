@@ -25,6 +25,7 @@
  *     WG_C(0.5)                    a literal of that type
  *     WG_EPSILON WG_TINY WG_HUGE WG_PI    unit roundoff times 2, least normal, greatest finite number, pi
  *     WG_SIN WG_COS WG_ATAN2       walkgen_trig.h, which the precision header includes; the C library's with WALKGEN_LIBM
+ *     WG_ATAN2_CALLED              the same by a call, where it is not worth the room it takes
  *     WG_SINCOS_2 .. 4, WG_ATAN2_2 .. 4   several at once: WG_SINCOS_2(x, sin_x, cos_x, y, sin_y, cos_y)
  *     WG_MANY_SINCOS_2 .. 4        the same in functions of more than four angles
  *     WG_PART(angle, part) WG_TURN(s, c, sine, cosine)   for such an angle that is another of them and a part: walkgen_together.h

@@ -8,6 +8,7 @@
 #include "terrain_demo.h"
 #include "walkgen_real_f64.h"
 #include "walkgen_batch.h"
+#include "walkgen_each.h"
 #endif
 
 WG_ROW(void terrain_demo_leg_foot_position)(const double *WG_RESTRICT q, const double *WG_RESTRICT param,
@@ -671,23 +672,17 @@ void terrain_demo_terrain_height_batch(size_t rows, const double *WG_RESTRICT p,
 
 void terrain_demo_terrain_normal_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT n) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_normal(p + row * 3, param, n + row * 3);
-    }
+    wg_each_2_1_batch(rows, &terrain_demo_terrain_normal, p, 3, param, 0, n, 3);
 }
 
 void terrain_demo_terrain_tangents_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
     double *WG_RESTRICT t) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_tangents(p + row * 3, param, t + row * 6);
-    }
+    wg_each_2_1_batch(rows, &terrain_demo_terrain_tangents, p, 3, param, 0, t, 6);
 }
 
 void terrain_demo_terrain_curvature_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT curvature) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_curvature(p + row * 3, param, curvature + row * 4);
-    }
+    wg_each_2_1_batch(rows, &terrain_demo_terrain_curvature, p, 3, param, 0, curvature, 4);
 }
 
 void terrain_demo_terrain_ground_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -699,9 +694,7 @@ void terrain_demo_terrain_ground_batch(size_t rows, const double *WG_RESTRICT p,
 
 void terrain_demo_terrain_compliance_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT C) {
-    for (size_t row = 0; row < rows; ++row) {
-        terrain_demo_terrain_compliance(p + row * 3, param, C + row * 9);
-    }
+    wg_each_2_1_batch(rows, &terrain_demo_terrain_compliance, p, 3, param, 0, C, 9);
 }
 
 void terrain_demo_terrain_patch_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT param,
@@ -713,12 +706,7 @@ void terrain_demo_terrain_patch_batch(size_t rows, const double *WG_RESTRICT p, 
 
 size_t terrain_demo_terrain_project_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT param, double *WG_RESTRICT foot, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = terrain_demo_terrain_project(p + row * 3, param, foot + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
+    return wg_each_2_1_told_batch(rows, &terrain_demo_terrain_project, p, 3, param, 0, foot, 3, status);
 }
 
 #endif

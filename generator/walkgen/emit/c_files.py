@@ -13,6 +13,7 @@ from walkgen.emit.artifact import Artifact, RobotCode
 from walkgen.emit.c_composite import rest_functions
 from walkgen.emit.c_constants import macros
 from walkgen.emit.c_declaration import CFunction, function_name
+from walkgen.emit.c_each import header as each_header
 from walkgen.emit.c_function import (
     batch_function,
     callback_function,
@@ -81,6 +82,7 @@ def support_headers(code: RobotCode) -> tuple[str, ...]:
     named = (
         *_ALWAYS,
         *row_headers(code),
+        *each_header(code),
         *_planar_header(code),
         *(precision.header for precision in _precisions(code)),
         *_workspaces(code),
@@ -146,7 +148,14 @@ def _source(code: RobotCode, precision: Precision, kernels: list[CFunction], fun
         f"{stem}.c",
         banner=banner(code, f"Straight-line code in {precision.real}."),
         defines=() if code.fma else ("WALKGEN_NO_FMA",),
-        includes=(f"{stem}.h", precision.header, *rows.headers, *_planar_header(code), *dict.fromkeys(_routine_headers(code))),
+        includes=(
+            f"{stem}.h",
+            precision.header,
+            *rows.headers,
+            *each_header(code),
+            *_planar_header(code),
+            *dict.fromkeys(_routine_headers(code)),
+        ),
         once=bool(rows.names),
         parts=(
             *first_parts(rows, split=split),

@@ -21,6 +21,7 @@ from walkgen.emit.c_declaration import (
     port_type,
     workspace_parameter,
 )
+from walkgen.emit.c_each import each_lines
 from walkgen.emit.c_lanes import Laned, arrays, has_closest
 from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_text import comment
@@ -96,6 +97,8 @@ def batch_function(
         name = f"{function_name(table, precision)}_batch"
         lines = call_lines(name, signature, ("rows",), signature.outputs, returns=bool(signature.status))
         return CFunction(f"{single}_batch", head, lines)
+    if lanes is None and (together := each_lines(body, precision)):
+        return CFunction(f"{single}_batch", head, together)
     arguments = [*signature.counts, *(_row(port, by_value=not port.shape) for port in signature.inputs), *(["work"] if work else [])]
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
     step = declared(single, arguments).replace("\n", f"\n{INDENT * 2}")
