@@ -1,116 +1,121 @@
-/* walkgen_turned.h: whole blocks of rows become lanes, and lanes rows, in squares of four numbers; walkgen_batch.h alone includes this, where
- * WALKGEN_VECTORS is defined.
+/* walkgen_turned.h: whole blocks of rows become planes of lanes, and planes rows, by squares of numbers in vectors; walkgen_batch.h alone
+ * includes this, where WALKGEN_VECTORS is defined. Numbers are bits here, of 8 bytes or of 4.
  */
-#if defined(WG_X4)
+#if !defined(WALKGEN_TURNED)
+#define WALKGEN_TURNED
+typedef uint64_t wg_bits_4x8 __attribute__((vector_size(32)));
+typedef uint64_t wg_bits_2x8 __attribute__((vector_size(16)));
+typedef uint32_t wg_bits_4x4 __attribute__((vector_size(16)));
+typedef uint32_t wg_bits_8x4 __attribute__((vector_size(32)));
 #if defined(WALKGEN_SHUFFLEVECTOR)
-#define WG_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
+#define WG_SHUFFLE(bits, a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 #else
-#define WG_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (WG_X4_BITS){i, j, k, l})
+#define WG_SHUFFLE(bits, a, b, ...) __builtin_shuffle(a, b, (bits){__VA_ARGS__})
 #endif
+/* By twos of numbers: gcc finds the one instruction for them. */
+#define WG_PAIRS(bits, pairs, a, b, ...) (bits) WG_SHUFFLE(pairs, (pairs)(a), (pairs)(b), __VA_ARGS__)
 /* Bytes of a row up to which processors see for themselves what is written next: wider ones gain a fifth by prefetching, others lose a tenth. */
 #define WG_WIDE_ROW 80
 
+/* A line of the cache past it, into which what is written would be read first. */
+WG_INLINE void wg_stream_line(char *to, const char *from) {
+    for (int at = 0; at < WG_LINE; at += 32) {
+        double four __attribute__((vector_size(32)));
+        memcpy(&four, from + at, sizeof four);
 #if defined(__clang__)
-#define WG_STREAM(to, from) __builtin_nontemporal_store(from, to)
-#elif WG_REAL_BITS == 64
-#define WG_STREAM(to, from) __builtin_ia32_movntpd256((double *)(to), from)
+        __builtin_nontemporal_store(four, (__typeof__(four) *)(void *)(to + at));
 #else
-#define WG_STREAM(to, from) __builtin_ia32_movntps((float *)(to), from)
+        __builtin_ia32_movntpd256((double *)(void *)(to + at), four);
 #endif
-
-/* A plane's lanes past the cache, into which what is written would be read first; `to` begins a line of it. */
-WG_INLINE void WG_NAME(wg_stream_lanes)(WG_REAL *to, const WG_REAL *lanes) {
-    for (int at = 0; at < WG_LANES; at += 4) {
-        WG_X4 four;
-        memcpy(&four, lanes + at, sizeof four);
-        WG_STREAM((WG_X4 *)(void *)(to + at), four);
     }
 }
 
-struct WG_NAME(wg_square) {
-    WG_X4 line[4];
-};
+/* Four lines `step` bytes apart; of four by four numbers rows become columns. */
+#define WG_LINES_AT(bits, from, step, a, b, c, d) \
+    bits a, b, c, d; \
+    memcpy(&a, from, sizeof a), memcpy(&b, (from) + (step), sizeof b); \
+    memcpy(&c, (from) + 2 * (step), sizeof c), memcpy(&d, (from) + 3 * (step), sizeof d)
+#define WG_PUT_LINES(to, step, a, b, c, d) \
+    memcpy(to, &a, sizeof a), memcpy((to) + (step), &b, sizeof b); \
+    memcpy((to) + 2 * (step), &c, sizeof c), memcpy((to) + 3 * (step), &d, sizeof d)
 
-/* Rows become columns. */
-WG_INLINE struct WG_NAME(wg_square) WG_NAME(wg_transposed)(struct WG_NAME(wg_square) s) {
-    const WG_X4 low_ab = WG_SHUFFLE(s.line[0], s.line[1], 0, 4, 2, 6), high_ab = WG_SHUFFLE(s.line[0], s.line[1], 1, 5, 3, 7);
-    const WG_X4 low_cd = WG_SHUFFLE(s.line[2], s.line[3], 0, 4, 2, 6), high_cd = WG_SHUFFLE(s.line[2], s.line[3], 1, 5, 3, 7);
-    s.line[0] = WG_SHUFFLE(low_ab, low_cd, 0, 1, 4, 5);
-    s.line[1] = WG_SHUFFLE(high_ab, high_cd, 0, 1, 4, 5);
-    s.line[2] = WG_SHUFFLE(low_ab, low_cd, 2, 3, 6, 7);
-    s.line[3] = WG_SHUFFLE(high_ab, high_cd, 2, 3, 6, 7);
-    return s;
+WG_INLINE void wg_turn_8(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
+    WG_LINES_AT(wg_bits_4x8, from, across, a, b, c, d);
+    const wg_bits_4x8 even_ab = WG_SHUFFLE(wg_bits_4x8, a, b, 0, 4, 2, 6), odd_ab = WG_SHUFFLE(wg_bits_4x8, a, b, 1, 5, 3, 7);
+    const wg_bits_4x8 even_cd = WG_SHUFFLE(wg_bits_4x8, c, d, 0, 4, 2, 6), odd_cd = WG_SHUFFLE(wg_bits_4x8, c, d, 1, 5, 3, 7);
+    a = WG_SHUFFLE(wg_bits_4x8, even_ab, even_cd, 0, 1, 4, 5), b = WG_SHUFFLE(wg_bits_4x8, odd_ab, odd_cd, 0, 1, 4, 5);
+    c = WG_SHUFFLE(wg_bits_4x8, even_ab, even_cd, 2, 3, 6, 7), d = WG_SHUFFLE(wg_bits_4x8, odd_ab, odd_cd, 2, 3, 6, 7);
+    WG_PUT_LINES(to, step, a, b, c, d);
 }
 
-WG_INLINE struct WG_NAME(wg_square) WG_NAME(wg_square_at)(const WG_REAL *from, ptrdiff_t step) {
-    struct WG_NAME(wg_square) s;
-    memcpy(&s.line[0], from, sizeof s.line[0]);
-    memcpy(&s.line[1], from + step, sizeof s.line[1]);
-    memcpy(&s.line[2], from + 2 * step, sizeof s.line[2]);
-    memcpy(&s.line[3], from + 3 * step, sizeof s.line[3]);
-    return s;
+WG_INLINE void wg_turn_4(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
+    WG_LINES_AT(wg_bits_4x4, from, across, a, b, c, d);
+    const wg_bits_4x4 low_ab = WG_SHUFFLE(wg_bits_4x4, a, b, 0, 4, 1, 5), high_ab = WG_SHUFFLE(wg_bits_4x4, a, b, 2, 6, 3, 7);
+    const wg_bits_4x4 low_cd = WG_SHUFFLE(wg_bits_4x4, c, d, 0, 4, 1, 5), high_cd = WG_SHUFFLE(wg_bits_4x4, c, d, 2, 6, 3, 7);
+    a = WG_PAIRS(wg_bits_4x4, wg_bits_2x8, low_ab, low_cd, 0, 2), b = WG_PAIRS(wg_bits_4x4, wg_bits_2x8, low_ab, low_cd, 1, 3);
+    c = WG_PAIRS(wg_bits_4x4, wg_bits_2x8, high_ab, high_cd, 0, 2), d = WG_PAIRS(wg_bits_4x4, wg_bits_2x8, high_ab, high_cd, 1, 3);
+    WG_PUT_LINES(to, step, a, b, c, d);
 }
 
-/* The first lines, all four where `lines` is at least 4. */
-WG_INLINE void WG_NAME(wg_put_square)(struct WG_NAME(wg_square) s, WG_REAL *to, ptrdiff_t step, int lines) {
-    memcpy(to, &s.line[0], sizeof s.line[0]);
-    memcpy(to + step, &s.line[1], sizeof s.line[1]);
-    memcpy(to + 2 * step, &s.line[2], sizeof s.line[2]);
-    if (lines > 3) {
-        memcpy(to + 3 * step, &s.line[3], sizeof s.line[3]);
-    }
+/* Two squares side by side, of which the second's columns become the rows after the first's. */
+WG_INLINE void wg_turn_4_twice(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
+    WG_LINES_AT(wg_bits_8x4, from, across, a, b, c, d);
+    const wg_bits_8x4 low_ab = WG_SHUFFLE(wg_bits_8x4, a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+    const wg_bits_8x4 high_ab = WG_SHUFFLE(wg_bits_8x4, a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+    const wg_bits_8x4 low_cd = WG_SHUFFLE(wg_bits_8x4, c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+    const wg_bits_8x4 high_cd = WG_SHUFFLE(wg_bits_8x4, c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+    a = WG_PAIRS(wg_bits_8x4, wg_bits_4x8, low_ab, low_cd, 0, 4, 2, 6), b = WG_PAIRS(wg_bits_8x4, wg_bits_4x8, low_ab, low_cd, 1, 5, 3, 7);
+    c = WG_PAIRS(wg_bits_8x4, wg_bits_4x8, high_ab, high_cd, 0, 4, 2, 6), d = WG_PAIRS(wg_bits_8x4, wg_bits_4x8, high_ab, high_cd, 1, 5, 3, 7);
+    memcpy(to, &a, 16), memcpy(to + step, &b, 16), memcpy(to + 2 * step, &c, 16), memcpy(to + 3 * step, &d, 16);
+    to += 4 * step;
+    memcpy(to, (char *)&a + 16, 16), memcpy(to + step, (char *)&b + 16, 16);
+    memcpy(to + 2 * step, (char *)&c + 16, 16), memcpy(to + 3 * step, (char *)&d + 16, 16);
 }
 
-/* A whole block of rows of three numbers or more, side by side, four rows at a time. Of three a fourth is read too: there is a row after. */
-WG_INLINE void WG_NAME(wg_gather_turned)(const WG_REAL *numbers, ptrdiff_t step, int size, WG_REAL (*WG_RESTRICT given)[WG_LANES]) {
+/* Where the four columns from `element` on begin: the last of more than four reach back. */
+WG_INLINE int wg_group_start(int element, int size) { return size < 4 || element + 4 <= size ? element : size - 4; }
+
+/* Rows of three numbers or more, side by side, to planes `across` bytes apart. Of three a fourth is read too: there is a row after. */
+WG_INLINE void wg_rows_to_planes(const char *rows, ptrdiff_t step, int size, int bytes, int lanes, char *planes, ptrdiff_t across) {
     for (int element = 0; element < size; element += 4) {
-        const int start = size < 4 || element + 4 <= size ? element : size - 4;
-        for (int lane = 0; lane < WG_LANES; lane += 4) {
-            const struct WG_NAME(wg_square) rows = WG_NAME(wg_square_at)(numbers + lane * step + start, step);
-            WG_NAME(wg_put_square)(WG_NAME(wg_transposed)(rows), &given[start][lane], WG_LANES, size);
+        const int start = wg_group_start(element, size);
+        const char *from = rows + start * bytes;
+        char *to = planes + start * across;
+        for (int lane = 0; lane < lanes; lane += 4, from += 4 * step, to += 4 * bytes) {
+            if (bytes == 8) {
+                wg_turn_8(from, step, to, across);
+            } else {
+                wg_turn_4(from, step, to, across);
+            }
         }
     }
 }
 
-/* Some elements of some rows, one after another. */
-WG_INLINE void WG_NAME(wg_scatter_each)(WG_REAL *numbers, ptrdiff_t step, int element, int size, int lane,
-                                        const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
-    for (; element < size; ++element) {
-        for (int row = lane; row < WG_LANES; ++row) {
-            numbers[row * step + element] = found[element][row];
-        }
+/* One column of `lanes` rows. */
+WG_INLINE void wg_column(const char *plane, int bytes, int lanes, char *to, ptrdiff_t step) {
+    for (; lanes > 0; --lanes, plane += bytes, to += step) {
+        memcpy(to, plane, (size_t)bytes);
     }
 }
 
-/* The same back. A fourth number after three is the next row's first, which that row then sets; the last rows are not written so. */
-WG_INLINE void WG_NAME(wg_scatter_turned)(WG_REAL *numbers, ptrdiff_t step, int size, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
-    const int lanes = size < 4 ? WG_LANES - 4 : WG_LANES, single = size % 4 == 1;
-    const ptrdiff_t beyond = step * (ptrdiff_t)sizeof(WG_REAL) > WG_WIDE_ROW ? WG_LANES * step : 0;
-    for (ptrdiff_t ahead = 0; ahead < beyond; ahead += (ptrdiff_t)(64 / sizeof(WG_REAL))) {
-        __builtin_prefetch(numbers + WG_LANES * step + ahead, 1); /* the next block's */
-    }
-    for (int element = 0; element < size - single; element += 4) {
-        const int start = size < 4 || element + 4 <= size ? element : size - 4;
-        for (int lane = 0; lane < lanes; lane += 4) {
-            const struct WG_NAME(wg_square) columns = WG_NAME(wg_square_at)(&found[start][lane], WG_LANES);
-            WG_NAME(wg_put_square)(WG_NAME(wg_transposed)(columns), numbers + lane * step + start, step, 4);
+/* The same back, of `lanes` rows, by fours of columns; a single last one is left. Of three columns a fourth number is the next row's
+ * first, which is set later. */
+WG_INLINE void wg_planes_to_rows(const char *planes, ptrdiff_t across, int size, int bytes, int lanes, char *rows, ptrdiff_t step) {
+    const ptrdiff_t each = bytes == 8 ? 4 : 8;
+    for (int element = 0; element < size - (size % 4 == 1); element += 4) {
+        const int start = wg_group_start(element, size);
+        const char *from = planes + start * across;
+        char *to = rows + start * bytes;
+        for (int lane = 0; lane < lanes; lane += (int)each, from += each * bytes, to += each * step) {
+            if (bytes == 8) {
+                wg_turn_8(from, across, to, step);
+            } else {
+                wg_turn_4_twice(from, across, to, step);
+            }
         }
     }
-    WG_NAME(wg_scatter_each)(numbers, step, single ? size - 1 : 0, single ? size : 3, single ? 0 : lanes, found);
-}
-
-/* Statuses of four branches or more, those of a row side by side. */
-WG_INLINE void WG_NAME(wg_scatter_statuses)(int32_t *start, int size, const WG_REAL (*WG_RESTRICT found)[WG_LANES]) {
-    WG_ALIGNED WG_REAL numbers[WG_LANES * WG_MOST_STATUSES];
-    WG_NAME(wg_scatter_turned)(numbers, size, size, found);
-    for (int block = 0; block < size * WG_LANES; block += WG_LANES) {
-        for (int at = 0; at < WG_LANES; ++at) {
-            start[block + at] = (int32_t)numbers[block + at];
-        }
+    if (size % 4 == 1) {
+        wg_column(planes + (size - 1) * across, bytes, lanes, rows + (size - 1) * bytes, step);
     }
 }
-
-#undef WG_SHUFFLE
-#undef WG_STREAM
-#undef WG_WIDE_ROW
 #endif

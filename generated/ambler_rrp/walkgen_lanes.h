@@ -26,10 +26,17 @@
 #define WG_ATAN2(y, x) WG_NAME(wg_atan2_lane)(y, x)
 #include "walkgen_together.h"
 
+/* Sines beside each other, not one after another: processors look less far ahead than a block has instructions. */
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 && defined(__OPTIMIZE__) && defined(__x86_64__)
+#define WG_SCHEDULED __attribute__((optimize("schedule-insns,sched-pressure")))
+#else
+#define WG_SCHEDULED
+#endif
+
 /* How a block of rows is computed: given [inputs][lane], found [outputs][lane], and last a number for each lane that is 0 where no angle was lost;
  * and how one row is, its numbers side by side. */
 #define WG_BLOCK(name) \
-    static void name##_block(const WG_REAL (*WG_RESTRICT given)[WG_LANES], WG_REAL (*WG_RESTRICT found)[WG_LANES])
+    WG_SCHEDULED static void name##_block(const WG_REAL (*WG_RESTRICT given)[WG_LANES], WG_REAL (*WG_RESTRICT found)[WG_LANES])
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
 #define WG_LANED(name, inputs, outputs) static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs}
 #define WG_EACH_LANE for (int lane = 0; lane < WG_LANES; ++lane)

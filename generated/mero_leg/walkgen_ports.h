@@ -1,0 +1,141 @@
+/* walkgen_ports.h: how a block's numbers come from an array of rows into lanes, and results go back; walkgen_batch.h alone includes this.
+ *
+ * Whole blocks are moved by what suits the array's strides, chosen once for all rows; anything else goes number by number.
+ */
+#if defined(WG_LANES)
+/* An array on its way: where its next block begins, and what moves whole blocks between it and lanes; `beyond` where that reaches into the row
+ * after, `far` where results do not stay in a cache.
+ */
+struct WG_NAME(wg_port) {
+    char *at;
+    void (*move)(const struct WG_NAME(wg_port) *port, WG_REAL (*lanes)[WG_LANES]);
+    ptrdiff_t row, element;
+    int32_t size, kind, rows, far, beyond;
+};
+
+/* Numbers of so many rows to lanes, one by one. */
+static inline void WG_NAME(wg_gather)(const struct WG_NAME(wg_port) *port, int first, int count, WG_REAL (*given)[WG_LANES]) {
+    const char *at = port->at + first * port->row;
+    for (int element = 0; element < port->size; ++element, at += port->element) {
+        const char *from = at;
+        int lane = first;
+        for (; lane + 4 <= count; lane += 4, from += 4 * port->row) {
+            WG_REAL four[4]; /* all are read before any is written: nothing says that they are apart */
+            memcpy(&four[0], from, sizeof(WG_REAL)), memcpy(&four[1], from + port->row, sizeof(WG_REAL));
+            memcpy(&four[2], from + 2 * port->row, sizeof(WG_REAL)), memcpy(&four[3], from + 3 * port->row, sizeof(WG_REAL));
+            memcpy(&given[element][lane], four, sizeof four);
+        }
+        for (; lane < count; ++lane, from += port->row) {
+            memcpy(&given[element][lane], from, sizeof(WG_REAL));
+        }
+    }
+}
+
+/* And from lanes. */
+static inline void WG_NAME(wg_scatter)(const struct WG_NAME(wg_port) *port, int count, WG_REAL (*found)[WG_LANES]) {
+    char *at = port->at;
+    for (int element = 0; element < port->size; ++element, at += port->element) {
+        char *to = at;
+        int lane = 0;
+        for (; lane + 4 <= count && port->kind == WG_NUMBER; lane += 4, to += 4 * port->row) {
+            const WG_REAL *const from = &found[element][lane];
+            memcpy(to, from, sizeof *from), memcpy(to + port->row, from + 1, sizeof *from);
+            memcpy(to + 2 * port->row, from + 2, sizeof *from), memcpy(to + 3 * port->row, from + 3, sizeof *from);
+        }
+        for (; lane < count && port->kind == WG_NUMBER; ++lane, to += port->row) {
+            memcpy(to, &found[element][lane], sizeof(WG_REAL));
+        }
+        for (; lane < count && port->kind == WG_STATUS; ++lane, to += port->row) {
+            const int32_t status = (int32_t)found[element][lane];
+            memcpy(to, &status, sizeof status);
+        }
+    }
+}
+
+/* Whole blocks so; a number of rows that is known would be written out, row after row. */
+WG_CALLED void WG_NAME(wg_gather_any)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
+    WG_NAME(wg_gather)(port, 0, port->rows, given);
+}
+
+WG_CALLED void WG_NAME(wg_scatter_any)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+    WG_NAME(wg_scatter)(port, port->rows, found);
+}
+
+/* Where an element's rows lie together. */
+WG_CALLED void WG_NAME(wg_gather_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
+    const char *from = port->at;
+    for (int element = 0; element < port->size; ++element, from += port->element) {
+        memcpy(given[element], from, sizeof given[element]);
+    }
+}
+
+WG_CALLED void WG_NAME(wg_scatter_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+    char *to = port->at;
+    for (int element = 0; element < port->size; ++element, to += port->element) {
+#if defined(WALKGEN_VECTORS)
+        if (port->far && (uintptr_t)to % WG_LINE == 0) {
+            for (size_t at = 0; at < sizeof found[element]; at += WG_LINE) {
+                wg_stream_line(to + at, (const char *)found[element] + at);
+            }
+            continue;
+        }
+#endif
+        memcpy(to, found[element], sizeof found[element]);
+    }
+}
+
+/* Statuses as integers. */
+static inline void WG_NAME(wg_integers)(const WG_REAL *WG_RESTRICT found, int32_t *WG_RESTRICT states) {
+    for (int lane = 0; lane < WG_LANES; ++lane) {
+        states[lane] = (int32_t)found[lane];
+    }
+}
+
+WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+    char *to = port->at;
+    for (int element = 0; element < port->size; ++element, to += port->element) {
+        int32_t states[WG_LANES];
+        WG_NAME(wg_integers)(found[element], states);
+        memcpy(to, states, sizeof states);
+    }
+}
+
+#if defined(WALKGEN_VECTORS)
+/* Where a row's elements do. */
+WG_CALLED void WG_NAME(wg_gather_rows)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
+    wg_rows_to_planes(port->at, port->row, port->size, sizeof(WG_REAL), WG_LANES, (char *)given, sizeof *given);
+}
+
+WG_CALLED void WG_NAME(wg_scatter_rows)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+    const ptrdiff_t beyond = port->row > WG_WIDE_ROW ? port->rows * port->row : 0;
+    for (ptrdiff_t ahead = 0; ahead < beyond; ahead += WG_LINE) {
+        __builtin_prefetch(port->at + port->rows * port->row + ahead, 1); /* the next block's */
+    }
+    wg_planes_to_rows((const char *)found, sizeof *found, port->size, sizeof(WG_REAL), WG_LANES, port->at, port->row);
+}
+
+WG_CALLED void WG_NAME(wg_scatter_status_rows)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+    WG_ALIGNED int32_t states[WG_MOST_STATUSES][WG_LANES];
+    for (int element = 0; element < port->size; ++element) {
+        WG_NAME(wg_integers)(found[element], states[element]);
+    }
+    wg_planes_to_rows((const char *)states, sizeof *states, port->size, sizeof(int32_t), WG_LANES, port->at, port->row);
+}
+#endif
+
+/* How whole blocks of an array are read, or written. */
+static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written) {
+    const int state = port->kind == WG_STATUS;
+    const ptrdiff_t bytes = state ? (ptrdiff_t)sizeof(int32_t) : (ptrdiff_t)sizeof(WG_REAL);
+    port->move = written ? WG_NAME(wg_scatter_any) : WG_NAME(wg_gather_any);
+    if (port->row == bytes) {
+        port->move = state ? WG_NAME(wg_scatter_status_planes) : written ? WG_NAME(wg_scatter_planes) : WG_NAME(wg_gather_planes);
+    }
+#if defined(WALKGEN_VECTORS)
+    if (port->element == bytes && port->row >= port->size * bytes && port->size >= 3 && (port->size > 3 || !written || port->row == 3 * bytes)) {
+        port->move = state ? WG_NAME(wg_scatter_status_rows) : written ? WG_NAME(wg_scatter_rows) : WG_NAME(wg_gather_rows);
+        port->beyond = port->size == 3;
+    }
+#endif
+}
+#endif
