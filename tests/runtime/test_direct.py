@@ -134,7 +134,7 @@ class Library:
         signature = next(body.signature for body in code_of(self._tiny).functions if body.signature.name == name)
         loops = find_loops(signature, self._library, self._tiny.float32)
         assert loops is not None
-        return direct.direct(_unreachable, signature, loops)
+        return direct.direct(_unreachable, signature, loops, _unreachable)
 
 
 def _unreachable(*arguments: Any, **named: Any) -> Any:
@@ -167,7 +167,7 @@ def test_a_truth_is_a_bool() -> None:
     bare = Truths(lambda *_: np.int32(1), signature)
     for value in (0, 1):
         loop = _constant_loop(value)
-        assert direct.direct(bare, signature, loop)(ONE) is np.bool_(value)
+        assert direct.direct(bare, signature, loop, bare)(ONE) is np.bool_(value)
 
 
 def _constant_loop(value: int) -> Loops:
@@ -248,3 +248,19 @@ def test_names_and_texts(robots: Robots, backend: str) -> None:
     function = robots("plain", backend).legs["left"].foot_position
     assert "tiny_left_foot_position" in repr(function)
     assert not hasattr(function, "no_such_thing")
+
+
+@pytest.mark.parametrize("variant", ["plain", "single", "parameters"])
+def test_large_results_have_room_of_their_own(robots: Robots, variant: str) -> None:
+    own, plain = (robot.legs["left"] for robot in both(robots, variant))
+    q = np.random.default_rng(2).normal(size=(400_000, 3))
+    for name in ("foot_position_jacobian", "foot_position", "inverse"):
+        assert described(getattr(own, name)(q)) == described(getattr(plain, name)(q))
+    J = own.foot_hessian(q)
+    assert not J.flags.owndata
+    assert J.flags.writeable
+    place = np.empty_like(J)
+    assert own.foot_hessian(q, out=place) is place
+    assert np.array_equal(place, J)
+    assert outcome(own.foot_hessian, q[:, :2]) == outcome(plain.foot_hessian, q[:, :2])
+    assert outcome(own.foot_position, q.astype(np.complex128)) == outcome(plain.foot_position, q.astype(np.complex128))

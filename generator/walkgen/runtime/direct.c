@@ -1,8 +1,9 @@
 /* direct.c: a generated function called on one row, without the ways of NumPy's ufuncs around it; runtime/direct.py compiles it.
  *
- *     Direct(function, inputs, outputs, loops, defaults, required, positional)
+ *     Direct(function, large, inputs, outputs, loops, defaults, required, positional)
  *
  *     function    what every other call is left to, and what answers for names and texts
+ *     large       what calls are left to whose first input is a large array
  *     inputs      a tuple of ports: (kind "real", "integer" or "truth", sizes...)
  *     outputs     likewise
  *     loops       addresses of the function's loop over NumPy's rows in double and in float; 0 where there is none
@@ -26,6 +27,7 @@
 #define MOST_PORTS 32
 #define HIGHEST_RANK 6
 #define MOST_NUMBERS 64 /* from lists, in one call */
+#define LARGE 1048576 /* bytes */
 
 typedef void (*loop_function)(char **arguments, const npy_intp *dimensions, const npy_intp *steps, void *data);
 
@@ -41,7 +43,7 @@ typedef struct {
 typedef struct {
     PyObject_HEAD
     vectorcallfunc vectorcall;
-    PyObject *function, *defaults[2];
+    PyObject *function, *large, *defaults[2];
     loop_function loops[2];
     int inputs, outputs, required, positional;
     port ports[MOST_PORTS];
@@ -239,6 +241,9 @@ static PyObject *direct_call(PyObject *object, PyObject *const *arguments, size_
     const Py_ssize_t given = PyVectorcall_NARGS(flagged);
     if ((names == NULL || PyTuple_GET_SIZE(names) == 0) && given >= self->required && given <= self->positional) {
         call made;
+        if (given > 0 && PyArray_Check(arguments[0]) && PyArray_NBYTES((PyArrayObject *)arguments[0]) >= LARGE) {
+            return PyObject_Vectorcall(self->large, arguments, flagged, names);
+        }
         made.single = -1;
         made.used = 0;
         memset(made.steps, 0, sizeof(npy_intp) * (size_t)(self->inputs + self->outputs));
@@ -301,11 +306,11 @@ static int has_defaults(const direct *self) {
 }
 
 static PyObject *direct_new(PyTypeObject *type, PyObject *arguments, PyObject *named) {
-    PyObject *function, *inputs, *outputs, *defaults[2];
+    PyObject *function, *large, *inputs, *outputs, *defaults[2];
     unsigned long long loops[2];
     int required, positional;
     direct *self;
-    if (named != NULL || !PyArg_ParseTuple(arguments, "OO!O!(KK)(O!O!)ii", &function, &PyTuple_Type, &inputs, &PyTuple_Type, &outputs,
+    if (named != NULL || !PyArg_ParseTuple(arguments, "OOO!O!(KK)(O!O!)ii", &function, &large, &PyTuple_Type, &inputs, &PyTuple_Type, &outputs,
                                            &loops[0], &loops[1], &PyTuple_Type, &defaults[0], &PyTuple_Type, &defaults[1], &required,
                                            &positional)) {
         return NULL;
@@ -315,6 +320,7 @@ static PyObject *direct_new(PyTypeObject *type, PyObject *arguments, PyObject *n
     }
     self->vectorcall = direct_call;
     self->function = Py_NewRef(function);
+    self->large = Py_NewRef(large);
     self->required = required;
     self->positional = positional;
     for (int precision = 0; precision < 2; ++precision) {
@@ -334,6 +340,7 @@ static PyObject *direct_new(PyTypeObject *type, PyObject *arguments, PyObject *n
 static void direct_delete(PyObject *object) {
     direct *self = (direct *)object;
     Py_CLEAR(self->function);
+    Py_CLEAR(self->large);
     Py_CLEAR(self->defaults[0]);
     Py_CLEAR(self->defaults[1]);
     Py_TYPE(object)->tp_free(object);

@@ -23,13 +23,14 @@ _MOST_PORTS, _HIGHEST_RANK = 32, 6
 """What direct.c has room for."""
 
 
-def direct(function: Function, signature: Signature, loops: Loops) -> Function:
+def direct(function: Function, signature: Signature, loops: Loops, large: Function) -> Function:
     """The function with a way of its own for calls of one row; itself where there is none, as without Python's headers.
 
     Args:
         function: as users call it; every other call is left to it.
         signature: its ports.
         loops: addresses of its compiled loop in double and in float.
+        large: the same for calls of many rows.
     """
     layer = _layer()
     if isinstance(layer, str) or not _fits(signature):
@@ -42,7 +43,7 @@ def direct(function: Function, signature: Signature, loops: Loops) -> Function:
     defaults = tuple(tuple(values.get(name) for name in names) for values in given)
     required = next((place for place in range(len(names), 0, -1) if defaults[0][place - 1] is None), 0)
     inputs, outputs = (tuple(map(_described, ports)) for ports in (signature.inputs, signature.outputs))
-    made: Function = layer(function, inputs, outputs, loops, defaults, required, len(names) - ("param" in names))
+    made: Function = layer(function, large, inputs, outputs, loops, defaults, required, len(names) - ("param" in names))
     return made
 
 

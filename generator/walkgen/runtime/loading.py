@@ -18,7 +18,7 @@ from walkgen.runtime.direct import direct, insist
 from walkgen.runtime.manifest import FunctionEntry, Manifest, read_manifest
 from walkgen.runtime.modules import execute
 from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Schedule, Terrain
-from walkgen.runtime.threads import Threaded
+from walkgen.runtime.rows import ManyRows
 from walkgen.runtime.ufuncs import Loops, find_loops, make_ufunc
 from walkgen.toolchain import build_library, check_sources, find_library
 
@@ -63,7 +63,7 @@ def _threaded(backend: _Backend, manifest: Manifest, threads: int) -> _Backend:
         return backend
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
     functions = {
-        name: Threaded(function, signatures[name], threads) if isinstance(function, np.ufunc) and not signatures[name].counts else function
+        name: ManyRows(function, signatures[name], threads) if isinstance(function, np.ufunc) and not signatures[name].counts else function
         for name, function in backend.functions.items()
     }
     return replace(backend, functions=functions)
@@ -166,7 +166,14 @@ def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
     bare = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
     functions = {name: as_called(function, signatures[name], defaults, single) for name, function in bare}
-    functions |= {name: direct(functions[name], signatures[name], loops) for name, loops in backend.loops.items()}
+
+    def large(name: str) -> Function:
+        function, signature = backend.functions[name], signatures[name]
+        if not isinstance(function, np.ufunc) or signature.counts:
+            return functions[name]
+        return as_called(ManyRows(function, signature, 1), signature, defaults, single)
+
+    functions |= {name: direct(functions[name], signatures[name], loops, large(name)) for name, loops in backend.loops.items()}
     return functions | _solves(manifest.robot, functions) | stability.named(manifest.robot, functions, signatures)
 
 
