@@ -179,3 +179,20 @@ def test_bad_input_is_nan(programs, n, value):
         found = interpret(programs[n], {"J": numbers[: 3 * n], "v": numbers[3 * n :]})
         assert found["status"] == [BAD_INPUT]
         assert all(map(math.isnan, found["qd"]))
+
+
+@pytest.mark.parametrize("n", [3, 4, 7])
+def test_the_foot_moves_as_wanted_down_to_rounding(n):
+    """In doubles, down to a thousandth as least singular value: J qd misses v by roundings of J qd, for accelerations build on qd."""
+    compiled = program(n, Damping(sympy.Rational("1e-6"), sympy.Rational("1e-6")))
+    for drawn, v in cases(n):
+        U, S, V = CONTEXT.svd_r(drawn)
+        J, v_rounded = rounded(U * CONTEXT.diag([S[0], S[1], max(S[2], CONTEXT.mpf("1e-3"))]) * V), rounded(v)
+        found, state = run(compiled, J, v_rounded, math)
+        assert state == OK
+        assert CONTEXT.norm(J * found - v_rounded) <= 1e-15 * CONTEXT.norm(J) * CONTEXT.norm(found)
+
+
+def rounded(matrix):
+    """To doubles."""
+    return CONTEXT.matrix([[float(entry) for entry in row] for row in matrix.tolist()])

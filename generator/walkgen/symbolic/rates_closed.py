@@ -70,15 +70,15 @@ def _two_joints(columns: Sequence[Vec], wanted: Vec, damping: Damping, tape: Tap
 
 
 def _spatial(columns: Sequence[Vec], wanted: Vec, damping: Damping, tape: Tape) -> tuple[list[sympy.Expr], _Loading]:
-    """J'(JJ' + lambda^2)^-1 v by Cramer's rule; one refinement takes back what the squared matrix costs."""
+    """J'(JJ' + lambda^2)^-1 v by Cramer's rule; one refinement, of the rates themselves, takes back what the squared matrix costs."""
     gram = [[tape.let("gram", dot([c[i] for c in columns], [c[j] for c in columns])) for j in range(3)] for i in range(3)]
     loading = _loading(_smallest_eigenvalue(gram, tape), damping, tape)
     loaded = [tape.vector("loaded", [gram[i][j] + (loading.lambda2 if i == j else 0) for i in range(3)]) for j in range(3)]
     along = _cramer(loaded, wanted, tape)
-    reached = plus(_reached(columns, [tape.let("rate", dot(column, along)) for column in columns]), scaled(loading.lambda2, along))
-    rest = tape.vector("rest", minus(wanted, reached))
-    refined = tape.vector("along", plus(along, _cramer(loaded, rest, tape)))
-    return [tape.let("rate", dot(column, refined)) for column in columns], loading
+    rates = [tape.let("rate", dot(column, along)) for column in columns]
+    rest = tape.vector("rest", minus(wanted, plus(_reached(columns, rates), scaled(loading.lambda2, along))))
+    further = _cramer(loaded, rest, tape)
+    return [tape.let("rate", rate + dot(column, further)) for rate, column in zip(rates, columns, strict=True)], loading
 
 
 def _reached(columns: Sequence[Vec], rates: Sequence[sympy.Expr]) -> Vec:
