@@ -3,7 +3,7 @@
  * Everything is in one frame; wrench is the load on the robot (force, moment about the frame's origin), f_i the ground's force on foot i:
  * sum (f_i, p_i x f_i) + wrench = 0. Feet that stick do not move: C f + e + G' delta = 0, f = -C^-1 (G' delta + e), delta = K^-1 (w - G
  * C^-1 e), K = G C^-1 G'. Feet that would pull are free and lift off, feet that leave their cone slide, the friction against their
- * displacement. Takes at most 36 kB of stack in double, 19 kB in float, less than half of it where the feet share no links.
+ * displacement. Takes at most 38 kB of stack in double, 20 kB in float, less than half of it where the feet share no links.
  */
 #include "walkgen_contact_bonded.h"
 #include "walkgen_contact_carried.h"
