@@ -1,7 +1,7 @@
 /* walkgen_turned.h: whole blocks of rows become planes of lanes, and planes rows, by squares of numbers in vectors; walkgen_batch.h alone
  * includes this, where WALKGEN_VECTORS is defined. Numbers are bits here, of 8 bytes or of 4.
  */
-#if !defined(WALKGEN_TURNED)
+#if defined(WALKGEN_VECTORS) && defined(WG_LANES) && !defined(WALKGEN_TURNED)
 #define WALKGEN_TURNED
 typedef uint64_t wg_bits_4x8 __attribute__((vector_size(32)));
 typedef uint64_t wg_bits_2x8 __attribute__((vector_size(16)));

@@ -50,9 +50,7 @@ struct wg_array {
 #define WG_DENSE_STATUS(data, size) WG_DENSE_OF(data, int32_t, size, WG_STATUS)
 #define WG_SHARED(data, size) {(char *)(uintptr_t)(const void *)(data), 0, (ptrdiff_t)sizeof(WG_REAL), size, WG_NUMBER}
 
-#if defined(WALKGEN_VECTORS)
 #include "walkgen_turned.h"
-#endif
 #endif
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_BATCH_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_BATCH_F32))

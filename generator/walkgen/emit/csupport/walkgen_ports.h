@@ -2,7 +2,13 @@
  *
  * Whole blocks are moved by what suits the array's strides, chosen once for all rows; anything else goes number by number.
  */
-#if defined(WG_LANES)
+#if defined(WG_LANES) && ((WG_REAL_BITS == 64 && !defined(WALKGEN_PORTS_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_PORTS_F32)))
+#if WG_REAL_BITS == 64
+#define WALKGEN_PORTS_F64
+#else
+#define WALKGEN_PORTS_F32
+#endif
+
 /* An array on its way: where its next block begins, and what moves whole blocks between it and lanes; `beyond` where that reaches into the row
  * after, `far` where results do not stay in a cache.
  */
