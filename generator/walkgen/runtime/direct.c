@@ -241,15 +241,15 @@ static PyObject *direct_call(PyObject *object, PyObject *const *arguments, size_
     const Py_ssize_t given = PyVectorcall_NARGS(flagged);
     if ((names == NULL || PyTuple_GET_SIZE(names) == 0) && given >= self->required && given <= self->positional) {
         call made;
-        if (given > 0 && PyArray_Check(arguments[0]) && PyArray_NBYTES((PyArrayObject *)arguments[0]) >= LARGE) {
-            return PyObject_Vectorcall(self->large, arguments, flagged, names);
-        }
         made.single = -1;
         made.used = 0;
         memset(made.steps, 0, sizeof(npy_intp) * (size_t)(self->inputs + self->outputs));
         made.core = made.steps + self->inputs + self->outputs;
         if (takes_all(&made, self, arguments, (int)given)) {
             return run(self, &made);
+        }
+        if (given > 0 && PyArray_Check(arguments[0]) && PyArray_NBYTES((PyArrayObject *)arguments[0]) >= LARGE) {
+            return PyObject_Vectorcall(self->large, arguments, flagged, names);
         }
     }
     return PyObject_Vectorcall(self->function, arguments, flagged, names);
