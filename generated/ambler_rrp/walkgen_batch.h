@@ -1,7 +1,7 @@
 /* walkgen_batch.h: many rows through a function, WG_LANES of them at a time; the arrays outside may have any length and stride.
  *
  * A block's numbers are gathered so that those of one element lie side by side (walkgen_ports.h), computed (walkgen_lanes.h), and scattered.
- * The last rows, where they are few, and rows with a NaN among their results are computed alone: with the same bits.
+ * The last rows, where they are few, and rows with an angle beyond its range are computed alone: with the same bits.
  */
 #include <string.h>
 
@@ -110,7 +110,7 @@ static inline void WG_NAME(wg_whole_block)(const struct WG_NAME(wg_laned) *laned
     laned->block((const WG_REAL(*)[WG_LANES])given, found);
 }
 
-/* Those with a NaN once more, alone. */
+/* Those that lost an angle once more, alone. */
 static inline void WG_NAME(wg_mended)(const struct WG_NAME(wg_laned) *laned, int count, int inputs, int outputs,
                                       const WG_REAL (*given)[WG_LANES], WG_REAL (*found)[WG_LANES]) {
     for (int lane = WG_NAME(wg_any)(found[outputs]) ? 0 : count; lane < count; ++lane) {

@@ -1,4 +1,4 @@
-"""Where size counts: the bits of fast code from less of it, functions through one another, no closest points, no damping."""
+"""Where size counts: the bits of fast code from less of it, functions through one another, less answers; the C library's functions."""
 
 import ctypes
 import subprocess

@@ -1,5 +1,6 @@
 """How functions are declared in C: names, types, parameters in lines."""
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -73,6 +74,11 @@ def declared(start: str, parameters: Sequence[str]) -> str:
             lines.append(INDENT)
         lines[-1] += piece
     return "\n".join(line.rstrip() for line in lines)
+
+
+def wrapped(text: str) -> list[str]:
+    """A statement in as many lines as it needs."""
+    return textwrap.wrap(text, COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2, break_long_words=False)
 
 
 def call_lines(name: str, signature: Signature, first: Iterable[str], outputs: Iterable[Port], *, returns: bool) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from walkgen.emit.c_declaration import (
     parameters,
     port_type,
     workspace_parameter,
+    wrapped,
 )
 from walkgen.emit.c_each import each_lines
 from walkgen.emit.c_lanes import Laned, arrays, has_closest
@@ -111,7 +112,7 @@ def _blocks_lines(lanes: Laned, precision: Precision) -> Iterator[str]:
     closest = f"{name}_closest" if has_closest(lanes.body) else "NULL"
     result = "return " if lanes.signature.status else "(void)"
     yield lanes.opening
-    yield from _wrapped(f"const struct wg_array arrays[] = {arrays(lanes.signature)};")
+    yield from wrapped(f"const struct wg_array arrays[] = {arrays(lanes.signature)};")
     yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
     yield "#else"
 
@@ -222,12 +223,8 @@ def _statement_lines(statement: Statement, precision: Precision) -> Iterator[str
         yield f"{INDENT}const {'int' if statement.truth else precision.real} {statement.name} = {statement.text};"
         return
     for text in (f"{precision.real} {', '.join(statement.names)};", f"{statement.text};", *(f"{text};" for text in statement.then)):
-        yield from (line.replace(_KEPT, " ") for line in _wrapped(_kept_together(text)))
+        yield from (line.replace(_KEPT, " ") for line in wrapped(_kept_together(text)))
     yield from (f"{INDENT}(void){name};" for name in statement.idle)
-
-
-def _wrapped(text: str) -> list[str]:
-    return textwrap.wrap(text, COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2, break_long_words=False)
 
 
 def _kept_together(text: str) -> str:
@@ -270,5 +267,5 @@ def table_lines(table: Table, printer: CPrinter) -> tuple[str, ...]:
     """A table as a constant array of the file."""
     items = [f"{printer.constant(value).text}," for value in table.values]
     rows = (" ".join(items[start : start + table.columns]) for start in range(0, len(items), table.columns))
-    wrapped = (line for row in rows for line in textwrap.wrap(row, COLUMNS, break_long_words=False))
-    return (f"static const {printer.precision.real} {table.name}[{len(items)}] = {{", *(f"{INDENT}{line}" for line in wrapped), "};")
+    laid_out = (line for row in rows for line in textwrap.wrap(row, COLUMNS, break_long_words=False))
+    return (f"static const {printer.precision.real} {table.name}[{len(items)}] = {{", *(f"{INDENT}{line}" for line in laid_out), "};")

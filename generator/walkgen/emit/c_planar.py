@@ -1,10 +1,9 @@
 """Functions over many rows whose like elements lie together, element after element: `_planar` beside `_batch`."""
 
 from collections.abc import Iterator
-from textwrap import wrap
 
 from walkgen.emit.artifact import Body
-from walkgen.emit.c_declaration import COLUMNS, INDENT, CFunction, call_lines, declared, function_name, port_type
+from walkgen.emit.c_declaration import INDENT, CFunction, call_lines, declared, function_name, port_type, wrapped
 from walkgen.emit.c_lanes import Laned, has_closest
 from walkgen.emit.c_printer import Precision
 from walkgen.signature import Port, Signature
@@ -41,7 +40,7 @@ def _blocks(lanes: Laned, precision: Precision) -> Iterator[str]:
     closest = f"{function_name(signature, precision)}_closest" if has_closest(lanes.body) else "NULL"
     arrays = ", ".join(map(_array, (*signature.inputs, *signature.outputs)))
     yield lanes.opening
-    yield from wrap(f"const struct wg_array arrays[] = {{{arrays}}};", COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2)
+    yield from wrapped(f"const struct wg_array arrays[] = {{{arrays}}};")
     result = "return " if signature.status else "(void)"
     yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
     yield "#else"

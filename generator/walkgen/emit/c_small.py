@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from textwrap import wrap
 
 from walkgen.emit.artifact import Body, RobotCode
-from walkgen.emit.c_declaration import COLUMNS, INDENT, CFunction, function_name, port_type
+from walkgen.emit.c_declaration import INDENT, CFunction, function_name, port_type, wrapped
 from walkgen.emit.c_printer import Precision
 from walkgen.graph.parts import parts
 from walkgen.graph.program import Composite, Program
@@ -85,7 +84,7 @@ class Small:
 
     def _call(self, signature: Signature, arguments: list[str]) -> list[str]:
         call = f"{function_name(signature, self.precision)}({', '.join(arguments)});"
-        return wrap(call, COLUMNS, initial_indent=INDENT, subsequent_indent=INDENT * 2, break_long_words=False)
+        return wrapped(call)
 
 
 def _moved(inputs: tuple[Port, ...], qdd: str) -> list[str]:

@@ -20,6 +20,7 @@ from walkgen.runtime.modules import execute
 from walkgen.runtime.robot import Chain, Gait, Leg, Robot, Route, Schedule, Terrain
 from walkgen.runtime.rows import ManyRows
 from walkgen.runtime.ufuncs import Loops, find_loops, make_ufunc
+from walkgen.signature import Signature
 from walkgen.toolchain import build_library, check_sources, find_library
 
 _VARIABLE = "WALKGEN_BACKEND"
@@ -62,11 +63,12 @@ def _threaded(backend: _Backend, manifest: Manifest, threads: int) -> _Backend:
     if threads <= 1:
         return backend
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
-    functions = {
-        name: ManyRows(function, signatures[name], threads) if isinstance(function, np.ufunc) and not signatures[name].counts else function
-        for name, function in backend.functions.items()
-    }
-    return replace(backend, functions=functions)
+    return replace(backend, functions={name: _of_many_rows(each, signatures[name], threads) for name, each in backend.functions.items()})
+
+
+def _of_many_rows(function: Function, signature: Signature, threads: int) -> Function:
+    """A compiled function with room for large results and so many threads; as it is where a call chooses its sizes."""
+    return ManyRows(function, signature, threads) if isinstance(function, np.ufunc) and not signature.counts else function
 
 
 def _backend(folder: Path, manifest: Manifest) -> _Backend:
@@ -164,16 +166,14 @@ def _robot(folder: Path, manifest: Manifest, backend: _Backend) -> Robot:
 def _callable(manifest: Manifest, backend: _Backend, defaults: tuple[float, ...]) -> dict[str, Function]:
     single = manifest.float32 and backend.name == "c"
     signatures = {entry.signature.full_name: entry.signature for entry in manifest.functions}
-    bare = ((name, backend.functions[name]) for name in signatures if name in backend.functions)
-    functions = {name: as_called(function, signatures[name], defaults, single) for name, function in bare}
 
-    def large(name: str) -> Function:
-        function, signature = backend.functions[name], signatures[name]
-        if not isinstance(function, np.ufunc) or signature.counts:
-            return functions[name]
-        return as_called(ManyRows(function, signature, 1), signature, defaults, single)
+    def called(name: str, function: Function) -> Function:
+        return as_called(function, signatures[name], defaults, single)
 
-    functions |= {name: direct(functions[name], signatures[name], loops, large(name)) for name, loops in backend.loops.items()}
+    functions = {name: called(name, backend.functions[name]) for name in signatures if name in backend.functions}
+    for name, loops in backend.loops.items():
+        large = called(name, _of_many_rows(backend.functions[name], signatures[name], threads=1))
+        functions[name] = direct(functions[name], signatures[name], loops, large)
     return functions | _solves(manifest.robot, functions) | stability.named(manifest.robot, functions, signatures)
 
 

@@ -59,13 +59,13 @@ def _one_after_the_other(mechanism: Mechanism, route: Route, path: PathFunctions
     return (
         columns_step(mechanism, route, path) if spare else jacobian_step(mechanism, route, path),
         damped_step(mechanism, route, "v", "rates", "first", unsure=unsure),
-        *((columns_rest(route, "rates"),) if spare else _rest_steps(mechanism, route, path)),
+        *((columns_rest(route, "rates"),) if spare else _bias_steps(mechanism, route, path)),
         damped_step(mechanism, route, "rest", "further", "second", unsure=unsure),
         Step(_joined(mechanism, route), ("rates", "further", "first", "second", "qd", "qdd", "status")),
     )
 
 
-def _rest_steps(mechanism: Mechanism, route: Route, path: PathFunctions) -> tuple[Step, Step]:
+def _bias_steps(mechanism: Mechanism, route: Route, path: PathFunctions) -> tuple[Step, Step]:
     """q, rates -> bias, as `foot_bias_acceleration` computes it, whose code then serves; a, bias -> rest."""
     moving = joint_port("q", route.joints), joint_port("qd", route.joints, "/s"), *path.sides
     words = signature(mechanism, route.owner, "rates_bias", moving, (_BIAS,), "", words_of(route).source)
