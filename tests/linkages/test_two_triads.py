@@ -127,7 +127,8 @@ def test_rows(built, name):
     assert set(np.unique(status)) <= {OK, UNREACHABLE, INFEASIBLE, DUPLICATE}
     assert np.isfinite(rows).all()
     missed = np.linalg.norm(limb.foot_position(rows) - p[:, None], axis=-1)
-    assert missed[status == OK].max() < 1e-12
+    rounded = 2e-14 * np.maximum(1, np.linalg.norm(limb.foot_jacobian(rows), axis=(-2, -1)))  # hundreds of metres a radian where triads jam
+    assert (missed <= rounded)[status == OK].all()
     assert not (missed[status == INFEASIBLE] < 1e-7).any()
     away = np.where(status == OK, np.abs(np.angle(np.exp(1j * (rows - q[:, None])))).max(-1), np.inf).min(-1)
     assert np.mean(away < 1e-8) > 0.9
