@@ -1,8 +1,14 @@
-/* walkgen_turned.h: whole blocks of rows become planes of lanes, and planes rows, by squares of numbers in vectors; walkgen_batch.h alone
- * includes this, where WALKGEN_VECTORS is defined. Numbers are bits here, of 8 bytes or of 4.
+/* walkgen_turned.h: whole blocks of rows become planes of lanes, and planes rows, by squares of numbers in vectors, where there are any;
+ * walkgen_batch.h alone includes this. Numbers are bits here, of 8 bytes or of 4.
  */
-#if defined(WALKGEN_VECTORS) && defined(WG_LANES) && !defined(WALKGEN_TURNED)
+#if defined(WG_LANES) && !defined(WALKGEN_TURNED) && \
+    (defined(WALKGEN_VECTORS) || defined(WALKGEN_PAIRS) || (defined(__GNUC__) && defined(__aarch64__) && defined(WALKGEN_BLOCKS)))
 #define WALKGEN_TURNED
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define WALKGEN_SHUFFLEVECTOR
+#endif
+#endif
 typedef uint64_t wg_bits_4x8 __attribute__((vector_size(32)));
 typedef uint64_t wg_bits_2x8 __attribute__((vector_size(16)));
 typedef uint32_t wg_bits_4x4 __attribute__((vector_size(16)));
@@ -17,19 +23,6 @@ typedef uint32_t wg_bits_8x4 __attribute__((vector_size(32)));
 /* Bytes of a row up to which processors see for themselves what is written next: wider ones gain a fifth by prefetching, others lose a tenth. */
 #define WG_WIDE_ROW 80
 
-/* A line of the cache past it, into which what is written would be read first. */
-WG_INLINE void wg_stream_line(char *to, const char *from) {
-    for (int at = 0; at < WG_LINE; at += 32) {
-        double four __attribute__((vector_size(32)));
-        memcpy(&four, from + at, sizeof four);
-#if defined(__clang__)
-        __builtin_nontemporal_store(four, (__typeof__(four) *)(void *)(to + at));
-#else
-        __builtin_ia32_movntpd256((double *)(void *)(to + at), four);
-#endif
-    }
-}
-
 /* Four lines `step` bytes apart; of four by four numbers rows become columns. */
 #define WG_LINES_AT(bits, from, step, a, b, c, d) \
     bits a, b, c, d; \
@@ -39,6 +32,7 @@ WG_INLINE void wg_stream_line(char *to, const char *from) {
     memcpy(to, &a, sizeof a), memcpy((to) + (step), &b, sizeof b); \
     memcpy((to) + 2 * (step), &c, sizeof c), memcpy((to) + 3 * (step), &d, sizeof d)
 
+#if defined(WALKGEN_VECTORS)
 WG_INLINE void wg_turn_8(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
     WG_LINES_AT(wg_bits_4x8, from, across, a, b, c, d);
     const wg_bits_4x8 even_ab = WG_SHUFFLE(wg_bits_4x8, a, b, 0, 4, 2, 6), odd_ab = WG_SHUFFLE(wg_bits_4x8, a, b, 1, 5, 3, 7);
@@ -47,6 +41,20 @@ WG_INLINE void wg_turn_8(const char *from, ptrdiff_t across, char *to, ptrdiff_t
     c = WG_SHUFFLE(wg_bits_4x8, even_ab, even_cd, 2, 3, 6, 7), d = WG_SHUFFLE(wg_bits_4x8, odd_ab, odd_cd, 2, 3, 6, 7);
     WG_PUT_LINES(to, step, a, b, c, d);
 }
+#else
+/* Four pairs, into two lines. */
+WG_INLINE void wg_turn_8_pairs(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
+    WG_LINES_AT(wg_bits_2x8, from, across, a, b, c, d);
+    const wg_bits_2x8 even_ab = WG_SHUFFLE(wg_bits_2x8, a, b, 0, 2), odd_ab = WG_SHUFFLE(wg_bits_2x8, a, b, 1, 3);
+    const wg_bits_2x8 even_cd = WG_SHUFFLE(wg_bits_2x8, c, d, 0, 2), odd_cd = WG_SHUFFLE(wg_bits_2x8, c, d, 1, 3);
+    memcpy(to, &even_ab, 16), memcpy(to + 16, &even_cd, 16), memcpy(to + step, &odd_ab, 16), memcpy(to + step + 16, &odd_cd, 16);
+}
+
+WG_INLINE void wg_turn_8(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
+    wg_turn_8_pairs(from, across, to, step);
+    wg_turn_8_pairs(from + 16, across, to + 2 * step, step);
+}
+#endif
 
 WG_INLINE void wg_turn_4(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
     WG_LINES_AT(wg_bits_4x4, from, across, a, b, c, d);
@@ -58,6 +66,7 @@ WG_INLINE void wg_turn_4(const char *from, ptrdiff_t across, char *to, ptrdiff_t
 }
 
 /* Two squares side by side, of which the second's columns become the rows after the first's. */
+#if defined(WALKGEN_VECTORS)
 WG_INLINE void wg_turn_4_twice(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
     WG_LINES_AT(wg_bits_8x4, from, across, a, b, c, d);
     const wg_bits_8x4 low_ab = WG_SHUFFLE(wg_bits_8x4, a, b, 0, 8, 1, 9, 4, 12, 5, 13);
@@ -71,6 +80,12 @@ WG_INLINE void wg_turn_4_twice(const char *from, ptrdiff_t across, char *to, ptr
     memcpy(to, (char *)&a + 16, 16), memcpy(to + step, (char *)&b + 16, 16);
     memcpy(to + 2 * step, (char *)&c + 16, 16), memcpy(to + 3 * step, (char *)&d + 16, 16);
 }
+#else
+WG_INLINE void wg_turn_4_twice(const char *from, ptrdiff_t across, char *to, ptrdiff_t step) {
+    wg_turn_4(from, across, to, step);
+    wg_turn_4(from + 16, across, to + 4 * step, step);
+}
+#endif
 
 /* Where the four columns from `element` on begin: the last of more than four reach back. */
 WG_INLINE int wg_group_start(int element, int size) { return size < 4 || element + 4 <= size ? element : size - 4; }
@@ -99,7 +114,7 @@ WG_INLINE void wg_column(const char *plane, int bytes, int lanes, char *to, ptrd
 }
 
 /* The same back, of `lanes` rows, by fours of columns; a single last one is left. Of three columns a fourth number is the next row's
- * first, which is set later. */
+ * first, which is set later: rows are written in order. */
 WG_INLINE void wg_planes_to_rows(const char *planes, ptrdiff_t across, int size, int bytes, int lanes, char *rows, ptrdiff_t step) {
     const ptrdiff_t each = bytes == 8 ? 4 : 8;
     for (int element = 0; element < size - (size % 4 == 1); element += 4) {

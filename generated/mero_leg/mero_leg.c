@@ -844,12 +844,14 @@ WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRI
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_position) {
+    WG_FROM(q, 0)
+    WG_INTO(p, 1)
     WG_EACH_LANE {
         double q[3], p[3];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_foot_position_lane(q, p);
-        WG_KEEP_3(p, 0)
-        WG_DONE(3, p[0])
+        WG_KEEP_3(p)
+        WG_DONE(p[0])
     }
 }
 
@@ -861,12 +863,14 @@ WG_LANED(mero_leg_leg_foot_position, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_rotation) {
+    WG_FROM(q, 0)
+    WG_INTO(R, 1)
     WG_EACH_LANE {
         double q[3], R[9];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_foot_rotation_lane(q, R);
-        WG_KEEP_9(R, 0)
-        WG_DONE(9, R[0])
+        WG_KEEP_9(R)
+        WG_DONE(R[0])
     }
 }
 
@@ -878,12 +882,14 @@ WG_LANED(mero_leg_leg_foot_rotation, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_pose) {
+    WG_FROM(q, 0)
+    WG_INTO(T, 1)
     WG_EACH_LANE {
         double q[3], T[16];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_foot_pose_lane(q, T);
-        WG_KEEP_16(T, 0)
-        WG_DONE(16, T[3])
+        WG_KEEP_16(T)
+        WG_DONE(T[3])
     }
 }
 
@@ -895,12 +901,14 @@ WG_LANED(mero_leg_leg_foot_pose, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_jacobian) {
+    WG_FROM(q, 0)
+    WG_INTO(J, 1)
     WG_EACH_LANE {
         double q[3], J[9];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_foot_jacobian_lane(q, J);
-        WG_KEEP_9(J, 0)
-        WG_DONE(9, J[0])
+        WG_KEEP_9(J)
+        WG_DONE(J[0])
     }
 }
 
@@ -912,13 +920,16 @@ WG_LANED(mero_leg_leg_foot_jacobian, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_position_jacobian) {
+    WG_FROM(q, 0)
+    WG_INTO(p, 1)
+    WG_INTO(J, 2)
     WG_EACH_LANE {
         double q[3], p[3], J[9];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_foot_position_jacobian_lane(q, p, J);
-        WG_KEEP_3(p, 0)
-        WG_KEEP_9(J, 3)
-        WG_DONE(12, p[0])
+        WG_KEEP_3(p)
+        WG_KEEP_9(J)
+        WG_DONE(p[0])
     }
 }
 
@@ -930,12 +941,14 @@ WG_LANED(mero_leg_leg_foot_position_jacobian, 1, 2);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_spatial_jacobian) {
+    WG_FROM(q, 0)
+    WG_INTO(J, 1)
     WG_EACH_LANE {
         double q[3], J[18];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_foot_spatial_jacobian_lane(q, J);
-        WG_KEEP_18(J, 0)
-        WG_DONE(18, J[0])
+        WG_KEEP_18(J)
+        WG_DONE(J[0])
     }
 }
 
@@ -947,12 +960,14 @@ WG_LANED(mero_leg_leg_foot_spatial_jacobian, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_hessian) {
+    WG_FROM(q, 0)
+    WG_INTO(H, 1)
     WG_EACH_LANE {
         double q[3], H[27];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_foot_hessian_lane(q, H);
-        WG_KEEP_27(H, 0)
-        WG_DONE(27, H[0])
+        WG_KEEP_27(H)
+        WG_DONE(H[0])
     }
 }
 
@@ -964,13 +979,16 @@ WG_LANED(mero_leg_leg_foot_hessian, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_velocity) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_INTO(v, 2)
     WG_EACH_LANE {
         double q[3], qd[3], v[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
         mero_leg_leg_foot_velocity_lane(q, qd, v);
-        WG_KEEP_3(v, 0)
-        WG_DONE(3, v[0])
+        WG_KEEP_3(v)
+        WG_DONE(v[0])
     }
 }
 
@@ -982,14 +1000,18 @@ WG_LANED(mero_leg_leg_foot_velocity, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(qdd, 2)
+    WG_INTO(a, 3)
     WG_EACH_LANE {
         double q[3], qd[3], qdd[3], a[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(qdd, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(qdd)
         mero_leg_leg_foot_acceleration_lane(q, qd, qdd, a);
-        WG_KEEP_3(a, 0)
-        WG_DONE(3, a[0])
+        WG_KEEP_3(a)
+        WG_DONE(a[0])
     }
 }
 
@@ -1001,13 +1023,16 @@ WG_LANED(mero_leg_leg_foot_acceleration, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_bias_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_INTO(a, 2)
     WG_EACH_LANE {
         double q[3], qd[3], a[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
         mero_leg_leg_foot_bias_acceleration_lane(q, qd, a);
-        WG_KEEP_6(a, 0)
-        WG_DONE(6, a[0])
+        WG_KEEP_6(a)
+        WG_DONE(a[0])
     }
 }
 
@@ -1019,13 +1044,16 @@ WG_LANED(mero_leg_leg_foot_bias_acceleration, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_foot_torque) {
+    WG_FROM(q, 0)
+    WG_FROM(f, 1)
+    WG_INTO(tau, 2)
     WG_EACH_LANE {
         double q[3], f[3], tau[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(f, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_3(f)
         mero_leg_leg_foot_torque_lane(q, f, tau);
-        WG_KEEP_3(tau, 0)
-        WG_DONE(3, tau[0])
+        WG_KEEP_3(tau)
+        WG_DONE(tau[0])
     }
 }
 
@@ -1037,14 +1065,17 @@ WG_LANED(mero_leg_leg_foot_torque, 2, 1);
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_leg_inverse) {
+    WG_FROM(p, 0)
+    WG_INTO(q, 1)
+    WG_INTO(status, 2)
     WG_EACH_LANE {
         double p[3], q[12], target[3];
         WG_STATE status[4];
-        WG_TAKE_3(p, 0)
+        WG_TAKE_3(p)
         mero_leg_leg_inverse_branches_kernel_lane(p, q, status, target);
-        WG_KEEP_12(q, 0)
-        WG_KEEP_4(status, 12)
-        WG_DONE(16, q[0] + q[6] + q[1] + q[2] + q[4])
+        WG_KEEP_12(q)
+        WG_KEEP_4(status)
+        WG_DONE(q[0] + q[6] + q[1] + q[2] + q[4])
     }
 }
 
@@ -1059,13 +1090,15 @@ WG_LANED(mero_leg_leg_inverse, 1, 2);
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_leg_within_limits) {
+    WG_FROM(q, 0)
+    WG_INTO(within, 1)
     WG_EACH_LANE {
         double q[3];
         WG_STATE within[1];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         within[0] = mero_leg_leg_within_limits_lane(q);
-        WG_KEEP_1(within, 0)
-        WG_DONE(1, 0)
+        WG_KEEP_1(within)
+        WG_DONE(0)
     }
 }
 
@@ -1079,15 +1112,20 @@ WG_LANED(mero_leg_leg_within_limits, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_inverse_dynamics) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(qdd, 2)
+    WG_FROM(f, 3)
+    WG_INTO(tau, 4)
     WG_EACH_LANE {
         double q[3], qd[3], qdd[3], f[3], tau[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(qdd, 6)
-        WG_TAKE_3(f, 9)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(qdd)
+        WG_TAKE_3(f)
         mero_leg_leg_inverse_dynamics_lane(q, qd, qdd, f, tau);
-        WG_KEEP_3(tau, 0)
-        WG_DONE(3, tau[0])
+        WG_KEEP_3(tau)
+        WG_DONE(tau[0])
     }
 }
 
@@ -1099,15 +1137,20 @@ WG_LANED(mero_leg_leg_inverse_dynamics, 4, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_forward_dynamics) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(tau, 2)
+    WG_FROM(f, 3)
+    WG_INTO(qdd, 4)
     WG_EACH_LANE {
         double q[3], qd[3], tau[3], f[3], qdd[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(tau, 6)
-        WG_TAKE_3(f, 9)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(tau)
+        WG_TAKE_3(f)
         mero_leg_leg_forward_dynamics_lane(q, qd, tau, f, qdd);
-        WG_KEEP_3(qdd, 0)
-        WG_DONE(3, qdd[0])
+        WG_KEEP_3(qdd)
+        WG_DONE(qdd[0])
     }
 }
 
@@ -1119,12 +1162,14 @@ WG_LANED(mero_leg_leg_forward_dynamics, 4, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_mass_matrix) {
+    WG_FROM(q, 0)
+    WG_INTO(M, 1)
     WG_EACH_LANE {
         double q[3], M[9];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_mass_matrix_lane(q, M);
-        WG_KEEP_9(M, 0)
-        WG_DONE(9, M[0])
+        WG_KEEP_9(M)
+        WG_DONE(M[0])
     }
 }
 
@@ -1136,13 +1181,16 @@ WG_LANED(mero_leg_leg_mass_matrix, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_bias) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_INTO(h, 2)
     WG_EACH_LANE {
         double q[3], qd[3], h[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
         mero_leg_leg_bias_lane(q, qd, h);
-        WG_KEEP_3(h, 0)
-        WG_DONE(3, h[0])
+        WG_KEEP_3(h)
+        WG_DONE(h[0])
     }
 }
 
@@ -1154,12 +1202,14 @@ WG_LANED(mero_leg_leg_bias, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_gravity_torque) {
+    WG_FROM(q, 0)
+    WG_INTO(g, 1)
     WG_EACH_LANE {
         double q[3], g[3];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_gravity_torque_lane(q, g);
-        WG_KEEP_3(g, 0)
-        WG_DONE(3, g[1])
+        WG_KEEP_3(g)
+        WG_DONE(g[1])
     }
 }
 
@@ -1171,13 +1221,16 @@ WG_LANED(mero_leg_leg_gravity_torque, 1, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_coriolis_matrix) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_INTO(C, 2)
     WG_EACH_LANE {
         double q[3], qd[3], C[9];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
         mero_leg_leg_coriolis_matrix_lane(q, qd, C);
-        WG_KEEP_9(C, 0)
-        WG_DONE(9, C[0])
+        WG_KEEP_9(C)
+        WG_DONE(C[0])
     }
 }
 
@@ -1189,13 +1242,16 @@ WG_LANED(mero_leg_leg_coriolis_matrix, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_kinetic_energy) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_INTO(T, 2)
     WG_EACH_LANE {
         double q[3], qd[3], T[1];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
         mero_leg_leg_kinetic_energy_lane(q, qd, T);
-        WG_KEEP_1(T, 0)
-        WG_DONE(1, T[0])
+        WG_KEEP_1(T)
+        WG_DONE(T[0])
     }
 }
 
@@ -1207,12 +1263,14 @@ WG_LANED(mero_leg_leg_kinetic_energy, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_leg_potential_energy) {
+    WG_FROM(q, 0)
+    WG_INTO(U, 1)
     WG_EACH_LANE {
         double q[3], U[1];
-        WG_TAKE_3(q, 0)
+        WG_TAKE_3(q)
         mero_leg_leg_potential_energy_lane(q, U);
-        WG_KEEP_1(U, 0)
-        WG_DONE(1, U[0])
+        WG_KEEP_1(U)
+        WG_DONE(U[0])
     }
 }
 

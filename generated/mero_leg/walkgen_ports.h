@@ -1,6 +1,7 @@
 /* walkgen_ports.h: how a block's numbers come from an array of rows into lanes, and results go back; walkgen_batch.h alone includes this.
  *
- * Whole blocks are moved by what suits the array's strides, chosen once for all rows; anything else goes number by number.
+ * Whole blocks are moved by what suits the array's strides, chosen once for all rows; anything else goes number by number. Numbers whose
+ * rows lie together are lanes as they are.
  */
 #if defined(WG_LANES) && ((WG_REAL_BITS == 64 && !defined(WALKGEN_PORTS_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_PORTS_F32)))
 #if WG_REAL_BITS == 64
@@ -10,13 +11,13 @@
 #endif
 
 /* An array on its way: where its next block begins, and what moves whole blocks between it and lanes; `beyond` where that reaches into the row
- * after, `far` where results do not stay in a cache.
+ * after, `direct` where whole blocks stay where they are, `filled` where statuses lie together, so that those of a block can be set at once.
  */
 struct WG_NAME(wg_port) {
     char *at;
     void (*move)(const struct WG_NAME(wg_port) *port, WG_REAL (*lanes)[WG_LANES]);
     ptrdiff_t row, element;
-    int32_t size, kind, rows, far, beyond;
+    int32_t size, kind, rows, beyond, direct, filled;
 };
 
 /* Numbers of so many rows to lanes, one by one. */
@@ -78,14 +79,6 @@ WG_CALLED void WG_NAME(wg_gather_planes)(const struct WG_NAME(wg_port) *port, WG
 WG_CALLED void WG_NAME(wg_scatter_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
     char *to = port->at;
     for (int element = 0; element < port->size; ++element, to += port->element) {
-#if defined(WALKGEN_VECTORS)
-        if (port->far && (uintptr_t)to % WG_LINE == 0) {
-            for (size_t at = 0; at < sizeof found[element]; at += WG_LINE) {
-                wg_stream_line(to + at, (const char *)found[element] + at);
-            }
-            continue;
-        }
-#endif
         memcpy(to, found[element], sizeof found[element]);
     }
 }
@@ -106,7 +99,17 @@ WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *
     }
 }
 
-#if defined(WALKGEN_VECTORS)
+/* A block without any status but OK, which is 0. */
+static inline void WG_NAME(wg_scatter_ok)(const struct WG_NAME(wg_port) *port) {
+    const int32_t ok[WG_LANES] = {0};
+    const ptrdiff_t step = port->row == (ptrdiff_t)sizeof ok[0] ? port->element : (ptrdiff_t)sizeof ok;
+    char *to = port->at;
+    for (int element = 0; element < port->size; ++element, to += step) {
+        memcpy(to, ok, sizeof ok);
+    }
+}
+
+#if defined(WALKGEN_TURNED)
 /* Where a row's elements do. */
 WG_CALLED void WG_NAME(wg_gather_rows)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
     wg_rows_to_planes(port->at, port->row, port->size, sizeof(WG_REAL), WG_LANES, (char *)given, sizeof *given);
@@ -133,11 +136,14 @@ WG_CALLED void WG_NAME(wg_scatter_status_rows)(const struct WG_NAME(wg_port) *po
 static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written) {
     const int state = port->kind == WG_STATUS;
     const ptrdiff_t bytes = state ? (ptrdiff_t)sizeof(int32_t) : (ptrdiff_t)sizeof(WG_REAL);
+    port->rows = WG_LANES, port->beyond = 0;
+    port->filled = state && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
+    port->direct = !state && port->row == bytes && (uintptr_t)port->at % sizeof(WG_REAL) == 0 && port->element % bytes == 0;
     port->move = written ? WG_NAME(wg_scatter_any) : WG_NAME(wg_gather_any);
     if (port->row == bytes) {
         port->move = state ? WG_NAME(wg_scatter_status_planes) : written ? WG_NAME(wg_scatter_planes) : WG_NAME(wg_gather_planes);
     }
-#if defined(WALKGEN_VECTORS)
+#if defined(WALKGEN_TURNED)
     if (port->element == bytes && port->row >= port->size * bytes && port->size >= 3 && (port->size > 3 || !written || port->row == 3 * bytes)) {
         port->move = state ? WG_NAME(wg_scatter_status_rows) : written ? WG_NAME(wg_scatter_rows) : WG_NAME(wg_gather_rows);
         port->beyond = port->size == 3;

@@ -1366,13 +1366,16 @@ WG_ROW(void mero_leg_param_leg_potential_energy_d_param)(const double *WG_RESTRI
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(p, 2)
     WG_EACH_LANE {
         double q[3], param[2], p[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_position_lane(q, param, p);
-        WG_KEEP_3(p, 0)
-        WG_DONE(3, p[0])
+        WG_KEEP_3(p)
+        WG_DONE(p[0])
     }
 }
 
@@ -1384,13 +1387,16 @@ WG_LANED(mero_leg_param_leg_foot_position, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(p_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2], p_d_param[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_position_d_param_lane(q, param, p_d_param);
-        WG_KEEP_6(p_d_param, 0)
-        WG_DONE(6, p_d_param[0])
+        WG_KEEP_6(p_d_param)
+        WG_DONE(p_d_param[0])
     }
 }
 
@@ -1402,13 +1408,16 @@ WG_LANED(mero_leg_param_leg_foot_position_d_param, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_rotation) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(R, 2)
     WG_EACH_LANE {
         double q[3], param[2], R[9];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_rotation_lane(q, param, R);
-        WG_KEEP_9(R, 0)
-        WG_DONE(9, R[0])
+        WG_KEEP_9(R)
+        WG_DONE(R[0])
     }
 }
 
@@ -1420,13 +1429,16 @@ WG_LANED(mero_leg_param_leg_foot_rotation, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_rotation_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(R_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2], R_d_param[18];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_rotation_d_param_lane(q, param, R_d_param);
-        WG_KEEP_18(R_d_param, 0)
-        WG_DONE(18, 0)
+        WG_KEEP_18(R_d_param)
+        WG_DONE(0)
     }
 }
 
@@ -1438,13 +1450,16 @@ WG_LANED(mero_leg_param_leg_foot_rotation_d_param, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_pose) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(T, 2)
     WG_EACH_LANE {
         double q[3], param[2], T[16];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_pose_lane(q, param, T);
-        WG_KEEP_16(T, 0)
-        WG_DONE(16, T[3])
+        WG_KEEP_16(T)
+        WG_DONE(T[3])
     }
 }
 
@@ -1456,13 +1471,16 @@ WG_LANED(mero_leg_param_leg_foot_pose, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_pose_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(T_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2], T_d_param[32];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_pose_d_param_lane(q, param, T_d_param);
-        WG_KEEP_32(T_d_param, 0)
-        WG_DONE(32, T_d_param[6])
+        WG_KEEP_32(T_d_param)
+        WG_DONE(T_d_param[6])
     }
 }
 
@@ -1474,13 +1492,16 @@ WG_LANED(mero_leg_param_leg_foot_pose_d_param, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_jacobian) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(J, 2)
     WG_EACH_LANE {
         double q[3], param[2], J[9];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_jacobian_lane(q, param, J);
-        WG_KEEP_9(J, 0)
-        WG_DONE(9, J[0])
+        WG_KEEP_9(J)
+        WG_DONE(J[0])
     }
 }
 
@@ -1492,13 +1513,16 @@ WG_LANED(mero_leg_param_leg_foot_jacobian, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_jacobian_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(J_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2], J_d_param[18];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_jacobian_d_param_lane(q, param, J_d_param);
-        WG_KEEP_18(J_d_param, 0)
-        WG_DONE(18, J_d_param[0])
+        WG_KEEP_18(J_d_param)
+        WG_DONE(J_d_param[0])
     }
 }
 
@@ -1510,14 +1534,18 @@ WG_LANED(mero_leg_param_leg_foot_jacobian_d_param, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_jacobian) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(p, 2)
+    WG_INTO(J, 3)
     WG_EACH_LANE {
         double q[3], param[2], p[3], J[9];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_position_jacobian_lane(q, param, p, J);
-        WG_KEEP_3(p, 0)
-        WG_KEEP_9(J, 3)
-        WG_DONE(12, p[0])
+        WG_KEEP_3(p)
+        WG_KEEP_9(J)
+        WG_DONE(p[0])
     }
 }
 
@@ -1529,14 +1557,18 @@ WG_LANED(mero_leg_param_leg_foot_position_jacobian, 2, 2);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_position_jacobian_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(p_d_param, 2)
+    WG_INTO(J_d_param, 3)
     WG_EACH_LANE {
         double q[3], param[2], p_d_param[6], J_d_param[18];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_position_jacobian_d_param_lane(q, param, p_d_param, J_d_param);
-        WG_KEEP_6(p_d_param, 0)
-        WG_KEEP_18(J_d_param, 6)
-        WG_DONE(24, p_d_param[0])
+        WG_KEEP_6(p_d_param)
+        WG_KEEP_18(J_d_param)
+        WG_DONE(p_d_param[0])
     }
 }
 
@@ -1548,13 +1580,16 @@ WG_LANED(mero_leg_param_leg_foot_position_jacobian_d_param, 2, 2);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_spatial_jacobian) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(J, 2)
     WG_EACH_LANE {
         double q[3], param[2], J[18];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_spatial_jacobian_lane(q, param, J);
-        WG_KEEP_18(J, 0)
-        WG_DONE(18, J[0])
+        WG_KEEP_18(J)
+        WG_DONE(J[0])
     }
 }
 
@@ -1566,13 +1601,16 @@ WG_LANED(mero_leg_param_leg_foot_spatial_jacobian, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_hessian) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(H, 2)
     WG_EACH_LANE {
         double q[3], param[2], H[27];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_hessian_lane(q, param, H);
-        WG_KEEP_27(H, 0)
-        WG_DONE(27, H[0])
+        WG_KEEP_27(H)
+        WG_DONE(H[0])
     }
 }
 
@@ -1584,14 +1622,18 @@ WG_LANED(mero_leg_param_leg_foot_hessian, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_velocity) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(v, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], v[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_velocity_lane(q, qd, param, v);
-        WG_KEEP_3(v, 0)
-        WG_DONE(3, v[0])
+        WG_KEEP_3(v)
+        WG_DONE(v[0])
     }
 }
 
@@ -1603,14 +1645,18 @@ WG_LANED(mero_leg_param_leg_foot_velocity, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_velocity_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(v_d_param, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], v_d_param[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_velocity_d_param_lane(q, qd, param, v_d_param);
-        WG_KEEP_6(v_d_param, 0)
-        WG_DONE(6, v_d_param[0])
+        WG_KEEP_6(v_d_param)
+        WG_DONE(v_d_param[0])
     }
 }
 
@@ -1622,15 +1668,20 @@ WG_LANED(mero_leg_param_leg_foot_velocity_d_param, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(qdd, 2)
+    WG_FROM(param, 3)
+    WG_INTO(a, 4)
     WG_EACH_LANE {
         double q[3], qd[3], qdd[3], param[2], a[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(qdd, 6)
-        WG_TAKE_2(param, 9)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(qdd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_acceleration_lane(q, qd, qdd, param, a);
-        WG_KEEP_3(a, 0)
-        WG_DONE(3, a[0])
+        WG_KEEP_3(a)
+        WG_DONE(a[0])
     }
 }
 
@@ -1642,15 +1693,20 @@ WG_LANED(mero_leg_param_leg_foot_acceleration, 4, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_acceleration_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(qdd, 2)
+    WG_FROM(param, 3)
+    WG_INTO(a_d_param, 4)
     WG_EACH_LANE {
         double q[3], qd[3], qdd[3], param[2], a_d_param[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(qdd, 6)
-        WG_TAKE_2(param, 9)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(qdd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_acceleration_d_param_lane(q, qd, qdd, param, a_d_param);
-        WG_KEEP_6(a_d_param, 0)
-        WG_DONE(6, a_d_param[0])
+        WG_KEEP_6(a_d_param)
+        WG_DONE(a_d_param[0])
     }
 }
 
@@ -1662,14 +1718,18 @@ WG_LANED(mero_leg_param_leg_foot_acceleration_d_param, 4, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(a, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], a[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_bias_acceleration_lane(q, qd, param, a);
-        WG_KEEP_6(a, 0)
-        WG_DONE(6, a[0])
+        WG_KEEP_6(a)
+        WG_DONE(a[0])
     }
 }
 
@@ -1681,14 +1741,18 @@ WG_LANED(mero_leg_param_leg_foot_bias_acceleration, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_bias_acceleration_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(a_d_param, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], a_d_param[12];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_bias_acceleration_d_param_lane(q, qd, param, a_d_param);
-        WG_KEEP_12(a_d_param, 0)
-        WG_DONE(12, a_d_param[0])
+        WG_KEEP_12(a_d_param)
+        WG_DONE(a_d_param[0])
     }
 }
 
@@ -1700,14 +1764,18 @@ WG_LANED(mero_leg_param_leg_foot_bias_acceleration_d_param, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_torque) {
+    WG_FROM(q, 0)
+    WG_FROM(f, 1)
+    WG_FROM(param, 2)
+    WG_INTO(tau, 3)
     WG_EACH_LANE {
         double q[3], f[3], param[2], tau[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(f, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(f)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_torque_lane(q, f, param, tau);
-        WG_KEEP_3(tau, 0)
-        WG_DONE(3, tau[0])
+        WG_KEEP_3(tau)
+        WG_DONE(tau[0])
     }
 }
 
@@ -1719,14 +1787,18 @@ WG_LANED(mero_leg_param_leg_foot_torque, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_foot_torque_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(f, 1)
+    WG_FROM(param, 2)
+    WG_INTO(tau_d_param, 3)
     WG_EACH_LANE {
         double q[3], f[3], param[2], tau_d_param[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(f, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(f)
+        WG_TAKE_2(param)
         mero_leg_param_leg_foot_torque_d_param_lane(q, f, param, tau_d_param);
-        WG_KEEP_6(tau_d_param, 0)
-        WG_DONE(6, tau_d_param[0])
+        WG_KEEP_6(tau_d_param)
+        WG_DONE(tau_d_param[0])
     }
 }
 
@@ -1738,14 +1810,17 @@ WG_LANED(mero_leg_param_leg_foot_torque_d_param, 3, 1);
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_param_leg_within_limits) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(within, 2)
     WG_EACH_LANE {
         double q[3], param[2];
         WG_STATE within[1];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         within[0] = mero_leg_param_leg_within_limits_lane(q, param);
-        WG_KEEP_1(within, 0)
-        WG_DONE(1, 0)
+        WG_KEEP_1(within)
+        WG_DONE(0)
     }
 }
 
@@ -1759,14 +1834,17 @@ WG_LANED(mero_leg_param_leg_within_limits, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_within_limits_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(within_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2];
         WG_STATE within_d_param[2];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_within_limits_d_param_lane(q, param, within_d_param);
-        WG_KEEP_2(within_d_param, 0)
-        WG_DONE(2, 0)
+        WG_KEEP_2(within_d_param)
+        WG_DONE(0)
     }
 }
 
@@ -1780,16 +1858,22 @@ WG_LANED(mero_leg_param_leg_within_limits_d_param, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_inverse_dynamics) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(qdd, 2)
+    WG_FROM(f, 3)
+    WG_FROM(param, 4)
+    WG_INTO(tau, 5)
     WG_EACH_LANE {
         double q[3], qd[3], qdd[3], f[3], param[2], tau[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(qdd, 6)
-        WG_TAKE_3(f, 9)
-        WG_TAKE_2(param, 12)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(qdd)
+        WG_TAKE_3(f)
+        WG_TAKE_2(param)
         mero_leg_param_leg_inverse_dynamics_lane(q, qd, qdd, f, param, tau);
-        WG_KEEP_3(tau, 0)
-        WG_DONE(3, tau[0])
+        WG_KEEP_3(tau)
+        WG_DONE(tau[0])
     }
 }
 
@@ -1801,16 +1885,22 @@ WG_LANED(mero_leg_param_leg_inverse_dynamics, 5, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_inverse_dynamics_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(qdd, 2)
+    WG_FROM(f, 3)
+    WG_FROM(param, 4)
+    WG_INTO(tau_d_param, 5)
     WG_EACH_LANE {
         double q[3], qd[3], qdd[3], f[3], param[2], tau_d_param[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(qdd, 6)
-        WG_TAKE_3(f, 9)
-        WG_TAKE_2(param, 12)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(qdd)
+        WG_TAKE_3(f)
+        WG_TAKE_2(param)
         mero_leg_param_leg_inverse_dynamics_d_param_lane(q, qd, qdd, f, param, tau_d_param);
-        WG_KEEP_6(tau_d_param, 0)
-        WG_DONE(6, tau_d_param[0])
+        WG_KEEP_6(tau_d_param)
+        WG_DONE(tau_d_param[0])
     }
 }
 
@@ -1822,16 +1912,22 @@ WG_LANED(mero_leg_param_leg_inverse_dynamics_d_param, 5, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_forward_dynamics) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(tau, 2)
+    WG_FROM(f, 3)
+    WG_FROM(param, 4)
+    WG_INTO(qdd, 5)
     WG_EACH_LANE {
         double q[3], qd[3], tau[3], f[3], param[2], qdd[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_3(tau, 6)
-        WG_TAKE_3(f, 9)
-        WG_TAKE_2(param, 12)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_3(tau)
+        WG_TAKE_3(f)
+        WG_TAKE_2(param)
         mero_leg_param_leg_forward_dynamics_lane(q, qd, tau, f, param, qdd);
-        WG_KEEP_3(qdd, 0)
-        WG_DONE(3, qdd[0])
+        WG_KEEP_3(qdd)
+        WG_DONE(qdd[0])
     }
 }
 
@@ -1843,13 +1939,16 @@ WG_LANED(mero_leg_param_leg_forward_dynamics, 5, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_mass_matrix) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(M, 2)
     WG_EACH_LANE {
         double q[3], param[2], M[9];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_mass_matrix_lane(q, param, M);
-        WG_KEEP_9(M, 0)
-        WG_DONE(9, M[0])
+        WG_KEEP_9(M)
+        WG_DONE(M[0])
     }
 }
 
@@ -1861,13 +1960,16 @@ WG_LANED(mero_leg_param_leg_mass_matrix, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_mass_matrix_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(M_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2], M_d_param[18];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_mass_matrix_d_param_lane(q, param, M_d_param);
-        WG_KEEP_18(M_d_param, 0)
-        WG_DONE(18, M_d_param[0])
+        WG_KEEP_18(M_d_param)
+        WG_DONE(M_d_param[0])
     }
 }
 
@@ -1879,14 +1981,18 @@ WG_LANED(mero_leg_param_leg_mass_matrix_d_param, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_bias) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(h, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], h[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_bias_lane(q, qd, param, h);
-        WG_KEEP_3(h, 0)
-        WG_DONE(3, h[0])
+        WG_KEEP_3(h)
+        WG_DONE(h[0])
     }
 }
 
@@ -1898,14 +2004,18 @@ WG_LANED(mero_leg_param_leg_bias, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_bias_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(h_d_param, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], h_d_param[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_bias_d_param_lane(q, qd, param, h_d_param);
-        WG_KEEP_6(h_d_param, 0)
-        WG_DONE(6, h_d_param[0])
+        WG_KEEP_6(h_d_param)
+        WG_DONE(h_d_param[0])
     }
 }
 
@@ -1917,13 +2027,16 @@ WG_LANED(mero_leg_param_leg_bias_d_param, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_gravity_torque) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(g, 2)
     WG_EACH_LANE {
         double q[3], param[2], g[3];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_gravity_torque_lane(q, param, g);
-        WG_KEEP_3(g, 0)
-        WG_DONE(3, g[1])
+        WG_KEEP_3(g)
+        WG_DONE(g[1])
     }
 }
 
@@ -1935,13 +2048,16 @@ WG_LANED(mero_leg_param_leg_gravity_torque, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_gravity_torque_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(g_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2], g_d_param[6];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_gravity_torque_d_param_lane(q, param, g_d_param);
-        WG_KEEP_6(g_d_param, 0)
-        WG_DONE(6, g_d_param[2])
+        WG_KEEP_6(g_d_param)
+        WG_DONE(g_d_param[2])
     }
 }
 
@@ -1953,14 +2069,18 @@ WG_LANED(mero_leg_param_leg_gravity_torque_d_param, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_coriolis_matrix) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(C, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], C[9];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_coriolis_matrix_lane(q, qd, param, C);
-        WG_KEEP_9(C, 0)
-        WG_DONE(9, C[0])
+        WG_KEEP_9(C)
+        WG_DONE(C[0])
     }
 }
 
@@ -1972,14 +2092,18 @@ WG_LANED(mero_leg_param_leg_coriolis_matrix, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_coriolis_matrix_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(C_d_param, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], C_d_param[18];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_coriolis_matrix_d_param_lane(q, qd, param, C_d_param);
-        WG_KEEP_18(C_d_param, 0)
-        WG_DONE(18, C_d_param[0])
+        WG_KEEP_18(C_d_param)
+        WG_DONE(C_d_param[0])
     }
 }
 
@@ -1991,14 +2115,18 @@ WG_LANED(mero_leg_param_leg_coriolis_matrix_d_param, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_kinetic_energy) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(T, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], T[1];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_kinetic_energy_lane(q, qd, param, T);
-        WG_KEEP_1(T, 0)
-        WG_DONE(1, T[0])
+        WG_KEEP_1(T)
+        WG_DONE(T[0])
     }
 }
 
@@ -2010,14 +2138,18 @@ WG_LANED(mero_leg_param_leg_kinetic_energy, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_kinetic_energy_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(qd, 1)
+    WG_FROM(param, 2)
+    WG_INTO(T_d_param, 3)
     WG_EACH_LANE {
         double q[3], qd[3], param[2], T_d_param[2];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_3(qd, 3)
-        WG_TAKE_2(param, 6)
+        WG_TAKE_3(q)
+        WG_TAKE_3(qd)
+        WG_TAKE_2(param)
         mero_leg_param_leg_kinetic_energy_d_param_lane(q, qd, param, T_d_param);
-        WG_KEEP_2(T_d_param, 0)
-        WG_DONE(2, T_d_param[0])
+        WG_KEEP_2(T_d_param)
+        WG_DONE(T_d_param[0])
     }
 }
 
@@ -2029,13 +2161,16 @@ WG_LANED(mero_leg_param_leg_kinetic_energy_d_param, 3, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_potential_energy) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(U, 2)
     WG_EACH_LANE {
         double q[3], param[2], U[1];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_potential_energy_lane(q, param, U);
-        WG_KEEP_1(U, 0)
-        WG_DONE(1, U[0])
+        WG_KEEP_1(U)
+        WG_DONE(U[0])
     }
 }
 
@@ -2047,13 +2182,16 @@ WG_LANED(mero_leg_param_leg_potential_energy, 2, 1);
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(mero_leg_param_leg_potential_energy_d_param) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(U_d_param, 2)
     WG_EACH_LANE {
         double q[3], param[2], U_d_param[2];
-        WG_TAKE_3(q, 0)
-        WG_TAKE_2(param, 3)
+        WG_TAKE_3(q)
+        WG_TAKE_2(param)
         mero_leg_param_leg_potential_energy_d_param_lane(q, param, U_d_param);
-        WG_KEEP_2(U_d_param, 0)
-        WG_DONE(2, U_d_param[0])
+        WG_KEEP_2(U_d_param)
+        WG_DONE(U_d_param[0])
     }
 }
 

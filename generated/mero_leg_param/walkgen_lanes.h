@@ -33,77 +33,91 @@
 #define WG_SCHEDULED
 #endif
 
-/* How a block of rows is computed: given [inputs][lane], found [outputs][lane], and last a number for each lane that is 0 where no angle was lost;
- * and how one row is, its numbers side by side. */
-#define WG_BLOCK(name) \
-    WG_SCHEDULED static void name##_block(const WG_REAL (*WG_RESTRICT given)[WG_LANES], WG_REAL (*WG_RESTRICT found)[WG_LANES])
+/* How a block of rows is computed: where each port's numbers lie, and for each lane one that is 0 where no angle was lost; and how one row is,
+ * its numbers side by side. */
+#define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_REAL *WG_RESTRICT lost)
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
 #define WG_LANED(name, inputs, outputs) static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs}
+#define WG_FROM(port, which) \
+    const WG_REAL *const WG_RESTRICT wg_##port = ports[which].at; \
+    const ptrdiff_t wg_##port##_step = ports[which].step; \
+    (void)wg_##port##_step;
+#define WG_INTO(port, which) \
+    WG_REAL *const WG_RESTRICT wg_##port = ports[which].at; \
+    const ptrdiff_t wg_##port##_step = ports[which].step; \
+    (void)wg_##port##_step;
+/* Arrays of one call lie apart. */
+#if defined(__clang__)
+#define WG_EACH_LANE _Pragma("clang loop vectorize(assume_safety)") for (int lane = 0; lane < WG_LANES; ++lane)
+#elif defined(__GNUC__)
+#define WG_EACH_LANE _Pragma("GCC ivdep") for (int lane = 0; lane < WG_LANES; ++lane)
+#else
 #define WG_EACH_LANE for (int lane = 0; lane < WG_LANES; ++lane)
-#define WG_TAKE_1(port, first) port[0] = given[first][lane];
-#define WG_TAKE_2(port, first) WG_TAKE_1(port, first) port[1] = given[(first) + 1][lane];
-#define WG_TAKE_3(port, first) WG_TAKE_2(port, first) port[2] = given[(first) + 2][lane];
-#define WG_TAKE_4(port, first) WG_TAKE_3(port, first) port[3] = given[(first) + 3][lane];
-#define WG_TAKE_5(port, first) WG_TAKE_4(port, first) port[4] = given[(first) + 4][lane];
-#define WG_TAKE_6(port, first) WG_TAKE_5(port, first) port[5] = given[(first) + 5][lane];
-#define WG_TAKE_7(port, first) WG_TAKE_6(port, first) port[6] = given[(first) + 6][lane];
-#define WG_TAKE_8(port, first) WG_TAKE_7(port, first) port[7] = given[(first) + 7][lane];
-#define WG_TAKE_9(port, first) WG_TAKE_8(port, first) port[8] = given[(first) + 8][lane];
-#define WG_TAKE_10(port, first) WG_TAKE_9(port, first) port[9] = given[(first) + 9][lane];
-#define WG_TAKE_11(port, first) WG_TAKE_10(port, first) port[10] = given[(first) + 10][lane];
-#define WG_TAKE_12(port, first) WG_TAKE_11(port, first) port[11] = given[(first) + 11][lane];
-#define WG_TAKE_13(port, first) WG_TAKE_12(port, first) port[12] = given[(first) + 12][lane];
-#define WG_TAKE_14(port, first) WG_TAKE_13(port, first) port[13] = given[(first) + 13][lane];
-#define WG_TAKE_15(port, first) WG_TAKE_14(port, first) port[14] = given[(first) + 14][lane];
-#define WG_TAKE_16(port, first) WG_TAKE_15(port, first) port[15] = given[(first) + 15][lane];
-#define WG_TAKE_17(port, first) WG_TAKE_16(port, first) port[16] = given[(first) + 16][lane];
-#define WG_TAKE_18(port, first) WG_TAKE_17(port, first) port[17] = given[(first) + 17][lane];
-#define WG_TAKE_19(port, first) WG_TAKE_18(port, first) port[18] = given[(first) + 18][lane];
-#define WG_TAKE_20(port, first) WG_TAKE_19(port, first) port[19] = given[(first) + 19][lane];
-#define WG_TAKE_21(port, first) WG_TAKE_20(port, first) port[20] = given[(first) + 20][lane];
-#define WG_TAKE_22(port, first) WG_TAKE_21(port, first) port[21] = given[(first) + 21][lane];
-#define WG_TAKE_23(port, first) WG_TAKE_22(port, first) port[22] = given[(first) + 22][lane];
-#define WG_TAKE_24(port, first) WG_TAKE_23(port, first) port[23] = given[(first) + 23][lane];
-#define WG_TAKE_25(port, first) WG_TAKE_24(port, first) port[24] = given[(first) + 24][lane];
-#define WG_TAKE_26(port, first) WG_TAKE_25(port, first) port[25] = given[(first) + 25][lane];
-#define WG_TAKE_27(port, first) WG_TAKE_26(port, first) port[26] = given[(first) + 26][lane];
-#define WG_TAKE_28(port, first) WG_TAKE_27(port, first) port[27] = given[(first) + 27][lane];
-#define WG_TAKE_29(port, first) WG_TAKE_28(port, first) port[28] = given[(first) + 28][lane];
-#define WG_TAKE_30(port, first) WG_TAKE_29(port, first) port[29] = given[(first) + 29][lane];
-#define WG_TAKE_31(port, first) WG_TAKE_30(port, first) port[30] = given[(first) + 30][lane];
-#define WG_TAKE_32(port, first) WG_TAKE_31(port, first) port[31] = given[(first) + 31][lane];
+#endif
+#define WG_TAKE_1(port) port[0] = wg_##port[lane];
+#define WG_TAKE_2(port) WG_TAKE_1(port) port[1] = wg_##port[wg_##port##_step + lane];
+#define WG_TAKE_3(port) WG_TAKE_2(port) port[2] = wg_##port[2 * wg_##port##_step + lane];
+#define WG_TAKE_4(port) WG_TAKE_3(port) port[3] = wg_##port[3 * wg_##port##_step + lane];
+#define WG_TAKE_5(port) WG_TAKE_4(port) port[4] = wg_##port[4 * wg_##port##_step + lane];
+#define WG_TAKE_6(port) WG_TAKE_5(port) port[5] = wg_##port[5 * wg_##port##_step + lane];
+#define WG_TAKE_7(port) WG_TAKE_6(port) port[6] = wg_##port[6 * wg_##port##_step + lane];
+#define WG_TAKE_8(port) WG_TAKE_7(port) port[7] = wg_##port[7 * wg_##port##_step + lane];
+#define WG_TAKE_9(port) WG_TAKE_8(port) port[8] = wg_##port[8 * wg_##port##_step + lane];
+#define WG_TAKE_10(port) WG_TAKE_9(port) port[9] = wg_##port[9 * wg_##port##_step + lane];
+#define WG_TAKE_11(port) WG_TAKE_10(port) port[10] = wg_##port[10 * wg_##port##_step + lane];
+#define WG_TAKE_12(port) WG_TAKE_11(port) port[11] = wg_##port[11 * wg_##port##_step + lane];
+#define WG_TAKE_13(port) WG_TAKE_12(port) port[12] = wg_##port[12 * wg_##port##_step + lane];
+#define WG_TAKE_14(port) WG_TAKE_13(port) port[13] = wg_##port[13 * wg_##port##_step + lane];
+#define WG_TAKE_15(port) WG_TAKE_14(port) port[14] = wg_##port[14 * wg_##port##_step + lane];
+#define WG_TAKE_16(port) WG_TAKE_15(port) port[15] = wg_##port[15 * wg_##port##_step + lane];
+#define WG_TAKE_17(port) WG_TAKE_16(port) port[16] = wg_##port[16 * wg_##port##_step + lane];
+#define WG_TAKE_18(port) WG_TAKE_17(port) port[17] = wg_##port[17 * wg_##port##_step + lane];
+#define WG_TAKE_19(port) WG_TAKE_18(port) port[18] = wg_##port[18 * wg_##port##_step + lane];
+#define WG_TAKE_20(port) WG_TAKE_19(port) port[19] = wg_##port[19 * wg_##port##_step + lane];
+#define WG_TAKE_21(port) WG_TAKE_20(port) port[20] = wg_##port[20 * wg_##port##_step + lane];
+#define WG_TAKE_22(port) WG_TAKE_21(port) port[21] = wg_##port[21 * wg_##port##_step + lane];
+#define WG_TAKE_23(port) WG_TAKE_22(port) port[22] = wg_##port[22 * wg_##port##_step + lane];
+#define WG_TAKE_24(port) WG_TAKE_23(port) port[23] = wg_##port[23 * wg_##port##_step + lane];
+#define WG_TAKE_25(port) WG_TAKE_24(port) port[24] = wg_##port[24 * wg_##port##_step + lane];
+#define WG_TAKE_26(port) WG_TAKE_25(port) port[25] = wg_##port[25 * wg_##port##_step + lane];
+#define WG_TAKE_27(port) WG_TAKE_26(port) port[26] = wg_##port[26 * wg_##port##_step + lane];
+#define WG_TAKE_28(port) WG_TAKE_27(port) port[27] = wg_##port[27 * wg_##port##_step + lane];
+#define WG_TAKE_29(port) WG_TAKE_28(port) port[28] = wg_##port[28 * wg_##port##_step + lane];
+#define WG_TAKE_30(port) WG_TAKE_29(port) port[29] = wg_##port[29 * wg_##port##_step + lane];
+#define WG_TAKE_31(port) WG_TAKE_30(port) port[30] = wg_##port[30 * wg_##port##_step + lane];
+#define WG_TAKE_32(port) WG_TAKE_31(port) port[31] = wg_##port[31 * wg_##port##_step + lane];
 /* `telling` is NaN where an angle is beyond its range. */
-#define WG_DONE(outputs, telling) found[outputs][lane] = (telling) - (telling);
-#define WG_KEEP_1(port, first) found[first][lane] = port[0];
-#define WG_KEEP_2(port, first) WG_KEEP_1(port, first) found[(first) + 1][lane] = port[1];
-#define WG_KEEP_3(port, first) WG_KEEP_2(port, first) found[(first) + 2][lane] = port[2];
-#define WG_KEEP_4(port, first) WG_KEEP_3(port, first) found[(first) + 3][lane] = port[3];
-#define WG_KEEP_5(port, first) WG_KEEP_4(port, first) found[(first) + 4][lane] = port[4];
-#define WG_KEEP_6(port, first) WG_KEEP_5(port, first) found[(first) + 5][lane] = port[5];
-#define WG_KEEP_7(port, first) WG_KEEP_6(port, first) found[(first) + 6][lane] = port[6];
-#define WG_KEEP_8(port, first) WG_KEEP_7(port, first) found[(first) + 7][lane] = port[7];
-#define WG_KEEP_9(port, first) WG_KEEP_8(port, first) found[(first) + 8][lane] = port[8];
-#define WG_KEEP_10(port, first) WG_KEEP_9(port, first) found[(first) + 9][lane] = port[9];
-#define WG_KEEP_11(port, first) WG_KEEP_10(port, first) found[(first) + 10][lane] = port[10];
-#define WG_KEEP_12(port, first) WG_KEEP_11(port, first) found[(first) + 11][lane] = port[11];
-#define WG_KEEP_13(port, first) WG_KEEP_12(port, first) found[(first) + 12][lane] = port[12];
-#define WG_KEEP_14(port, first) WG_KEEP_13(port, first) found[(first) + 13][lane] = port[13];
-#define WG_KEEP_15(port, first) WG_KEEP_14(port, first) found[(first) + 14][lane] = port[14];
-#define WG_KEEP_16(port, first) WG_KEEP_15(port, first) found[(first) + 15][lane] = port[15];
-#define WG_KEEP_17(port, first) WG_KEEP_16(port, first) found[(first) + 16][lane] = port[16];
-#define WG_KEEP_18(port, first) WG_KEEP_17(port, first) found[(first) + 17][lane] = port[17];
-#define WG_KEEP_19(port, first) WG_KEEP_18(port, first) found[(first) + 18][lane] = port[18];
-#define WG_KEEP_20(port, first) WG_KEEP_19(port, first) found[(first) + 19][lane] = port[19];
-#define WG_KEEP_21(port, first) WG_KEEP_20(port, first) found[(first) + 20][lane] = port[20];
-#define WG_KEEP_22(port, first) WG_KEEP_21(port, first) found[(first) + 21][lane] = port[21];
-#define WG_KEEP_23(port, first) WG_KEEP_22(port, first) found[(first) + 22][lane] = port[22];
-#define WG_KEEP_24(port, first) WG_KEEP_23(port, first) found[(first) + 23][lane] = port[23];
-#define WG_KEEP_25(port, first) WG_KEEP_24(port, first) found[(first) + 24][lane] = port[24];
-#define WG_KEEP_26(port, first) WG_KEEP_25(port, first) found[(first) + 25][lane] = port[25];
-#define WG_KEEP_27(port, first) WG_KEEP_26(port, first) found[(first) + 26][lane] = port[26];
-#define WG_KEEP_28(port, first) WG_KEEP_27(port, first) found[(first) + 27][lane] = port[27];
-#define WG_KEEP_29(port, first) WG_KEEP_28(port, first) found[(first) + 28][lane] = port[28];
-#define WG_KEEP_30(port, first) WG_KEEP_29(port, first) found[(first) + 29][lane] = port[29];
-#define WG_KEEP_31(port, first) WG_KEEP_30(port, first) found[(first) + 30][lane] = port[30];
-#define WG_KEEP_32(port, first) WG_KEEP_31(port, first) found[(first) + 31][lane] = port[31];
+#define WG_DONE(telling) lost[lane] = (telling) - (telling);
+#define WG_KEEP_1(port) wg_##port[lane] = port[0];
+#define WG_KEEP_2(port) WG_KEEP_1(port) wg_##port[wg_##port##_step + lane] = port[1];
+#define WG_KEEP_3(port) WG_KEEP_2(port) wg_##port[2 * wg_##port##_step + lane] = port[2];
+#define WG_KEEP_4(port) WG_KEEP_3(port) wg_##port[3 * wg_##port##_step + lane] = port[3];
+#define WG_KEEP_5(port) WG_KEEP_4(port) wg_##port[4 * wg_##port##_step + lane] = port[4];
+#define WG_KEEP_6(port) WG_KEEP_5(port) wg_##port[5 * wg_##port##_step + lane] = port[5];
+#define WG_KEEP_7(port) WG_KEEP_6(port) wg_##port[6 * wg_##port##_step + lane] = port[6];
+#define WG_KEEP_8(port) WG_KEEP_7(port) wg_##port[7 * wg_##port##_step + lane] = port[7];
+#define WG_KEEP_9(port) WG_KEEP_8(port) wg_##port[8 * wg_##port##_step + lane] = port[8];
+#define WG_KEEP_10(port) WG_KEEP_9(port) wg_##port[9 * wg_##port##_step + lane] = port[9];
+#define WG_KEEP_11(port) WG_KEEP_10(port) wg_##port[10 * wg_##port##_step + lane] = port[10];
+#define WG_KEEP_12(port) WG_KEEP_11(port) wg_##port[11 * wg_##port##_step + lane] = port[11];
+#define WG_KEEP_13(port) WG_KEEP_12(port) wg_##port[12 * wg_##port##_step + lane] = port[12];
+#define WG_KEEP_14(port) WG_KEEP_13(port) wg_##port[13 * wg_##port##_step + lane] = port[13];
+#define WG_KEEP_15(port) WG_KEEP_14(port) wg_##port[14 * wg_##port##_step + lane] = port[14];
+#define WG_KEEP_16(port) WG_KEEP_15(port) wg_##port[15 * wg_##port##_step + lane] = port[15];
+#define WG_KEEP_17(port) WG_KEEP_16(port) wg_##port[16 * wg_##port##_step + lane] = port[16];
+#define WG_KEEP_18(port) WG_KEEP_17(port) wg_##port[17 * wg_##port##_step + lane] = port[17];
+#define WG_KEEP_19(port) WG_KEEP_18(port) wg_##port[18 * wg_##port##_step + lane] = port[18];
+#define WG_KEEP_20(port) WG_KEEP_19(port) wg_##port[19 * wg_##port##_step + lane] = port[19];
+#define WG_KEEP_21(port) WG_KEEP_20(port) wg_##port[20 * wg_##port##_step + lane] = port[20];
+#define WG_KEEP_22(port) WG_KEEP_21(port) wg_##port[21 * wg_##port##_step + lane] = port[21];
+#define WG_KEEP_23(port) WG_KEEP_22(port) wg_##port[22 * wg_##port##_step + lane] = port[22];
+#define WG_KEEP_24(port) WG_KEEP_23(port) wg_##port[23 * wg_##port##_step + lane] = port[23];
+#define WG_KEEP_25(port) WG_KEEP_24(port) wg_##port[24 * wg_##port##_step + lane] = port[24];
+#define WG_KEEP_26(port) WG_KEEP_25(port) wg_##port[25 * wg_##port##_step + lane] = port[25];
+#define WG_KEEP_27(port) WG_KEEP_26(port) wg_##port[26 * wg_##port##_step + lane] = port[26];
+#define WG_KEEP_28(port) WG_KEEP_27(port) wg_##port[27 * wg_##port##_step + lane] = port[27];
+#define WG_KEEP_29(port) WG_KEEP_28(port) wg_##port[28 * wg_##port##_step + lane] = port[28];
+#define WG_KEEP_30(port) WG_KEEP_29(port) wg_##port[29 * wg_##port##_step + lane] = port[29];
+#define WG_KEEP_31(port) WG_KEEP_30(port) wg_##port[30 * wg_##port##_step + lane] = port[30];
+#define WG_KEEP_32(port) WG_KEEP_31(port) wg_##port[31 * wg_##port##_step + lane] = port[31];
 #endif

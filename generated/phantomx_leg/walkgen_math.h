@@ -125,9 +125,6 @@
 #if __has_builtin(__builtin_elementwise_fma)
 #define WALKGEN_ELEMENTWISE
 #endif
-#if __has_builtin(__builtin_shufflevector)
-#define WALKGEN_SHUFFLEVECTOR
-#endif
 #endif
 #elif defined(__GNUC__) && defined(__SSE2__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(WALKGEN_PLAIN) && !defined(WALKGEN_LIBM) && !defined(WALKGEN_FAST_FMA)
 #define WALKGEN_PAIRS

@@ -32,13 +32,16 @@ WG_ROW(void terrain_demo_leg_foot_position)(const double *WG_RESTRICT q, const d
 
 #if defined(WALKGEN_BLOCKS)
 WG_BLOCK(terrain_demo_leg_foot_position) {
+    WG_FROM(q, 0)
+    WG_FROM(param, 1)
+    WG_INTO(p, 2)
     WG_EACH_LANE {
         double q[2], param[1], p[3];
-        WG_TAKE_2(q, 0)
-        WG_TAKE_1(param, 2)
+        WG_TAKE_2(q)
+        WG_TAKE_1(param)
         terrain_demo_leg_foot_position_lane(q, param, p);
-        WG_KEEP_3(p, 0)
-        WG_DONE(3, p[0])
+        WG_KEEP_3(p)
+        WG_DONE(p[0])
     }
 }
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_lanes_built import AVX2, PRECISIONS, QUICK, WARNINGS, bits, inputs, pointers, results
+from test_lanes_built import AVX2, PRECISIONS, QUICK, WARNINGS, bits, inputs, one_by_one, pointers, results
 
 from walkgen import pipeline
 from walkgen.emit.c_declaration import function_name
@@ -15,7 +15,7 @@ from walkgen.emit.c_printer import DOUBLE
 
 SPECS = Path(__file__).parents[2] / "specs"
 BUILDS = {"lanes": AVX2, "any processor": ("-O2",), "row by row": ("-O1", "-DWALKGEN_NO_BLOCKS")}
-ROWS, STRIDE = (1, 5, 32, 77), 80
+ROWS, STRIDE = (1, 5, 32, 77), 112
 
 
 @pytest.fixture(scope="module", params=["mero_leg", "mero_leg_param"])
@@ -108,11 +108,11 @@ def test_planar_functions_are_there_where_they_are_asked_for(made):
 
 
 @pytest.mark.parametrize("padding", [5, 8])
-def test_planes_too_large_for_a_cache_have_the_same_bits(made, padding):
-    """What goes past the cache: aligned planes whole, of others those that happen to be aligned."""
+def test_planes_are_lanes_wherever_they_begin(made, padding):
+    """Many blocks, each plane at the start of a line of the cache or in its midst."""
     code, folder = made
-    loaded, rows = library(folder, code.mechanism.name, "lanes"), 470_003
-    signature = next(body.signature for body in code.functions if body.signature.name == "foot_jacobian")
+    loaded, rows = library(folder, code.mechanism.name, "lanes"), 10_003
+    signature = signature_of(code, "foot_jacobian")
     name = function_name(signature, DOUBLE)
     (q, *param), found = given_rows(signature, np.float64, rows), np.zeros((rows, 9))
     loaded[f"{name}_batch"](ctypes.c_size_t(rows), *pointers([q, *param, found]))
@@ -120,3 +120,29 @@ def test_planes_too_large_for_a_cache_have_the_same_bits(made, padding):
     loaded[f"{name}_planar"](ctypes.c_size_t(rows), ctypes.c_size_t(rows + padding), *pointers([given, *param, planes]))
     assert np.array_equal(planes[:, :rows].T, found, equal_nan=True)
     assert (planes[:, rows:] == -7).all()
+
+
+def test_statuses_are_written_where_all_feet_are_reached(made):
+    """Of blocks without another status than OK, and of the one that a foot out of reach is in."""
+    code, folder = made
+    loaded, rows, away = library(folder, code.mechanism.name, "lanes"), 100, 40
+    forward, inverse = (signature_of(code, name) for name in ("foot_position", "inverse"))
+    q, *param = given_rows(forward, np.float64, rows)
+    q[:] = np.random.default_rng(5).uniform([-1, -0.6, -1.4], [1, 0.6, -0.4], (rows, 3))
+    p = np.full((rows, 3), -7.0)
+    batch_of(loaded, function_name(forward, DOUBLE), forward, rows, [q, *param], [p])
+    p[away] = 9
+    name, given = function_name(inverse, DOUBLE), [p, *param]
+    one, many, planar = ([np.full_like(array, -7) for array in results(inverse, np.float64, rows)] for _ in range(3))
+    planar = [component_major(array, shared=False) for array in planar]
+    one_by_one(loaded, name, inverse, [np.resize(array, (rows, array.shape[1])) for array in given], one)
+    assert batch_of(loaded, name, inverse, rows, given, many) == 1
+    arrays = [component_major(array, port.name == "param") for port, array in zip(inverse.inputs, given, strict=True)]
+    assert loaded[f"{name}_planar"](ctypes.c_size_t(rows), ctypes.c_size_t(STRIDE), *pointers(arrays), *pointers(planar)) == 1
+    assert np.array_equal(one[-1].any(axis=1), np.arange(rows) == away)
+    for first, second, third in zip(one, many, planar, strict=True):
+        assert bits(first) == bits(second) == bits(np.ascontiguousarray(third[:, :rows].T))
+
+
+def signature_of(code, name):
+    return next(body.signature for body in code.functions if body.signature.name == name)

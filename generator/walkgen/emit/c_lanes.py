@@ -108,7 +108,9 @@ def _known(body: Composite, computed: tuple[str, ...]) -> bool:
 def lane_lines(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
     """The block, the row alone and the table of both."""
     name = function_name(each.signature, precision)
-    yield from ("", each.opening, f"WG_BLOCK({name}) {{", f"{INDENT}WG_EACH_LANE {{")
+    yield from ("", each.opening, f"WG_BLOCK({name}) {{")
+    yield from (f"{INDENT}{line}" for line in _places(each))
+    yield f"{INDENT}WG_EACH_LANE {{"
     yield from (f"{INDENT * 2}{line}" for line in _block(each, kernel, precision))
     yield from (f"{INDENT}}}", "}", "", f"WG_ALONE({name}) {{")
     yield from (f"{INDENT}{line}" for line in _alone(each, kernel, precision))
@@ -160,21 +162,25 @@ def _starts(ports: Iterable[Port]) -> dict[str, int]:
     return dict(zip((port.name for port in ports), accumulate((port.size for port in ports), initial=0), strict=False))
 
 
+def _places(each: Laned) -> Iterator[str]:
+    """Where the numbers of a block lie."""
+    inputs = each.signature.inputs
+    for place, port in enumerate((*inputs, *each.signature.outputs)):
+        if port.name in each.arguments:
+            yield f"WG_{'FROM' if place < len(inputs) else 'INTO'}({port.name}, {place})"
+
+
 def _block(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
     signature, own = each.signature, each.program.signature
-    given, found = _starts(signature.inputs), _starts(signature.outputs)
     sizes = dict(zip(each.arguments, (*own.inputs, *own.outputs), strict=True))
     reals, whole = ([f"{name}[{port.size}]" for name, port in sizes.items() if (port.kind == "real") == real] for real in (True, False))
     yield f"{precision.real} {', '.join(reals)};"
     yield from [f"WG_STATE {', '.join(whole)};"] if whole else []
-    for port in signature.inputs:
-        if port.name in sizes:
-            yield f"WG_TAKE_{port.size}({port.name}, {given[port.name]})"
+    yield from (f"WG_TAKE_{port.size}({port.name})" for port in signature.inputs if port.name in sizes)
     texts = {name: f"{name}[0]" for name, port in zip(each.arguments, own.inputs, strict=False) if not port.shape}
     yield _call(each.program, f"{kernel}_lane", each.arguments, texts, isinstance(each.body, Program))
-    for port in signature.outputs:
-        yield f"WG_KEEP_{port.size}({port.name}, {found[port.name]})"
-    yield f"WG_DONE({sum(port.size for port in signature.outputs)}, {_telling(each)})"
+    yield from (f"WG_KEEP_{port.size}({port.name})" for port in signature.outputs)
+    yield f"WG_DONE({_telling(each)})"
 
 
 def _telling(each: Laned) -> str:

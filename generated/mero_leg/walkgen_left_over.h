@@ -1,0 +1,79 @@
+/* walkgen_left_over.h: what lanes leave over of a block; walkgen_batch.h alone includes this.
+ *
+ * Rows with an angle beyond its range are computed once more, alone, and rows with a target out of reach by other means.
+ */
+#if defined(WG_LANES) && ((WG_REAL_BITS == 64 && !defined(WALKGEN_LEFT_OVER_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_LEFT_OVER_F32)))
+#if WG_REAL_BITS == 64
+#define WALKGEN_LEFT_OVER_F64
+#else
+#define WALKGEN_LEFT_OVER_F32
+#endif
+
+/* Whether any lane of so many elements is not +0. Loops over words compilers turn into vectors that they write and read back. */
+static inline int WG_NAME(wg_any)(int elements, const WG_REAL (*lanes)[WG_LANES]) {
+    const char *at = (const char *)lanes, *const end = (const char *)(lanes + elements);
+#if defined(WALKGEN_VECTORS)
+    wg_bits_4x8 some, any = {0};
+    for (; at < end; at += sizeof some) {
+        memcpy(&some, at, sizeof some);
+        any |= some;
+    }
+    any |= WG_SHUFFLE(wg_bits_4x8, any, any, 2, 3, 0, 1);
+    return (any[0] | any[1]) != 0;
+#else
+    uint64_t some, any = 0;
+    for (; at < end; at += sizeof some) {
+        memcpy(&some, at, sizeof some);
+        any |= some;
+    }
+    return any != 0;
+#endif
+}
+
+/* One lane of a block by itself. */
+static inline void WG_NAME(wg_lane_alone)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_step) *step, WG_NAME(wg_alone) alone,
+                                          int lane) {
+    WG_REAL in[WG_MOST_GIVEN] = {0}, out[WG_MOST_FOUND] = {0}, *number = in;
+    const struct WG_NAME(wg_lanes) *lanes = step->lanes;
+    const struct WG_NAME(wg_port) *port = course->ports;
+    for (; port < course->results; ++port, ++lanes) {
+        for (int element = 0; element < port->size; ++element) {
+            *number++ = lanes->at[element * lanes->step + lane];
+        }
+    }
+    alone(in, out);
+    number = out;
+    for (; port < course->end; ++port, ++lanes) {
+        for (int element = 0; element < port->size; ++element) {
+            lanes->at[element * lanes->step + lane] = *number++;
+        }
+    }
+}
+
+/* Whether a row has this status anywhere, of those that follow one another in lanes. */
+static inline int WG_NAME(wg_lane_has)(int32_t status, int states, const WG_REAL *lane) {
+    int has = 0;
+    for (; states > 0; --states, lane += WG_LANES) {
+        has |= *lane == (WG_REAL)status;
+    }
+    return has;
+}
+
+/* All that is to be done about so many rows, few of which were computed alone. Their statuses follow what else was found, and then what tells
+ * of lost angles. */
+static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
+    const int states = course->states;
+    const WG_REAL(*const told)[WG_LANES] = (const WG_REAL(*)[WG_LANES])(step->found + course->outputs - states);
+    const int in_lanes = count > WG_FEW_ROWS;
+    step->calm = in_lanes && !WG_NAME(wg_any)(states + 1, told);
+    for (int lane = step->calm ? count : 0; lane < count; ++lane) {
+        if (in_lanes && !(told[states][lane] == WG_C(0.0))) {
+            WG_NAME(wg_lane_alone)(course, step, course->laned->alone, lane);
+        }
+        if (course->closest && WG_NAME(wg_lane_has)(WALKGEN_UNREACHABLE, states, &told[0][lane])) {
+            WG_NAME(wg_lane_alone)(course, step, course->closest, lane);
+        }
+        course->bad += states > 0 && !WG_NAME(wg_lane_has)(WALKGEN_OK, states, &told[0][lane]);
+    }
+}
+#endif
