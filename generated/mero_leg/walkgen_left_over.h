@@ -31,7 +31,7 @@ static inline int WG_NAME(wg_any)(int elements, const WG_REAL (*lanes)[WG_LANES]
 }
 
 /* One lane of a block by itself. */
-static inline void WG_NAME(wg_lane_alone)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_step) *step, WG_NAME(wg_alone) alone,
+WG_CALLED void WG_NAME(wg_lane_alone)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_step) *step, WG_NAME(wg_alone) alone,
                                           int lane) {
     WG_REAL in[WG_MOST_GIVEN] = {0}, out[WG_MOST_FOUND] = {0}, *number = in;
     const struct WG_NAME(wg_lanes) *lanes = step->lanes;
@@ -59,21 +59,28 @@ static inline int WG_NAME(wg_lane_has)(int32_t status, int states, const WG_REAL
     return has;
 }
 
-/* All that is to be done about so many rows, few of which were computed alone. Their statuses follow what else was found, and then what tells
- * of lost angles. */
-static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
+/* A block with rows that need more: where angles are lost (`told`'s last), and where targets are out of reach, by its statuses. */
+WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_step) *step,
+                                const WG_REAL (*told)[WG_LANES]) {
     const int states = course->states;
-    const WG_REAL(*const told)[WG_LANES] = (const WG_REAL(*)[WG_LANES])(step->found + course->outputs - states);
-    const int in_lanes = count > WG_FEW_ROWS;
-    step->calm = in_lanes && !WG_NAME(wg_any)(states + 1, told);
-    for (int lane = step->calm ? count : 0; lane < count; ++lane) {
-        if (in_lanes && !(told[states][lane] == WG_C(0.0))) {
+    for (int lane = 0; lane < count; ++lane) {
+        if (count > WG_FEW_ROWS && !(told[states][lane] == WG_C(0.0))) {
             WG_NAME(wg_lane_alone)(course, step, course->laned->alone, lane);
         }
         if (course->closest && WG_NAME(wg_lane_has)(WALKGEN_UNREACHABLE, states, &told[0][lane])) {
             WG_NAME(wg_lane_alone)(course, step, course->closest, lane);
         }
         course->bad += states > 0 && !WG_NAME(wg_lane_has)(WALKGEN_OK, states, &told[0][lane]);
+    }
+}
+
+/* All that is to be done about so many rows, few of which were computed alone. Their statuses follow what else was found, and then what tells
+ * of lost angles. */
+static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
+    const WG_REAL(*const told)[WG_LANES] = (const WG_REAL(*)[WG_LANES])(step->found + course->outputs - course->states);
+    step->calm = count > WG_FEW_ROWS && !WG_NAME(wg_any)(course->states + 1, told);
+    if (!step->calm) {
+        WG_NAME(wg_mend)(course, count, step, told);
     }
 }
 #endif

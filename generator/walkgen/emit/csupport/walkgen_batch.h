@@ -107,7 +107,7 @@ struct WG_NAME(wg_course) {
 #include "walkgen_left_over.h"
 
 /* The lanes of every other block, of which the first is `block`; of the last block, whose rows may be few, all lie in between. */
-static inline void WG_NAME(wg_prepare)(const struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, size_t block, int last) {
+WG_CALLED void WG_NAME(wg_prepare)(const struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, size_t block, int last) {
     struct WG_NAME(wg_lanes) *lanes = step->lanes;
     WG_REAL(*between)[WG_LANES] = step->given;
     for (const struct WG_NAME(wg_port) *port = course->ports; port < course->end; between += port->size, ++port, ++lanes) {
@@ -147,7 +147,7 @@ static inline void WG_NAME(wg_take)(struct WG_NAME(wg_course) *course, struct WG
     }
 }
 
-WG_CALLED void WG_NAME(wg_gather_last)(const struct WG_NAME(wg_port) *port, int count, WG_REAL (*given)[WG_LANES]) {
+static inline void WG_NAME(wg_gather_last)(const struct WG_NAME(wg_port) *port, int count, WG_REAL (*given)[WG_LANES]) {
     int first = 0;
 #if defined(WALKGEN_TURNED)
     if (port->beyond) {
@@ -158,7 +158,7 @@ WG_CALLED void WG_NAME(wg_gather_last)(const struct WG_NAME(wg_port) *port, int 
     WG_NAME(wg_gather)(port, first, count, given);
 }
 
-static inline void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
+WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
     WG_REAL(*given)[WG_LANES] = step->given;
     for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; given += port->size, ++port) {
         if (count == WG_LANES && !port->beyond) {
