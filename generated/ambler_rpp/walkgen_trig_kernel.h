@@ -80,9 +80,6 @@ WG_INLINE WG_T WG_TN(wg_arctangent_series)(WG_T z) {
 }
 #endif
 
-/* `odd` where the last bit of n is 1, else `even`. */
-WG_INLINE WG_TBITS WG_TN(wg_by_turn)(WG_TBITS n, WG_TBITS even, WG_TBITS odd) { return even ^ ((even ^ odd) & (0 - (n & 1))); }
-
 /* sin x and cos x, |x| <= WG_FARTHEST: of the rest r, exchanged in one of two quarter turns, negated in one of two halves. The sine takes the
  * sign of r, which the sum loses where r is -0. */
 WG_INLINE void WG_TN(wg_sincos_near)(WG_T x, WG_T *sine, WG_T *cosine) {
@@ -91,10 +88,11 @@ WG_INLINE void WG_TN(wg_sincos_near)(WG_T x, WG_T *sine, WG_T *cosine) {
     const WG_T r = reduced.rest, z = r * r, z2 = z * z;
     const WG_T sine_of_r = WG_TFMA(-(z * r), WG_TN(wg_sine_series)(z, z2), r);
     const WG_T cosine_of_r = WG_TFMA(z2, WG_TN(wg_cosine_series)(z, z2), WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0)));
-    const WG_TBITS s = WG_TN(walkgen_to_bits)(sine_of_r) | (WG_TN(walkgen_to_bits)(r) & WG_SIGN), c = WG_TN(walkgen_to_bits)(cosine_of_r);
-    const WG_TBITS half = n << (WG_REAL_BITS - 2), next = half + (WG_SIGN >> 1);
-    *sine = WG_TN(walkgen_of_bits)(WG_TN(wg_by_turn)(n, s, c) ^ (half & WG_SIGN));
-    *cosine = WG_TN(walkgen_of_bits)(WG_TN(wg_by_turn)(n, c, s) ^ (next & WG_SIGN));
+    const WG_TBITS odd = 0 - (n & 1), half = (n << (WG_REAL_BITS - 2)) & WG_SIGN;
+    const WG_TBITS s = (WG_TN(walkgen_to_bits)(sine_of_r) | (WG_TN(walkgen_to_bits)(r) & WG_SIGN)) ^ (odd & WG_SIGN);
+    const WG_TBITS c = WG_TN(walkgen_to_bits)(cosine_of_r), exchange = (s ^ c) & odd;
+    *sine = WG_TN(walkgen_of_bits)(s ^ exchange ^ half);
+    *cosine = WG_TN(walkgen_of_bits)(c ^ exchange ^ half);
 }
 
 /* A number where the mask's bits are 1, else 0. */
