@@ -76,10 +76,10 @@ WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, co
 
 /* All that is to be done about so many rows, few of which were computed alone. Their statuses follow what else was found, and then what tells
  * of lost angles. */
-static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
-    const WG_REAL(*const told)[WG_LANES] = (const WG_REAL(*)[WG_LANES])(step->found + course->outputs - course->states);
-    step->calm = count > WG_FEW_ROWS && !WG_NAME(wg_any)(course->states + 1, told);
-    if (!step->calm) {
+static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_step) *step) {
+    const WG_REAL(*const told)[WG_LANES] = (const WG_REAL(*)[WG_LANES])(course->found + course->outputs - course->states);
+    course->calm = count > WG_FEW_ROWS && !WG_NAME(wg_any)(course->states + 1, told);
+    if (!course->calm) {
         WG_NAME(wg_mend)(course, count, step, told);
     }
 }

@@ -83,35 +83,34 @@ struct WG_NAME(wg_laned) {
 
 #include "walkgen_ports.h"
 
-/* A block between its arrays: lanes of those that do not serve as they are, where all lie, and whether no status but OK was found. */
+/* Every other block: what is gathered for it, and where all its numbers lie. */
 struct WG_NAME(wg_step) {
     WG_ALIGNED WG_REAL given[WG_MOST_GIVEN + 1][WG_LANES]; /* of three numbers a fourth is written too */
-    WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES];
     struct WG_NAME(wg_lanes) lanes[WG_MOST_GIVEN + WG_MOST_FOUND];
-    int calm;
 };
 
-/* A batch on its way. There are three blocks at once: while one is computed, the next one's numbers are gathered and the last one's
- * scattered. Numbers that are read as wider vectors than they were written have then long arrived, and what waits for memory goes beside
- * what waits for sums and products.
+/* A batch on its way. The next block's numbers are gathered before one is computed: numbers that are read as wider vectors than they were
+ * written have then long arrived, and what waits for memory goes beside what waits for sums and products. `calm` is a block without any
+ * status but OK.
  */
 struct WG_NAME(wg_course) {
-    struct WG_NAME(wg_step) steps[2]; /* every other block */
+    WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES];
+    struct WG_NAME(wg_step) steps[2];
     struct WG_NAME(wg_port) ports[WG_MOST_GIVEN + WG_MOST_FOUND], *results, *end;
     const struct WG_NAME(wg_laned) *laned;
     WG_NAME(wg_alone) closest;
     size_t bad;
-    int inputs, outputs, states;
+    int inputs, outputs, states, calm;
 };
 
 #include "walkgen_left_over.h"
 
 /* The lanes of every other block, of which the first is `block`; of the last block, whose rows may be few, all lie in between. */
-WG_CALLED void WG_NAME(wg_prepare)(const struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, size_t block, int last) {
+WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, size_t block, int last) {
     struct WG_NAME(wg_lanes) *lanes = step->lanes;
     WG_REAL(*between)[WG_LANES] = step->given;
     for (const struct WG_NAME(wg_port) *port = course->ports; port < course->end; between += port->size, ++port, ++lanes) {
-        between = port == course->results ? step->found : between;
+        between = port == course->results ? course->found : between;
         lanes->at = *between, lanes->step = WG_LANES, lanes->ahead = 0;
         if (port->direct && !last) {
             lanes->at = (WG_REAL *)(void *)port->at + WG_LANES * block;
@@ -169,10 +168,10 @@ WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int coun
     }
 }
 
-static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step) {
-    WG_REAL(*found)[WG_LANES] = step->found;
+static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course) {
+    WG_REAL(*found)[WG_LANES] = course->found;
     for (struct WG_NAME(wg_port) *port = course->results; port < course->end; found += port->size, ++port) {
-        if (step->calm && port->filled) {
+        if (course->calm && port->filled) {
             WG_NAME(wg_scatter_ok)(port);
         } else if (!port->direct) {
             port->move(port, found);
@@ -181,8 +180,8 @@ static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course, struct WG
     }
 }
 
-static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
-    WG_REAL(*found)[WG_LANES] = step->found;
+static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int count) {
+    WG_REAL(*found)[WG_LANES] = course->found;
     for (struct WG_NAME(wg_port) *port = course->results; port < course->end; found += port->size, ++port) {
         if (count == WG_LANES && !port->beyond) {
             port->move(port, found);
@@ -194,7 +193,7 @@ static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int 
 
 static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, int again) {
     const struct WG_NAME(wg_lanes) *const end = step->lanes + (course->end - course->ports);
-    course->laned->block(step->lanes, step->found[course->outputs]);
+    course->laned->block(step->lanes, course->found[course->outputs]);
     WG_NAME(wg_finish)(course, WG_LANES, step);
     for (struct WG_NAME(wg_lanes) *lanes = step->lanes; again && lanes < end; ++lanes) {
         lanes->at += lanes->ahead;
@@ -214,7 +213,7 @@ static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, i
                 step->given[element][lane] = step->given[element][0];
             }
         }
-        course->laned->block(step->lanes, step->found[course->outputs]);
+        course->laned->block(step->lanes, course->found[course->outputs]);
     }
     WG_NAME(wg_finish)(course, count, step);
 }
@@ -242,16 +241,11 @@ WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t
             WG_NAME(wg_take_last)(&course, count, next);
         }
         WG_NAME(wg_compute)(&course, step, block + 2 < whole);
-        if (block > 0) {
-            WG_NAME(wg_give)(&course, next);
-        }
+        WG_NAME(wg_give)(&course);
         swap = step, step = next, next = swap;
     }
     WG_NAME(wg_compute_last)(&course, count, step);
-    if (whole > 0) {
-        WG_NAME(wg_give)(&course, next);
-    }
-    WG_NAME(wg_give_last)(&course, count, step);
+    WG_NAME(wg_give_last)(&course, count);
     return course.bad;
 }
 #endif
