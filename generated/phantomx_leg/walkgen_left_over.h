@@ -32,7 +32,7 @@ static inline int WG_NAME(wg_any)(int elements, const WG_REAL (*lanes)[WG_LANES]
 
 /* One lane of a block by itself. */
 WG_CALLED void WG_NAME(wg_lane_alone)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_step) *step, WG_NAME(wg_alone) alone,
-                                          int lane) {
+                                      int lane) {
     WG_REAL in[WG_MOST_GIVEN] = {0}, out[WG_MOST_FOUND] = {0}, *number = in;
     const struct WG_NAME(wg_lanes) *lanes = step->lanes;
     const struct WG_NAME(wg_port) *port = course->ports;

@@ -1,7 +1,8 @@
 /* walkgen_batch.h: many rows through a function, WG_LANES of them at a time; the arrays outside may have any length and stride.
  *
- * A block's numbers are gathered so that those of one element lie side by side (walkgen_ports.h), computed (walkgen_lanes.h), and scattered.
- * The last rows, where they are few, and rows with an angle beyond its range are computed alone: with the same bits.
+ * A block's numbers are gathered so that those of one element lie side by side (walkgen_ports.h), computed (walkgen_lanes.h), and scattered;
+ * where an array has them so, they are read and written there. The last rows, where they are few, and rows with an angle beyond its range
+ * are computed alone: with the same bits.
  */
 #include <string.h>
 
@@ -168,6 +169,7 @@ WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int coun
     }
 }
 
+/* And its results. */
 static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course) {
     WG_REAL(*found)[WG_LANES] = course->found;
     for (struct WG_NAME(wg_port) *port = course->results; port < course->end; found += port->size, ++port) {
@@ -191,6 +193,7 @@ static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int 
     }
 }
 
+/* A whole block; `again` where its lanes serve another. */
 static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, int again) {
     const struct WG_NAME(wg_lanes) *const end = step->lanes + (course->end - course->ports);
     course->laned->block(step->lanes, course->found[course->outputs]);
