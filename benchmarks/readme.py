@@ -45,7 +45,7 @@ def lines() -> Iterator[str]:
     yield ""
     yield _robot(result("robot_compile_time")["seconds"]["walkgen's flags"])
     yield ""
-    yield _many_rows(result("batches"))
+    yield from _many_rows(result("batches"))
 
 
 def _table(kinematics: dict[str, Any]) -> Iterator[str]:
@@ -92,24 +92,17 @@ def _robot(seconds: dict[str, float]) -> str:
     )
 
 
-def _many_rows(batches: dict[str, Any]) -> str:
+def _many_rows(batches: dict[str, Any]) -> Iterator[str]:
     """Of those in cache and of a million, in double and in float."""
-    spans = {
-        span: "; ".join(map(_of_rows, (entry for entry in batches["entries"] if entry["span"] == span)))
-        for span in dict.fromkeys(entry["span"] for entry in batches["entries"])
-    }
-    python = ", ".join(f"{entry['function']} {entry['ns']['NumPy'] / entry['ns']['walkgen']:.1f}" for entry in batches["from_python"])
-    return (
-        "`benchmarks/batches.py`, many rows of the leg, ns a row of row arrays / of component-major ones / of the same loop with the C "
-        f"library's sines / of memcpy of as many bytes: {'. '.join(f'{span}: {text}' for span, text in spans.items())}. "
-        f"A million rows from Python, times as fast as the same formulas in NumPy: {python}."
-    )
-
-
-def _of_rows(entry: dict[str, Any]) -> str:
     names = ("lanes", "lanes, planar", "C library, row by row", "memcpy of as many bytes")
-    figures = " / ".join(f"{entry['ns'][name]:.1f}" for name in names)
-    return f"{entry['function']} in {entry['real']} {figures}"
+    yield "| Many rows of the leg, ns a row in C | row arrays | component-major | row by row, C library's sines | memcpy of as many bytes |"
+    yield "| --- | --: | --: | --: | --: |"
+    for entry in batches["entries"]:
+        figures = " | ".join(f"{entry['ns'][name]:.1f}" for name in names)
+        yield f"| {entry['function']}, {entry['real']}, {entry['span']} | {figures} |"
+    python = " and ".join(f"{entry['function']} {entry['ns']['NumPy'] / entry['ns']['walkgen']:.1f}" for entry in batches["from_python"])
+    yield ""
+    yield f"By `benchmarks/batches.py`. From Python a million rows of {python} times as fast as the same formulas in NumPy."
 
 
 def _behind(entries: list[Entry]) -> str:
