@@ -63,14 +63,18 @@ static inline int WG_NAME(wg_lane_has)(int32_t status, int states, const WG_REAL
 WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_step) *step,
                                 const WG_REAL (*told)[WG_LANES]) {
     const int states = course->states;
-    for (int lane = 0; lane < count; ++lane) {
-        if (count > WG_FEW_ROWS && !(told[states][lane] == WG_C(0.0))) {
+    for (int lane = count > WG_FEW_ROWS && WG_NAME(wg_any)(1, told + states) ? 0 : count; lane < count; ++lane) {
+        if (!(told[states][lane] == WG_C(0.0))) {
             WG_NAME(wg_lane_alone)(course, step, course->laned->alone, lane);
         }
-        if (course->closest && WG_NAME(wg_lane_has)(WALKGEN_UNREACHABLE, states, &told[0][lane])) {
+    }
+    for (int lane = course->closest ? 0 : count; lane < count; ++lane) {
+        if (WG_NAME(wg_lane_has)(WALKGEN_UNREACHABLE, states, &told[0][lane])) {
             WG_NAME(wg_lane_alone)(course, step, course->closest, lane);
         }
-        course->bad += states > 0 && !WG_NAME(wg_lane_has)(WALKGEN_OK, states, &told[0][lane]);
+    }
+    for (int lane = states > 0 ? 0 : count; lane < count; ++lane) {
+        course->bad += !WG_NAME(wg_lane_has)(WALKGEN_OK, states, &told[0][lane]);
     }
 }
 
