@@ -68,21 +68,6 @@ WG_CALLED void WG_NAME(wg_scatter_any)(const struct WG_NAME(wg_port) *port, WG_R
     WG_NAME(wg_scatter)(port, port->rows, found);
 }
 
-/* Where an element's rows lie together. */
-WG_CALLED void WG_NAME(wg_gather_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
-    const char *from = port->at;
-    for (int element = 0; element < port->size; ++element, from += port->element) {
-        memcpy(given[element], from, sizeof given[element]);
-    }
-}
-
-WG_CALLED void WG_NAME(wg_scatter_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
-    char *to = port->at;
-    for (int element = 0; element < port->size; ++element, to += port->element) {
-        memcpy(to, found[element], sizeof found[element]);
-    }
-}
-
 /* Statuses as integers. */
 static inline void WG_NAME(wg_integers)(const WG_REAL *WG_RESTRICT found, int32_t *WG_RESTRICT states) {
     for (int lane = 0; lane < WG_LANES; ++lane) {
@@ -90,6 +75,7 @@ static inline void WG_NAME(wg_integers)(const WG_REAL *WG_RESTRICT found, int32_
     }
 }
 
+/* Where an element's rows lie together; of numbers such are lanes as they are. */
 WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
     char *to = port->at;
     for (int element = 0; element < port->size; ++element, to += port->element) {
@@ -140,8 +126,8 @@ static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written
     port->filled = state && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
     port->direct = !state && port->row == bytes && (uintptr_t)port->at % sizeof(WG_REAL) == 0 && port->element % bytes == 0;
     port->move = written ? WG_NAME(wg_scatter_any) : WG_NAME(wg_gather_any);
-    if (port->row == bytes) {
-        port->move = state ? WG_NAME(wg_scatter_status_planes) : written ? WG_NAME(wg_scatter_planes) : WG_NAME(wg_gather_planes);
+    if (state && port->row == bytes) {
+        port->move = WG_NAME(wg_scatter_status_planes);
     }
 #if defined(WALKGEN_TURNED)
     if (port->element == bytes && port->row >= port->size * bytes && port->size >= 3 && (port->size > 3 || !written || port->row == 3 * bytes)) {

@@ -38,14 +38,12 @@
 #define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_REAL *WG_RESTRICT lost)
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
 #define WG_LANED(name, inputs, outputs) static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs}
-#define WG_FROM(port, which) \
-    const WG_REAL *const WG_RESTRICT wg_##port = ports[which].at; \
+#define WG_PLACE(real, port, which) \
+    real *const WG_RESTRICT wg_##port = ports[which].at; \
     const ptrdiff_t wg_##port##_step = ports[which].step; \
     (void)wg_##port##_step;
-#define WG_INTO(port, which) \
-    WG_REAL *const WG_RESTRICT wg_##port = ports[which].at; \
-    const ptrdiff_t wg_##port##_step = ports[which].step; \
-    (void)wg_##port##_step;
+#define WG_FROM(port, which) WG_PLACE(const WG_REAL, port, which)
+#define WG_INTO(port, which) WG_PLACE(WG_REAL, port, which)
 /* Arrays of one call lie apart. */
 #if defined(__clang__)
 #define WG_EACH_LANE _Pragma("clang loop vectorize(assume_safety)") for (int lane = 0; lane < WG_LANES; ++lane)

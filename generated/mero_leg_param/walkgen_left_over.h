@@ -31,10 +31,10 @@ static inline int WG_NAME(wg_any)(int elements, const WG_REAL (*lanes)[WG_LANES]
 }
 
 /* One lane of a block by itself. */
-WG_CALLED void WG_NAME(wg_lane_alone)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_step) *step, WG_NAME(wg_alone) alone,
+WG_CALLED void WG_NAME(wg_lane_alone)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_gathered) *gathered, WG_NAME(wg_alone) alone,
                                       int lane) {
     WG_REAL in[WG_MOST_GIVEN] = {0}, out[WG_MOST_FOUND] = {0}, *number = in;
-    const struct WG_NAME(wg_lanes) *lanes = step->lanes;
+    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     const struct WG_NAME(wg_port) *port = course->ports;
     for (; port < course->results; ++port, ++lanes) {
         for (int element = 0; element < port->size; ++element) {
@@ -60,17 +60,17 @@ static inline int WG_NAME(wg_lane_has)(int32_t status, int states, const WG_REAL
 }
 
 /* A block with rows that need more: where angles are lost (`told`'s last), and where targets are out of reach, by its statuses. */
-WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_step) *step,
+WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered,
                                 const WG_REAL (*told)[WG_LANES]) {
     const int states = course->states;
     for (int lane = count > WG_FEW_ROWS && WG_NAME(wg_any)(1, told + states) ? 0 : count; lane < count; ++lane) {
         if (!(told[states][lane] == WG_C(0.0))) {
-            WG_NAME(wg_lane_alone)(course, step, course->laned->alone, lane);
+            WG_NAME(wg_lane_alone)(course, gathered, course->laned->alone, lane);
         }
     }
     for (int lane = course->closest ? 0 : count; lane < count; ++lane) {
         if (WG_NAME(wg_lane_has)(WALKGEN_UNREACHABLE, states, &told[0][lane])) {
-            WG_NAME(wg_lane_alone)(course, step, course->closest, lane);
+            WG_NAME(wg_lane_alone)(course, gathered, course->closest, lane);
         }
     }
     for (int lane = states > 0 ? 0 : count; lane < count; ++lane) {
@@ -80,11 +80,11 @@ WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, co
 
 /* All that is to be done about so many rows, few of which were computed alone. Their statuses follow what else was found, and then what tells
  * of lost angles. */
-static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_step) *step) {
+static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered) {
     const WG_REAL(*const told)[WG_LANES] = (const WG_REAL(*)[WG_LANES])(course->found + course->outputs - course->states);
     course->calm = count > WG_FEW_ROWS && !WG_NAME(wg_any)(course->states + 1, told);
     if (!course->calm) {
-        WG_NAME(wg_mend)(course, count, step, told);
+        WG_NAME(wg_mend)(course, count, gathered, told);
     }
 }
 #endif

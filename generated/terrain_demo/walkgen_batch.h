@@ -24,7 +24,7 @@
 #define WG_MOST_GIVEN 48
 #define WG_MOST_FOUND 32
 #define WG_MOST_STATUSES 8
-#define WG_LINE 64 /* bytes of the cache's lines; parts of them are written past it slowly */
+#define WG_LINE 64 /* bytes of the cache's lines */
 
 /* clang, asked for vectors, would tell of square roots that set errno, of which it makes none. */
 #if defined(__clang__)
@@ -33,7 +33,7 @@
 
 /* On lines of the cache, which vectors then never cross. */
 #if defined(__GNUC__)
-#define WG_ALIGNED __attribute__((aligned(64)))
+#define WG_ALIGNED __attribute__((aligned(WG_LINE)))
 #else
 #define WG_ALIGNED
 #endif
@@ -85,7 +85,7 @@ struct WG_NAME(wg_laned) {
 #include "walkgen_ports.h"
 
 /* Every other block: what is gathered for it, and where all its numbers lie. */
-struct WG_NAME(wg_step) {
+struct WG_NAME(wg_gathered) {
     WG_ALIGNED WG_REAL given[WG_MOST_GIVEN + 1][WG_LANES]; /* of three numbers a fourth is written too */
     struct WG_NAME(wg_lanes) lanes[WG_MOST_GIVEN + WG_MOST_FOUND];
 };
@@ -96,7 +96,7 @@ struct WG_NAME(wg_step) {
  */
 struct WG_NAME(wg_course) {
     WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES];
-    struct WG_NAME(wg_step) steps[2];
+    struct WG_NAME(wg_gathered) blocks[2];
     struct WG_NAME(wg_port) ports[WG_MOST_GIVEN + WG_MOST_FOUND], *results, *end;
     const struct WG_NAME(wg_laned) *laned;
     WG_NAME(wg_alone) closest;
@@ -106,14 +106,14 @@ struct WG_NAME(wg_course) {
 
 #include "walkgen_left_over.h"
 
-/* The lanes of every other block, of which the first is `block`; of the last block, whose rows may be few, all lie in between. */
-WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, size_t block, int last) {
-    struct WG_NAME(wg_lanes) *lanes = step->lanes;
-    WG_REAL(*between)[WG_LANES] = step->given;
+/* The lanes of every other block, of which the first is `block`; of one of too few rows all lie in between. */
+WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, size_t block, int few) {
+    struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
+    WG_REAL(*between)[WG_LANES] = gathered->given;
     for (const struct WG_NAME(wg_port) *port = course->ports; port < course->end; between += port->size, ++port, ++lanes) {
         between = port == course->results ? course->found : between;
         lanes->at = *between, lanes->step = WG_LANES, lanes->ahead = 0;
-        if (port->direct && !last) {
+        if (port->direct && !few) {
             lanes->at = (WG_REAL *)(void *)port->at + WG_LANES * block;
             lanes->step = port->element / (ptrdiff_t)sizeof(WG_REAL), lanes->ahead = 2 * WG_LANES;
         }
@@ -132,13 +132,13 @@ static inline void WG_NAME(wg_begin)(struct WG_NAME(wg_course) *course, const st
         *(written ? &course->outputs : &course->inputs) += port->size;
         WG_NAME(wg_choose)(port, written);
     }
-    WG_NAME(wg_prepare)(course, &course->steps[0], 0, whole < 1);
-    WG_NAME(wg_prepare)(course, &course->steps[1], 1, whole < 2);
+    WG_NAME(wg_prepare)(course, &course->blocks[0], 0, whole < 1);
+    WG_NAME(wg_prepare)(course, &course->blocks[1], 1, whole < 2);
 }
 
 /* The numbers of a block that has another one after it, and of the last one. */
-static inline void WG_NAME(wg_take)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step) {
-    WG_REAL(*given)[WG_LANES] = step->given;
+static inline void WG_NAME(wg_take)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered) {
+    WG_REAL(*given)[WG_LANES] = gathered->given;
     for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; given += port->size, ++port) {
         if (!port->direct) {
             port->move(port, given);
@@ -158,13 +158,13 @@ static inline void WG_NAME(wg_gather_last)(const struct WG_NAME(wg_port) *port, 
     WG_NAME(wg_gather)(port, first, count, given);
 }
 
-WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
-    WG_REAL(*given)[WG_LANES] = step->given;
+WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
+    WG_REAL(*given)[WG_LANES] = gathered->given;
     for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; given += port->size, ++port) {
-        if (count == WG_LANES && !port->beyond) {
-            port->move(port, given);
-        } else {
+        if (count < WG_LANES || port->beyond) {
             WG_NAME(wg_gather_last)(port, count, given);
+        } else if (!port->direct) {
+            port->move(port, given);
         }
     }
 }
@@ -185,40 +185,40 @@ static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course) {
 static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int count) {
     WG_REAL(*found)[WG_LANES] = course->found;
     for (struct WG_NAME(wg_port) *port = course->results; port < course->end; found += port->size, ++port) {
-        if (count == WG_LANES && !port->beyond) {
-            port->move(port, found);
-        } else {
+        if (count < WG_LANES || port->beyond) {
             WG_NAME(wg_scatter)(port, count, found);
+        } else if (!port->direct) {
+            port->move(port, found);
         }
     }
 }
 
 /* A whole block; `again` where its lanes serve another. */
-static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_step) *step, int again) {
-    const struct WG_NAME(wg_lanes) *const end = step->lanes + (course->end - course->ports);
-    course->laned->block(step->lanes, course->found[course->outputs]);
-    WG_NAME(wg_finish)(course, WG_LANES, step);
-    for (struct WG_NAME(wg_lanes) *lanes = step->lanes; again && lanes < end; ++lanes) {
+static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, int again) {
+    const struct WG_NAME(wg_lanes) *const end = gathered->lanes + (course->end - course->ports);
+    course->laned->block(gathered->lanes, course->found[course->outputs]);
+    WG_NAME(wg_finish)(course, WG_LANES, gathered);
+    for (struct WG_NAME(wg_lanes) *lanes = gathered->lanes; again && lanes < end; ++lanes) {
         lanes->at += lanes->ahead;
     }
 }
 
 /* The last block, which may be of few rows. */
-static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_step) *step) {
-    WG_NAME(wg_prepare)(course, step, 0, 1);
+static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
+    WG_NAME(wg_prepare)(course, gathered, 0, count < WG_LANES);
     if (count <= WG_FEW_ROWS) {
         for (int lane = 0; lane < count; ++lane) {
-            WG_NAME(wg_lane_alone)(course, step, course->laned->alone, lane);
+            WG_NAME(wg_lane_alone)(course, gathered, course->laned->alone, lane);
         }
     } else {
         for (int element = 0; element < course->inputs; ++element) {
             for (int lane = count; lane < WG_LANES; ++lane) {
-                step->given[element][lane] = step->given[element][0];
+                gathered->given[element][lane] = gathered->given[element][0];
             }
         }
-        course->laned->block(step->lanes, course->found[course->outputs]);
+        course->laned->block(gathered->lanes, course->found[course->outputs]);
     }
-    WG_NAME(wg_finish)(course, count, step);
+    WG_NAME(wg_finish)(course, count, gathered);
 }
 
 /* All rows of the inputs' arrays and the outputs', which follow. With `closest`, which computes a row by other means, the rows that have a
@@ -227,15 +227,15 @@ static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, i
 WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t rows, const struct wg_array *arrays,
                                    WG_NAME(wg_alone) closest) {
     struct WG_NAME(wg_course) course;
-    struct WG_NAME(wg_step) *step = &course.steps[0], *next = &course.steps[1], *swap;
+    struct WG_NAME(wg_gathered) *now = &course.blocks[0], *next = &course.blocks[1], *swap;
     const size_t whole = rows > 0 ? (rows - 1) / WG_LANES : 0; /* the last is another matter */
     const int count = (int)(rows - whole * WG_LANES);
     WG_NAME(wg_begin)(&course, laned, whole, arrays);
     course.closest = closest;
     if (whole > 0) {
-        WG_NAME(wg_take)(&course, step);
+        WG_NAME(wg_take)(&course, now);
     } else {
-        WG_NAME(wg_take_last)(&course, count, step);
+        WG_NAME(wg_take_last)(&course, count, now);
     }
     for (size_t block = 0; block < whole; ++block) {
         if (block + 1 < whole) {
@@ -243,11 +243,11 @@ WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t
         } else {
             WG_NAME(wg_take_last)(&course, count, next);
         }
-        WG_NAME(wg_compute)(&course, step, block + 2 < whole);
+        WG_NAME(wg_compute)(&course, now, block + 2 < whole);
         WG_NAME(wg_give)(&course);
-        swap = step, step = next, next = swap;
+        swap = now, now = next, next = swap;
     }
-    WG_NAME(wg_compute_last)(&course, count, step);
+    WG_NAME(wg_compute_last)(&course, count, now);
     WG_NAME(wg_give_last)(&course, count);
     return course.bad;
 }

@@ -34,9 +34,8 @@ PROGRAM = """
         leg##_foot_position_batch(rows, q, p), leg##_foot_jacobian_batch(rows, q, J); \\
         for (size_t row = 10; row < rows; row += 11) p[3 * row] += 1; \\
         memset(status, 77, sizeof status); \\
-        (void)bad; \\
-        (void)leg##_inverse_batch(rows, p, angles, status); \\
-        return memcmp(p, one_p, rows * sizeof p[0] * 3) || memcmp(J, one_J, rows * sizeof J[0] * 9) || \\
+        return leg##_inverse_batch(rows, p, angles, status) != bad || memcmp(p, one_p, rows * sizeof p[0] * 3) || \\
+               memcmp(J, one_J, rows * sizeof J[0] * 9) || \\
                memcmp(angles, one_angles, rows * sizeof angles[0] * 12) || memcmp(status, one_status, rows * sizeof status[0] * 4); \\
     }
 COMPARE(double, mero_leg_leg)

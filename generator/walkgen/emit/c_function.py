@@ -23,7 +23,7 @@ from walkgen.emit.c_declaration import (
     wrapped,
 )
 from walkgen.emit.c_each import each_lines
-from walkgen.emit.c_lanes import Laned, arrays, has_closest
+from walkgen.emit.c_lanes import Laned, blocks_lines, has_closest
 from walkgen.emit.c_printer import CPrinter, Precision
 from walkgen.emit.c_text import comment
 from walkgen.emit.manifest import operations
@@ -104,17 +104,7 @@ def batch_function(
     arguments += [_row(port, by_value=False) for port in signature.outputs if port is not returned]
     step = declared(single, arguments).replace("\n", f"\n{INDENT * 2}")
     lines = tuple(_batch_lines(signature, step))
-    return CFunction(f"{single}_batch", head, (*_blocks_lines(lanes, precision), *lines, "#endif") if lanes else lines)
-
-
-def _blocks_lines(lanes: Laned, precision: Precision) -> Iterator[str]:
-    name = function_name(lanes.signature, precision)
-    closest = f"{name}_closest" if has_closest(lanes.body) else "NULL"
-    result = "return " if lanes.signature.status else "(void)"
-    yield lanes.opening
-    yield from wrapped(f"const struct wg_array arrays[] = {arrays(lanes.signature)};")
-    yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
-    yield "#else"
+    return CFunction(f"{single}_batch", head, (*blocks_lines(lanes, precision, "DENSE"), *lines, "#endif") if lanes else lines)
 
 
 def _batch_lines(signature: Signature, step: str) -> Iterator[str]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from walkgen.emit.artifact import Body, RobotCode
-from walkgen.emit.c_declaration import INDENT, CFunction, function_name
+from walkgen.emit.c_declaration import INDENT, CFunction, function_name, wrapped
 from walkgen.emit.c_printer import Precision
 from walkgen.emit.c_rest import may_leave
 from walkgen.graph.lanes import telling
@@ -145,15 +145,22 @@ def _with_states(text: str) -> str:
     return text.replace("int32_t", "WG_STATE")
 
 
-def arrays(signature: Signature) -> str:
-    """The ports as an initialiser of wg_array's."""
-    return f"{{{', '.join(map(_array, (*signature.inputs, *signature.outputs)))}}}"
+def blocks_lines(lanes: Laned, precision: Precision, layout: str) -> Iterator[str]:
+    """The body of a function of many rows where there are lanes; `layout` is that of its arrays: DENSE, row by row, or PLANAR."""
+    signature = lanes.signature
+    closest = f"{function_name(signature, precision)}_closest" if has_closest(lanes.body) else "NULL"
+    arrays = ", ".join(_array(port, layout) for port in (*signature.inputs, *signature.outputs))
+    yield lanes.opening
+    yield from wrapped(f"const struct wg_array arrays[] = {{{arrays}}};")
+    result = "return " if signature.status else "(void)"
+    yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
+    yield "#else"
 
 
-def _array(port: Port) -> str:
+def _array(port: Port, layout: str) -> str:
     if port.name == "param":
         return f"WG_SHARED(param, {port.size})"
-    return f"WG_DENSE{'' if port.kind == 'real' else '_STATUS'}({port.name}, {port.size})"
+    return f"WG_{layout}{'' if port.kind == 'real' else '_STATUS'}({port.name}, {port.size})"
 
 
 def _starts(ports: Iterable[Port]) -> dict[str, int]:

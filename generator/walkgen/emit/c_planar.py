@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from walkgen.emit.artifact import Body
-from walkgen.emit.c_declaration import INDENT, CFunction, call_lines, declared, function_name, port_type, wrapped
-from walkgen.emit.c_lanes import Laned, has_closest
+from walkgen.emit.c_declaration import INDENT, CFunction, call_lines, declared, function_name, port_type
+from walkgen.emit.c_lanes import Laned, blocks_lines
 from walkgen.emit.c_printer import Precision
 from walkgen.signature import Port, Signature
 
@@ -28,28 +28,11 @@ def planar_functions(body: Body, lanes: Laned | None, precision: Precision, earl
         lines = call_lines(serving, signature, ("rows", "stride"), signature.outputs, returns=bool(signature.status))
         return (CFunction(name, head, lines),)
     lines = tuple(_row_by_row(signature, precision))
-    return (CFunction(name, head, (*_blocks(lanes, precision), *lines, "#endif") if lanes else lines),)
+    return (CFunction(name, head, (*blocks_lines(lanes, precision, "PLANAR"), *lines, "#endif") if lanes else lines),)
 
 
 def _parameter(port: Port, constant: str, precision: Precision) -> str:
     return f"{constant}{port_type(port, precision)} *WG_RESTRICT {port.name}"
-
-
-def _blocks(lanes: Laned, precision: Precision) -> Iterator[str]:
-    signature = lanes.signature
-    closest = f"{function_name(signature, precision)}_closest" if has_closest(lanes.body) else "NULL"
-    arrays = ", ".join(map(_array, (*signature.inputs, *signature.outputs)))
-    yield lanes.opening
-    yield from wrapped(f"const struct wg_array arrays[] = {{{arrays}}};")
-    result = "return " if signature.status else "(void)"
-    yield f"{INDENT}{result}WG_NAME(wg_batch)(&{function_name(lanes.table, precision)}_laned, rows, arrays, {closest});"
-    yield "#else"
-
-
-def _array(port: Port) -> str:
-    if port.name == "param":
-        return f"WG_SHARED(param, {port.size})"
-    return f"WG_PLANAR{'' if port.kind == 'real' else '_STATUS'}({port.name}, {port.size})"
 
 
 def _row_by_row(signature: Signature, precision: Precision) -> Iterator[str]:

@@ -27,7 +27,7 @@
 #define MOST_PORTS 32
 #define HIGHEST_RANK 6
 #define MOST_NUMBERS 64 /* from lists, in one call */
-#define LARGE 1048576 /* bytes */
+#define LARGE_INPUT 1048576 /* bytes */
 
 typedef void (*loop_function)(char **arguments, const npy_intp *dimensions, const npy_intp *steps, void *data);
 
@@ -248,7 +248,7 @@ static PyObject *direct_call(PyObject *object, PyObject *const *arguments, size_
         if (takes_all(&made, self, arguments, (int)given)) {
             return run(self, &made);
         }
-        if (given > 0 && PyArray_Check(arguments[0]) && PyArray_NBYTES((PyArrayObject *)arguments[0]) >= LARGE) {
+        if (given > 0 && PyArray_Check(arguments[0]) && PyArray_NBYTES((PyArrayObject *)arguments[0]) >= LARGE_INPUT) {
             return PyObject_Vectorcall(self->large, arguments, flagged, names);
         }
     }
