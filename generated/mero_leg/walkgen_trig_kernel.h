@@ -7,36 +7,26 @@
  *     WG_TBITS                        as many unsigned integers of as many bits; WG_TN(walkgen_to_bits) and WG_TN(walkgen_of_bits) lead there and back
  */
 #if defined(WG_T)
-/* An angle less n quarter turns, within a rounding; of n the last bits, as the magic number's sum holds them. */
-struct WG_TN(wg_reduced) {
-    WG_T rest;
-    WG_TBITS n;
-};
-
 #if WG_REAL_BITS == 64
-/* pi/2 in 36 + 36 + 53 bits; |n| < 2^16. */
-WG_INLINE struct WG_TN(wg_reduced) WG_TN(wg_reduce)(WG_T x) {
-    const WG_T sum = WG_TFMA(x, WG_TC(0.63661977236758138), WG_TK(WG_MAGIC)), n = sum - WG_TK(WG_MAGIC);
+/* x less n quarter turns, |n| < 2^16: pi/2 in 36 + 36 + 53 bits. `last` is n. */
+WG_INLINE WG_T WG_TN(wg_rest)(WG_T x, WG_T n, WG_T last) {
     const WG_T coarse = WG_TFMA(n, WG_TC(-1.5707963267923333), x);
     const WG_T fine = WG_TFMA(n, WG_TC(-2.5633441515839558e-12), coarse);
-    const struct WG_TN(wg_reduced) reduced = {WG_TFMA(n, WG_TC(-1.0562999066987428e-23), fine), WG_TN(walkgen_to_bits)(sum)};
-    return reduced;
+    return WG_TFMA(last, WG_TC(-1.0562999066987428e-23), fine);
 }
 
-/* (r - sin r) / r^3 by z = r^2; relative error of sin 2^-57.8 for |r| <= 0.7854. */
-WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z, WG_T z2) {
-    const WG_T start = WG_TFMA(z, WG_TC(-0.0083333333333218407), WG_TC(0.1666666666666663));
-    const WG_T middle = WG_TFMA(z, WG_TC(-2.7557313538625445e-6), WG_TC(0.00019841269829358506));
-    const WG_T end = WG_TFMA(z, WG_TC(-1.5895440412425314e-10), WG_TC(2.5050734448150096e-8));
-    return WG_TFMA(z2, WG_TFMA(z2, end, middle), start);
+/* (sin r - r) / r^3 by z = r^2; relative error of sin 2^-57.8 for |r| <= 0.7854. */
+WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z) {
+    const WG_T sixth = WG_TC(1.5895440412425314e-10), fifth = WG_TFMA(z, sixth, WG_TC(-2.5050734448150096e-8));
+    const WG_T fourth = WG_TFMA(z, fifth, WG_TC(2.7557313538625445e-6)), third = WG_TFMA(z, fourth, WG_TC(-0.00019841269829358506));
+    return WG_TFMA(z, WG_TFMA(z, third, WG_TC(0.0083333333333218407)), WG_TC(-0.1666666666666663));
 }
 
-/* (cos r - 1 + r^2/2) / r^4; relative error of cos 2^-63.9. */
-WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z, WG_T z2) {
-    const WG_T start = WG_TFMA(z, WG_TC(-0.0013888888888873342), WG_TC(0.041666666666666595));
-    const WG_T middle = WG_TFMA(z, WG_TC(-2.755731421703696e-7), WG_TC(2.4801587289002079e-5));
-    const WG_T end = WG_TFMA(z, WG_TC(-1.1358749148704411e-11), WG_TC(2.0875705395231184e-9));
-    return WG_TFMA(z2, WG_TFMA(z2, end, middle), start);
+/* (cos r - 1) / r^2; error of cos 2^-54.1. */
+WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z) {
+    const WG_T sixth = WG_TC(2.063363754210201e-9), fifth = WG_TFMA(z, sixth, WG_TC(-2.7555297303094491e-7));
+    const WG_T fourth = WG_TFMA(z, fifth, WG_TC(2.4801579023431895e-5)), third = WG_TFMA(z, fourth, WG_TC(-0.001388888887175142));
+    return WG_TFMA(z, WG_TFMA(z, third, WG_TC(0.041666666666503593)), WG_TC(-0.49999999999999484));
 }
 
 /* (r - atan r) / r^3; relative error of atan 2^-56.9 for |r| <= 1/2. */
@@ -52,23 +42,27 @@ WG_INLINE WG_T WG_TN(wg_arctangent_series)(WG_T z) {
     return WG_TFMA(z4, WG_TFMA(z4, end, middle), start);
 }
 #else
-/* pi/2 in 11 + 11 + 11 + 24 bits; |n| < 2^13. */
-WG_INLINE struct WG_TN(wg_reduced) WG_TN(wg_reduce)(WG_T x) {
-    const WG_T sum = WG_TFMA(x, WG_TC(0.636619772), WG_TK(WG_MAGIC)), n = sum - WG_TK(WG_MAGIC);
+/* x less n quarter turns, |n| < 2^13: pi/2 in 24 + 24 + 24 bits, since with one rounding the first difference is exact (its bits are not finer
+ * than those of 2^-24), or in 11 + 11 + 11 + 24. `last` is n. */
+WG_INLINE WG_T WG_TN(wg_rest)(WG_T x, WG_T n, WG_T last) {
+#if defined(WALKGEN_FAST_FMAF)
+    const WG_T coarse = WG_TFMA(n, WG_TC(-1.57079625), x), fine = WG_TFMA(n, WG_TC(-7.54978942e-8), coarse);
+    return WG_TFMA(last, WG_TC(-5.39030295e-15), fine);
+#else
     const WG_T coarse = WG_TFMA(n, WG_TC(-0.000483751297), WG_TFMA(n, WG_TC(-1.5703125), x));
     const WG_T fine = WG_TFMA(n, WG_TC(-7.54953362e-8), coarse);
-    const struct WG_TN(wg_reduced) reduced = {WG_TFMA(n, WG_TC(-2.56334407e-12), fine), WG_TN(walkgen_to_bits)(sum)};
-    return reduced;
+    return WG_TFMA(last, WG_TC(-2.56334407e-12), fine);
+#endif
 }
 
-/* (r - sin r) / r^3 by z = r^2; relative error of sin 2^-27.8 for |r| <= 0.7866. */
-WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z, WG_T z2) {
-    return WG_TFMA(z2, WG_TC(0.000195176981), WG_TFMA(z, WG_TC(-0.00833218638), WG_TC(0.166666552)));
+/* (sin r - r) / r^3 by z = r^2; relative error of sin 2^-27.8 for |r| <= 0.7866. */
+WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z) {
+    return WG_TFMA(z, WG_TFMA(z, WG_TC(-0.000195176981), WG_TC(0.00833218638)), WG_TC(-0.166666552));
 }
 
-/* (cos r - 1 + r^2/2) / r^4; relative error of cos 2^-32.9. */
-WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z, WG_T z2) {
-    return WG_TFMA(z2, WG_TC(2.44323219e-5), WG_TFMA(z, WG_TC(-0.00138873095), WG_TC(0.0416666456)));
+/* (cos r - 1) / r^2; error of cos 2^-24.8. */
+WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z) {
+    return WG_TFMA(z, WG_TFMA(z, WG_TC(-0.00135959324), WG_TC(0.0416561589)), WG_TC(-0.499998927));
 }
 
 /* (r - atan r) / r^3; relative error of atan 2^-27.4 for |r| <= 1/2. */
@@ -80,19 +74,29 @@ WG_INLINE WG_T WG_TN(wg_arctangent_series)(WG_T z) {
 }
 #endif
 
-/* sin x and cos x, |x| <= WG_FARTHEST: of the rest r, exchanged in one of two quarter turns, negated in one of two halves. The sine takes the
- * sign of r, which the sum loses where r is -0. */
-WG_INLINE void WG_TN(wg_sincos_near)(WG_T x, WG_T *sine, WG_T *cosine) {
-    const struct WG_TN(wg_reduced) reduced = WG_TN(wg_reduce)(x);
-    const WG_TBITS n = reduced.n;
-    const WG_T r = reduced.rest, z = r * r, z2 = z * z;
-    const WG_T sine_of_r = WG_TFMA(-(z * r), WG_TN(wg_sine_series)(z, z2), r);
-    const WG_T cosine_of_r = WG_TFMA(z2, WG_TN(wg_cosine_series)(z, z2), WG_TFMA(WG_TC(-0.5), z, WG_TC(1.0)));
+/* x 2/pi and the magic number: their sum has n, the nearest number of quarter turns, in its last bits. */
+WG_INLINE WG_T WG_TN(wg_quarters)(WG_T x) {
+    return WG_TFMA(x, WG_TK(WG_QUARTERS), WG_TK(WG_MAGIC));
+}
+
+/* Sine and cosine of the rest r after those quarter turns: exchanged in one of two of them, negated in one of two halves. r^3 + 0 is 0 where r is
+ * -0, so that the sine keeps r's sign. */
+WG_INLINE void WG_TN(wg_sincos_after)(WG_T quarters, WG_T r, WG_T *sine, WG_T *cosine) {
+    const WG_TBITS n = WG_TN(walkgen_to_bits)(quarters);
+    const WG_T z = r * r;
+    const WG_T sine_of_r = WG_TFMA(WG_TFMA(z, r, WG_TC(0.0)), WG_TN(wg_sine_series)(z), r);
+    const WG_T cosine_of_r = WG_TFMA(z, WG_TN(wg_cosine_series)(z), WG_TC(1.0));
     const WG_TBITS odd = 0 - (n & 1), half = (n << (WG_REAL_BITS - 2)) & WG_SIGN;
-    const WG_TBITS s = (WG_TN(walkgen_to_bits)(sine_of_r) | (WG_TN(walkgen_to_bits)(r) & WG_SIGN)) ^ (odd & WG_SIGN);
-    const WG_TBITS c = WG_TN(walkgen_to_bits)(cosine_of_r), exchange = (s ^ c) & odd;
+    const WG_TBITS s = WG_TN(walkgen_to_bits)(sine_of_r) ^ (odd & WG_SIGN), c = WG_TN(walkgen_to_bits)(cosine_of_r);
+    const WG_TBITS exchange = (s ^ c) & odd;
     *sine = WG_TN(walkgen_of_bits)(s ^ exchange ^ half);
     *cosine = WG_TN(walkgen_of_bits)(c ^ exchange ^ half);
+}
+
+/* sin x and cos x, |x| <= WG_FARTHEST. */
+WG_INLINE void WG_TN(wg_sincos_near)(WG_T x, WG_T *sine, WG_T *cosine) {
+    const WG_T quarters = WG_TN(wg_quarters)(x), n = quarters - WG_TK(WG_MAGIC);
+    WG_TN(wg_sincos_after)(quarters, WG_TN(wg_rest)(x, n, n), sine, cosine);
 }
 
 /* A number where the mask's bits are 1, else 0. */

@@ -33,9 +33,9 @@
 #define WG_SCHEDULED
 #endif
 
-/* How a block of rows is computed: where each port's numbers lie, and for each lane one that is 0 where no angle was lost; and how one row is,
- * its numbers side by side. */
-#define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_REAL *WG_RESTRICT lost)
+/* How a block of rows is computed: where each port's numbers lie, and for each lane whether an angle was lost; and how one row is, its numbers
+ * side by side. */
+#define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_lost) *WG_RESTRICT lost)
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
 #define WG_LANED(name, inputs, outputs) static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs}
 #define WG_PLACE(real, port, which) \
@@ -84,8 +84,13 @@
 #define WG_TAKE_30(port) WG_TAKE_29(port) port[29] = wg_##port[29 * wg_##port##_step + lane];
 #define WG_TAKE_31(port) WG_TAKE_30(port) port[30] = wg_##port[30 * wg_##port##_step + lane];
 #define WG_TAKE_32(port) WG_TAKE_31(port) port[31] = wg_##port[31 * wg_##port##_step + lane];
-/* `telling` is NaN where an angle is beyond its range. */
+/* `telling` is NaN where an angle is beyond its range, or infinite. */
+#undef WG_DONE
+#if WG_MASKS
+#define WG_DONE(telling) lost[lane] = !((telling) - (telling) == WG_C(0.0));
+#else
 #define WG_DONE(telling) lost[lane] = (telling) - (telling);
+#endif
 #define WG_KEEP_1(port) wg_##port[lane] = port[0];
 #define WG_KEEP_2(port) WG_KEEP_1(port) wg_##port[wg_##port##_step + lane] = port[1];
 #define WG_KEEP_3(port) WG_KEEP_2(port) wg_##port[2 * wg_##port##_step + lane] = port[2];

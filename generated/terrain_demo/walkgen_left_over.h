@@ -9,9 +9,9 @@
 #define WALKGEN_LEFT_OVER_F32
 #endif
 
-/* Whether any lane of so many elements is not +0. Loops over words compilers turn into vectors that they write and read back. */
-static inline int WG_NAME(wg_any)(int elements, const WG_REAL (*lanes)[WG_LANES]) {
-    const char *at = (const char *)lanes, *const end = (const char *)(lanes + elements);
+/* Whether any of so many bytes, some lines of the cache, is not 0. Loops over words compilers turn into vectors that they write and read back. */
+static inline int WG_NAME(wg_any)(size_t bytes, const void *lanes) {
+    const char *at = (const char *)lanes, *const end = at + bytes;
 #if defined(WALKGEN_VECTORS)
     wg_bits_4x8 some, any = {0};
     for (; at < end; at += sizeof some) {
@@ -28,6 +28,16 @@ static inline int WG_NAME(wg_any)(int elements, const WG_REAL (*lanes)[WG_LANES]
     }
     return any != 0;
 #endif
+}
+
+/* The same of as few as tell of lost angles: beside sums and products, which leave the units for words free. */
+static inline int WG_NAME(wg_any_lost)(const WG_NAME(wg_lost) *lost) {
+    uint64_t words[WG_LANES * sizeof *lost / 8], any = 0;
+    memcpy(words, lost, sizeof words);
+    for (size_t word = 0; word < sizeof words / sizeof *words; ++word) {
+        any |= words[word];
+    }
+    return any != 0;
 }
 
 /* One lane of a block by itself. */
@@ -59,12 +69,12 @@ static inline int WG_NAME(wg_lane_has)(int32_t status, int states, const WG_REAL
     return has;
 }
 
-/* A block with rows that need more: where angles are lost (`told`'s last), and where targets are out of reach, by its statuses. */
+/* A block with rows that need more: where angles are lost, and where targets are out of reach, as `told` by its statuses. */
 WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered,
                                 const WG_REAL (*told)[WG_LANES]) {
     const int states = course->states;
-    for (int lane = count > WG_FEW_ROWS && WG_NAME(wg_any)(1, told + states) ? 0 : count; lane < count; ++lane) {
-        if (!(told[states][lane] == WG_C(0.0))) {
+    for (int lane = count > WG_FEW_ROWS && WG_NAME(wg_any_lost)(course->lost) ? 0 : count; lane < count; ++lane) {
+        if (course->lost[lane]) {
             WG_NAME(wg_lane_alone)(course, gathered, course->laned->alone, lane);
         }
     }
@@ -78,11 +88,11 @@ WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, co
     }
 }
 
-/* All that is to be done about so many rows, few of which were computed alone. Their statuses follow what else was found, and then what tells
- * of lost angles. */
+/* All that is to be done about so many rows, few of which were computed alone. Their statuses follow what else was found. */
 static inline void WG_NAME(wg_finish)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered) {
     const WG_REAL(*const told)[WG_LANES] = (const WG_REAL(*)[WG_LANES])(course->found + course->outputs - course->states);
-    course->calm = count > WG_FEW_ROWS && !WG_NAME(wg_any)(course->states + 1, told);
+    course->calm = count > WG_FEW_ROWS && !WG_NAME(wg_any_lost)(course->lost) &&
+                   !WG_NAME(wg_any)((size_t)course->states * sizeof *told, told);
     if (!course->calm) {
         WG_NAME(wg_mend)(course, count, gathered, told);
     }

@@ -38,8 +38,9 @@ ZIG = f"{sys.executable} -m ziglang cc"
 class Trig:
     """One compiled set of the six functions, called on arrays; the arrays' type chooses the precision."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, flags: tuple[str, ...]) -> None:
         self._library = ctypes.CDLL(str(path))
+        self.flags = flags
 
     def __call__(self, name: str, *columns):
         values = [np.ascontiguousarray(column) for column in np.broadcast_arrays(*columns)]
@@ -53,7 +54,7 @@ class Trig:
 def build(folder: Path, *flags: str, compiler: str = "gcc", standard: str = "-std=c99", source: str = SOURCE) -> Trig:
     """Compiled with these flags beside the strict ones."""
     name = f"trig{len(list(folder.iterdir()))}.so"
-    return Trig(compile_c(folder, source, name, standard, "-shared", "-fPIC", *STRICT, *flags, compiler=compiler))
+    return Trig(compile_c(folder, source, name, standard, "-shared", "-fPIC", *STRICT, *flags, compiler=compiler), flags)
 
 
 def fma_flags() -> tuple[str, ...]:

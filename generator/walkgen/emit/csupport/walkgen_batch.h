@@ -59,10 +59,18 @@ struct wg_array {
 #endif
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_BATCH_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_BATCH_F32))
+/* Whether a lane's angle was lost. Of half as many bits as a number, for whose sake gcc computes two vectors of numbers beside each other; a
+ * number where vectors have no masks. */
 #if WG_REAL_BITS == 64
 #define WALKGEN_BATCH_F64
+#if WG_MASKS
+typedef int32_t wg_lost;
+#else
+typedef double wg_lost;
+#endif
 #else
 #define WALKGEN_BATCH_F32
+typedef int16_t wg_lost_f32;
 #endif
 
 /* One row, its numbers side by side. */
@@ -77,7 +85,7 @@ struct WG_NAME(wg_lanes) {
 
 /* A function of rows in both forms; how many arrays are its inputs and its outputs. */
 struct WG_NAME(wg_laned) {
-    void (*block)(const struct WG_NAME(wg_lanes) *ports, WG_REAL *lost);
+    void (*block)(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_lost) *lost);
     WG_NAME(wg_alone) alone;
     int32_t inputs, outputs;
 };
@@ -95,7 +103,8 @@ struct WG_NAME(wg_gathered) {
  * status but OK.
  */
 struct WG_NAME(wg_course) {
-    WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES];
+    WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES]; /* of three numbers a fourth is read too */
+    WG_ALIGNED WG_NAME(wg_lost) lost[WG_LANES];
     struct WG_NAME(wg_gathered) blocks[2];
     struct WG_NAME(wg_port) ports[WG_MOST_GIVEN + WG_MOST_FOUND], *results, *end;
     const struct WG_NAME(wg_laned) *laned;
@@ -196,7 +205,7 @@ static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int 
 /* A whole block; `again` where its lanes serve another. */
 static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, int again) {
     const struct WG_NAME(wg_lanes) *const end = gathered->lanes + (course->end - course->ports);
-    course->laned->block(gathered->lanes, course->found[course->outputs]);
+    course->laned->block(gathered->lanes, course->lost);
     WG_NAME(wg_finish)(course, WG_LANES, gathered);
     for (struct WG_NAME(wg_lanes) *lanes = gathered->lanes; again && lanes < end; ++lanes) {
         lanes->at += lanes->ahead;
@@ -216,7 +225,7 @@ static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, i
                 gathered->given[element][lane] = gathered->given[element][0];
             }
         }
-        course->laned->block(gathered->lanes, course->found[course->outputs]);
+        course->laned->block(gathered->lanes, course->lost);
     }
     WG_NAME(wg_finish)(course, count, gathered);
 }
