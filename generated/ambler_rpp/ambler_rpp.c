@@ -513,6 +513,36 @@ WG_ROW(void ambler_rpp_leg_base_parameters)(const double *WG_RESTRICT q, const d
     Y[4] = Y_extend_m_on_reach_moment_z;
 }
 
+WG_INLINE_ROW(void ambler_rpp_leg_regular_rates_kernel)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, WG_STATE *WG_RESTRICT status,
+    int wg_near) {
+    (void)wg_near;
+    qd[2] = -v[2];
+    qdd[2] = -a[2];
+    const double reach_shift_z = q[1] + 0.8;
+    const double inverse_pivot = 1.0/reach_shift_z;
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double v_along = WG_FMA(-v[0], sin_shoulder, v[1]*cos_shoulder);
+    const double v_across = WG_FMA(v[1], sin_shoulder, v[0]*cos_shoulder);
+    qd[1] = v_across;
+    const double rate = inverse_pivot*v_along;
+    qd[0] = rate;
+    const double a_along = WG_FMA(-a[0], sin_shoulder, a[1]*cos_shoulder);
+    const double a_across = WG_FMA(a[1], sin_shoulder, a[0]*cos_shoulder);
+    const double flow_shoulder_x = reach_shift_z*rate;
+    const double bias_shoulder_z = WG_FMA(rate, flow_shoulder_x, a_across);
+    qdd[1] = bias_shoulder_z;
+    const double rates_reach_y = rate*2.0;
+    const double bias_reach_x = WG_FMA(-v_across, rates_reach_y, a_along);
+    const double rate_2 = inverse_pivot*bias_reach_x;
+    qdd[0] = rate_2;
+    const double total = rate_2 + (bias_shoulder_z + (v_across + rate)) - v[2] - a[2];
+    const double square = WG_FMA(reach_shift_z, reach_shift_z, 2.0);
+    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.01), total - total);
+    *status = (WG_STATE)(WG_SELECT(least < 2.0*fabs(reach_shift_z), 0.0, 1.0));
+}
+
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
@@ -757,6 +787,39 @@ WG_ALONE(ambler_rpp_leg_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(ambler_rpp_leg_within_limits, 1, 1);
+#endif
+
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+WG_BLOCK(ambler_rpp_leg_inverse_velocity_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(v, 1)
+    WG_FROM(a, 2)
+    WG_INTO(qd, 3)
+    WG_INTO(qdd, 4)
+    WG_INTO(status, 5)
+    WG_EACH_LANE {
+        double q[3], v[3], a[3], qd[3], qdd[3];
+        WG_STATE status[1];
+        WG_TAKE_3(q)
+        WG_TAKE_3(v)
+        WG_TAKE_3(a)
+        ambler_rpp_leg_regular_rates_kernel_lane(q, v, a, qd, qdd, status, 1);
+        WG_KEEP_3(qd)
+        WG_KEEP_3(qdd)
+        WG_KEEP_1(status)
+        WG_DONE(qd[0])
+    }
+}
+
+WG_ALONE(ambler_rpp_leg_inverse_velocity_acceleration) {
+    int32_t status[1];
+    ambler_rpp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 1);
+    if (status[0] == WALKGEN_UNREACHABLE) {
+        ambler_rpp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 0);
+    }
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+WG_LANED(ambler_rpp_leg_inverse_velocity_acceleration, 3, 3);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1064,36 +1127,6 @@ WG_INLINE void ambler_rpp_leg_acceleration_jacobian_kernel(const double *WG_REST
     rest[0] = wanted_x;
     const double wanted_y = a[1] - bias_reach_y;
     rest[1] = wanted_y;
-}
-
-WG_INLINE void ambler_rpp_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status,
-    int wg_near) {
-    (void)wg_near;
-    qd[2] = -v[2];
-    qdd[2] = -a[2];
-    const double reach_shift_z = q[1] + 0.8;
-    const double inverse_pivot = 1.0/reach_shift_z;
-    const double cos_shoulder = WG_COS(q[0]);
-    const double sin_shoulder = WG_SIN(q[0]);
-    const double v_along = WG_FMA(-v[0], sin_shoulder, v[1]*cos_shoulder);
-    const double v_across = WG_FMA(v[1], sin_shoulder, v[0]*cos_shoulder);
-    qd[1] = v_across;
-    const double rate = inverse_pivot*v_along;
-    qd[0] = rate;
-    const double a_along = WG_FMA(-a[0], sin_shoulder, a[1]*cos_shoulder);
-    const double a_across = WG_FMA(a[1], sin_shoulder, a[0]*cos_shoulder);
-    const double flow_shoulder_x = reach_shift_z*rate;
-    const double bias_shoulder_z = WG_FMA(rate, flow_shoulder_x, a_across);
-    qdd[1] = bias_shoulder_z;
-    const double rates_reach_y = rate*2.0;
-    const double bias_reach_x = WG_FMA(-v_across, rates_reach_y, a_along);
-    const double rate_2 = inverse_pivot*bias_reach_x;
-    qdd[0] = rate_2;
-    const double total = rate_2 + (bias_shoulder_z + (v_across + rate)) - v[2] - a[2];
-    const double square = WG_FMA(reach_shift_z, reach_shift_z, 2.0);
-    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.01), total - total);
-    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(reach_shift_z), 0.0, 1.0));
 }
 
 WG_INLINE void ambler_rpp_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
@@ -2497,12 +2530,6 @@ size_t ambler_rpp_leg_inverse_acceleration_batch(size_t rows, const double *WG_R
     return wg_each_3_1_told_batch(rows, &ambler_rpp_leg_inverse_acceleration, q, 3, qd, 3, a, 3, qdd, 3, status);
 }
 
-size_t ambler_rpp_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status) {
-    return wg_each_3_2_told_batch(rows, &ambler_rpp_leg_inverse_velocity_acceleration, q, 3, v, 3, a, 3, qd, 3, qdd, 3, status);
-}
-
 void ambler_rpp_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
     for (size_t row = 0; row < rows; ++row) {
@@ -2591,6 +2618,13 @@ void ambler_rpp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
 #include "walkgen_lanes.h"
 #include "ambler_rpp.c"
 #undef WALKGEN_ROWS
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+static void ambler_rpp_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = ambler_rpp_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+#endif
 #endif
 
 void ambler_rpp_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
@@ -2727,6 +2761,23 @@ void ambler_rpp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q
     for (size_t row = 0; row < rows; ++row) {
         within[row] = ambler_rpp_leg_within_limits(q + row * 3);
     }
+#endif
+}
+
+size_t ambler_rpp_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
+    int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(v, 3), WG_DENSE(a, 3), WG_DENSE(qd, 3), WG_DENSE(qdd,
+        3), WG_DENSE_STATUS(status, 1)};
+    return WG_NAME(wg_batch)(&ambler_rpp_leg_inverse_velocity_acceleration_laned, rows, arrays, ambler_rpp_leg_inverse_velocity_acceleration_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = ambler_rpp_leg_inverse_velocity_acceleration(q + row * 3, v + row * 3, a + row * 3, qd + row * 3, qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
 #endif
 }
 

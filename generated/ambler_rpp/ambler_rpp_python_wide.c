@@ -15,6 +15,7 @@
 #undef WALKGEN_PART
 #define WG_ROW(head) static __attribute__((unused)) head
 #define WG_STATIC_ROW(head) static __attribute__((unused)) head
+#define WG_INLINE_ROW(head) WG_INLINE head
 #define WALKGEN_ROWS 1
 #include "walkgen_real_f64.h"
 #include "walkgen_wide.h"
@@ -37,6 +38,7 @@ static const struct WG_NAME(wg_laned) *const laned[] = {
     &ambler_rpp_leg_foot_bias_acceleration_laned,
     &ambler_rpp_leg_foot_torque_laned,
     &ambler_rpp_leg_within_limits_laned,
+    &ambler_rpp_leg_inverse_velocity_acceleration_laned,
     &ambler_rpp_leg_inverse_dynamics_laned,
     &ambler_rpp_leg_forward_dynamics_laned,
     &ambler_rpp_leg_mass_matrix_laned,

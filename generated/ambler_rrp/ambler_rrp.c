@@ -695,6 +695,54 @@ WG_ROW(void ambler_rrp_leg_base_parameters)(const double *WG_RESTRICT q, const d
     Y[2] = WG_FMA(elbow_lever_y, elbow_mx_force_y, -t9);
 }
 
+WG_INLINE_ROW(void ambler_rrp_leg_regular_rates_kernel)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, WG_STATE *WG_RESTRICT status,
+    int wg_near) {
+    (void)wg_near;
+    qd[2] = -v[2];
+    qdd[2] = -a[2];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_NEAR_SINCOS_2(q[1], sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    const double shoulder_to_tip_x = cos_shoulder_elbow + 1.5;
+    const double t1 = sin_shoulder_elbow*shoulder_to_tip_x;
+    const double det = WG_FMA(-cos_shoulder_elbow, sin_shoulder_elbow, t1);
+    const double inverse_det = 1.0/det;
+    const double v_along = WG_FMA(v[1], sin_shoulder, v[0]*cos_shoulder);
+    const double v_across = WG_FMA(-v[0], sin_shoulder, v[1]*cos_shoulder);
+    const double t2 = sin_shoulder_elbow*v_across;
+    const double solution = WG_FMA(cos_shoulder_elbow, v_along, t2);
+    const double solution_2 = WG_FMA(shoulder_to_tip_x, v_along, t2);
+    const double rate = inverse_det*solution;
+    qd[0] = rate;
+    const double rate_2 = inverse_det*solution_2;
+    qd[1] = -rate_2;
+    const double a_along = WG_FMA(a[1], sin_shoulder, a[0]*cos_shoulder);
+    const double a_across = WG_FMA(-a[0], sin_shoulder, a[1]*cos_shoulder);
+    const double flow_shoulder_x = sin_shoulder_elbow*rate;
+    const double flow_shoulder_y = shoulder_to_tip_x*rate;
+    const double bias_shoulder_x = WG_FMA(rate, flow_shoulder_y, a_along);
+    const double bias_shoulder_y = WG_FMA(rate, flow_shoulder_x, a_across);
+    const double flow_elbow_x = sin_shoulder_elbow*rate_2;
+    const double flow_elbow_y = cos_shoulder_elbow*rate_2;
+    const double rate_elbow_z = rate - rate_2;
+    const double rates_elbow_z = rate + rate_elbow_z;
+    const double bias_elbow_x = WG_FMA(flow_elbow_y, rates_elbow_z, -bias_shoulder_x);
+    const double bias_elbow_y = WG_FMA(flow_elbow_x, rates_elbow_z, -bias_shoulder_y);
+    const double t3 = sin_shoulder_elbow*bias_elbow_y;
+    const double solution_3 = WG_FMA(cos_shoulder_elbow, bias_elbow_x, t3);
+    const double solution_4 = WG_FMA(shoulder_to_tip_x, bias_elbow_x, t3);
+    const double rate_3 = inverse_det*solution_3;
+    qdd[0] = -rate_3;
+    const double rate_4 = inverse_det*solution_4;
+    qdd[1] = rate_4;
+    const double t4 = WG_FMA(cos_shoulder_elbow, cos_shoulder_elbow, 1.0);
+    const double t5 = WG_FMA(2.0, sin_shoulder_elbow*sin_shoulder_elbow, t4);
+    const double square = WG_FMA(shoulder_to_tip_x, shoulder_to_tip_x, t5);
+    const double t6 = rate_4 - (rate_3 + (rate_2 + (v[2] + a[2])) - rate);
+    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.01), t6 - t6);
+    *status = (WG_STATE)(WG_SELECT(least < 2.0*fabs(det), 0.0, 1.0));
+}
+
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
@@ -939,6 +987,39 @@ WG_ALONE(ambler_rrp_leg_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(ambler_rrp_leg_within_limits, 1, 1);
+#endif
+
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+WG_BLOCK(ambler_rrp_leg_inverse_velocity_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(v, 1)
+    WG_FROM(a, 2)
+    WG_INTO(qd, 3)
+    WG_INTO(qdd, 4)
+    WG_INTO(status, 5)
+    WG_EACH_LANE {
+        double q[3], v[3], a[3], qd[3], qdd[3];
+        WG_STATE status[1];
+        WG_TAKE_3(q)
+        WG_TAKE_3(v)
+        WG_TAKE_3(a)
+        ambler_rrp_leg_regular_rates_kernel_lane(q, v, a, qd, qdd, status, 1);
+        WG_KEEP_3(qd)
+        WG_KEEP_3(qdd)
+        WG_KEEP_1(status)
+        WG_DONE(qd[0])
+    }
+}
+
+WG_ALONE(ambler_rrp_leg_inverse_velocity_acceleration) {
+    int32_t status[1];
+    ambler_rrp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 1);
+    if (status[0] == WALKGEN_UNREACHABLE) {
+        ambler_rrp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 0);
+    }
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+WG_LANED(ambler_rrp_leg_inverse_velocity_acceleration, 3, 3);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1284,54 +1365,6 @@ WG_INLINE void ambler_rrp_leg_acceleration_jacobian_kernel(const double *WG_REST
     rest[0] = wanted_x;
     const double wanted_y = a[1] + bias_elbow_y;
     rest[1] = wanted_y;
-}
-
-WG_INLINE void ambler_rrp_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status,
-    int wg_near) {
-    (void)wg_near;
-    qd[2] = -v[2];
-    qdd[2] = -a[2];
-    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_NEAR_SINCOS_2(q[1], sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
-    const double shoulder_to_tip_x = cos_shoulder_elbow + 1.5;
-    const double t1 = sin_shoulder_elbow*shoulder_to_tip_x;
-    const double det = WG_FMA(-cos_shoulder_elbow, sin_shoulder_elbow, t1);
-    const double inverse_det = 1.0/det;
-    const double v_along = WG_FMA(v[1], sin_shoulder, v[0]*cos_shoulder);
-    const double v_across = WG_FMA(-v[0], sin_shoulder, v[1]*cos_shoulder);
-    const double t2 = sin_shoulder_elbow*v_across;
-    const double solution = WG_FMA(cos_shoulder_elbow, v_along, t2);
-    const double solution_2 = WG_FMA(shoulder_to_tip_x, v_along, t2);
-    const double rate = inverse_det*solution;
-    qd[0] = rate;
-    const double rate_2 = inverse_det*solution_2;
-    qd[1] = -rate_2;
-    const double a_along = WG_FMA(a[1], sin_shoulder, a[0]*cos_shoulder);
-    const double a_across = WG_FMA(-a[0], sin_shoulder, a[1]*cos_shoulder);
-    const double flow_shoulder_x = sin_shoulder_elbow*rate;
-    const double flow_shoulder_y = shoulder_to_tip_x*rate;
-    const double bias_shoulder_x = WG_FMA(rate, flow_shoulder_y, a_along);
-    const double bias_shoulder_y = WG_FMA(rate, flow_shoulder_x, a_across);
-    const double flow_elbow_x = sin_shoulder_elbow*rate_2;
-    const double flow_elbow_y = cos_shoulder_elbow*rate_2;
-    const double rate_elbow_z = rate - rate_2;
-    const double rates_elbow_z = rate + rate_elbow_z;
-    const double bias_elbow_x = WG_FMA(flow_elbow_y, rates_elbow_z, -bias_shoulder_x);
-    const double bias_elbow_y = WG_FMA(flow_elbow_x, rates_elbow_z, -bias_shoulder_y);
-    const double t3 = sin_shoulder_elbow*bias_elbow_y;
-    const double solution_3 = WG_FMA(cos_shoulder_elbow, bias_elbow_x, t3);
-    const double solution_4 = WG_FMA(shoulder_to_tip_x, bias_elbow_x, t3);
-    const double rate_3 = inverse_det*solution_3;
-    qdd[0] = -rate_3;
-    const double rate_4 = inverse_det*solution_4;
-    qdd[1] = rate_4;
-    const double t4 = WG_FMA(cos_shoulder_elbow, cos_shoulder_elbow, 1.0);
-    const double t5 = WG_FMA(2.0, sin_shoulder_elbow*sin_shoulder_elbow, t4);
-    const double square = WG_FMA(shoulder_to_tip_x, shoulder_to_tip_x, t5);
-    const double t6 = rate_4 - (rate_3 + (rate_2 + (v[2] + a[2])) - rate);
-    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.01), t6 - t6);
-    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det), 0.0, 1.0));
 }
 
 WG_INLINE void ambler_rrp_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
@@ -3038,12 +3071,6 @@ size_t ambler_rrp_leg_inverse_acceleration_batch(size_t rows, const double *WG_R
     return wg_each_3_1_told_batch(rows, &ambler_rrp_leg_inverse_acceleration, q, 3, qd, 3, a, 3, qdd, 3, status);
 }
 
-size_t ambler_rrp_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status) {
-    return wg_each_3_2_told_batch(rows, &ambler_rrp_leg_inverse_velocity_acceleration, q, 3, v, 3, a, 3, qd, 3, qdd, 3, status);
-}
-
 void ambler_rrp_leg_regressor_batch(size_t rows, const double *WG_RESTRICT q, const double *WG_RESTRICT qd,
     const double *WG_RESTRICT qdd, double *WG_RESTRICT Y) {
     wg_each_3_1_batch(rows, &ambler_rrp_leg_regressor, q, 3, qd, 3, qdd, 3, Y, 90);
@@ -3128,6 +3155,13 @@ void ambler_rrp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
 #include "walkgen_lanes.h"
 #include "ambler_rrp.c"
 #undef WALKGEN_ROWS
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+static void ambler_rrp_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = ambler_rrp_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+#endif
 #endif
 
 void ambler_rrp_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
@@ -3264,6 +3298,23 @@ void ambler_rrp_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q
     for (size_t row = 0; row < rows; ++row) {
         within[row] = ambler_rrp_leg_within_limits(q + row * 3);
     }
+#endif
+}
+
+size_t ambler_rrp_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
+    int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(v, 3), WG_DENSE(a, 3), WG_DENSE(qd, 3), WG_DENSE(qdd,
+        3), WG_DENSE_STATUS(status, 1)};
+    return WG_NAME(wg_batch)(&ambler_rrp_leg_inverse_velocity_acceleration_laned, rows, arrays, ambler_rrp_leg_inverse_velocity_acceleration_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = ambler_rrp_leg_inverse_velocity_acceleration(q + row * 3, v + row * 3, a + row * 3, qd + row * 3, qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
 #endif
 }
 

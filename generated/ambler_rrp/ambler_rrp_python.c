@@ -16,6 +16,11 @@ extern "C" {
 extern const struct walkgen_wide ambler_rrp_avx2, ambler_rrp_avx512;
 static const struct walkgen_wide *const ambler_rrp_wide[] = {&ambler_rrp_avx2, &ambler_rrp_avx512};
 WALKGEN_LEVEL(ambler_rrp)
+static void ambler_rrp_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = ambler_rrp_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
 
 static const walkgen_port ambler_rrp_leg_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -330,7 +335,8 @@ WALKGEN_ROWS(ambler_rrp_leg_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(ambler_rrp_leg_inverse_velocity_acceleration, rows, double, 16, 6)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_inverse_velocity_acceleration, ambler_rrp, walkgen_wide_rows, 12, 5, ambler_rrp_leg_inverse_velocity_acceleration_closest)
+WALKGEN_LOOP(ambler_rrp_leg_inverse_velocity_acceleration, wide_rows, double, 16, 6)
 
 static const walkgen_port ambler_rrp_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -350,7 +356,7 @@ WALKGEN_ROWS(ambler_rrp_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_inverse_dynamics, ambler_rrp, walkgen_wide_rows, 12, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_inverse_dynamics, ambler_rrp, walkgen_wide_rows, 13, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port ambler_rrp_leg_forward_dynamics_ports[] = {
@@ -371,7 +377,7 @@ WALKGEN_ROWS(ambler_rrp_leg_forward_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_forward_dynamics, ambler_rrp, walkgen_wide_rows, 13, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_forward_dynamics, ambler_rrp, walkgen_wide_rows, 14, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port ambler_rrp_leg_mass_matrix_ports[] = {
@@ -384,7 +390,7 @@ WALKGEN_ROWS(ambler_rrp_leg_mass_matrix) {
         ambler_rrp_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_mass_matrix, ambler_rrp, walkgen_wide_rows, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_mass_matrix, ambler_rrp, walkgen_wide_rows, 15, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port ambler_rrp_leg_bias_ports[] = {
@@ -398,7 +404,7 @@ WALKGEN_ROWS(ambler_rrp_leg_bias) {
         ambler_rrp_leg_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_bias, ambler_rrp, walkgen_wide_rows, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_bias, ambler_rrp, walkgen_wide_rows, 16, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port ambler_rrp_leg_gravity_torque_ports[] = {
@@ -411,7 +417,7 @@ WALKGEN_ROWS(ambler_rrp_leg_gravity_torque) {
         ambler_rrp_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_gravity_torque, ambler_rrp, walkgen_wide_rows, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_gravity_torque, ambler_rrp, walkgen_wide_rows, 17, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port ambler_rrp_leg_coriolis_matrix_ports[] = {
@@ -425,7 +431,7 @@ WALKGEN_ROWS(ambler_rrp_leg_coriolis_matrix) {
         ambler_rrp_leg_coriolis_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_coriolis_matrix, ambler_rrp, walkgen_wide_rows, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_coriolis_matrix, ambler_rrp, walkgen_wide_rows, 18, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port ambler_rrp_leg_kinetic_energy_ports[] = {
@@ -439,7 +445,7 @@ WALKGEN_ROWS(ambler_rrp_leg_kinetic_energy) {
         ambler_rrp_leg_kinetic_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_kinetic_energy, ambler_rrp, walkgen_wide_rows, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_kinetic_energy, ambler_rrp, walkgen_wide_rows, 19, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port ambler_rrp_leg_potential_energy_ports[] = {
@@ -452,7 +458,7 @@ WALKGEN_ROWS(ambler_rrp_leg_potential_energy) {
         ambler_rrp_leg_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_potential_energy, ambler_rrp, walkgen_wide_rows, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_potential_energy, ambler_rrp, walkgen_wide_rows, 20, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port ambler_rrp_leg_inverse_dynamics_derivatives_ports[] = {
@@ -473,7 +479,7 @@ WALKGEN_ROWS(ambler_rrp_leg_inverse_dynamics_derivatives) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_inverse_dynamics_derivatives, ambler_rrp, walkgen_wide_rows, 20, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_inverse_dynamics_derivatives, ambler_rrp, walkgen_wide_rows, 21, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_inverse_dynamics_derivatives, wide_rows, double, 27, 5)
 
 static const walkgen_port ambler_rrp_leg_regressor_ports[] = {
@@ -512,7 +518,7 @@ WALKGEN_ROWS(ambler_rrp_leg_base_parameters) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rrp_leg_base_parameters, ambler_rrp, walkgen_wide_rows, 21, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rrp_leg_base_parameters, ambler_rrp, walkgen_wide_rows, 22, -1, NULL)
 WALKGEN_LOOP(ambler_rrp_leg_base_parameters, wide_rows, double, 29, 5)
 
 static const walkgen_port ambler_rrp_platform_poses_ports[] = {

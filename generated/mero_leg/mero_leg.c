@@ -839,6 +839,125 @@ WG_STATIC_ROW(void mero_leg_leg_inverse_branches_kernel)(const double *WG_RESTRI
     q[10] = q2_minus_minus_half_open;
 }
 
+WG_INLINE_ROW(void mero_leg_leg_inverse_one_kernel)(const double *WG_RESTRICT p, WG_STATE branch, double *WG_RESTRICT q,
+    WG_STATE *WG_RESTRICT status, double *WG_RESTRICT target, int wg_near) {
+    (void)wg_near;
+    target[0] = p[0];
+    target[1] = p[1];
+    const double offset_z = p[2] - 0.12;
+    target[2] = offset_z;
+    const double rho_sign = WG_FMA(-2.0, WG_INDICATOR(2.0 <= (double)branch), 1.0);
+    const double knee_sign = WG_FMA(-2.0, WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0), 1.0);
+    const double radius2 = WG_FMA(p[1], p[1], p[0]*p[0]);
+    const double epsilon = WG_EPSILON;
+    const double t1 = epsilon*8.0;
+    const double tolerance = WG_SELECT(1e-12 < t1, t1, 1e-12);
+    const double touching2 = 0.5625*(tolerance*tolerance);
+    const double radius = sqrt(radius2);
+    const int t2 = radius2 <= touching2;
+    const double rho = WG_SELECT(t2, 0.0, radius);
+    const double rho_signed = rho_sign*rho;
+    const double distance2_plus = WG_FMA(offset_z, offset_z, radius2);
+    const double slack = tolerance*1.5;
+    const double outer2 = WG_FMA(slack, 0.75, 0.5625);
+    const double inner2 = WG_FMA(-slack, 0.05, 0.0025);
+    const double knee_plus = WG_FMA(distance2_plus, 3.5714285714285716, -0.008928571428571428);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
+    const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
+    const double knee_cos_plus = knee_plus_clamped - 1.0;
+    const double knee_sin = knee_sign*knee_sin_plus;
+    const double along = WG_FMA(knee_cos_plus, 0.4, 0.35);
+    const double across = knee_sin*0.4;
+    const double thigh_sin = WG_FMA(-rho_signed, across, offset_z*along);
+    const double thigh_cos = WG_FMA(rho_signed, along, offset_z*across);
+    const int t3 = 0.0 <= (double)branch && (double)branch <= 3.0;
+    const double t4 = WG_SELECT(t3, 0.0, sqrt(WG_FMA(-((double)branch), (double)branch, -1.0)));
+    const double taint = t4 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
+    const int t5 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
+    const int t6 = outer2 < distance2_plus || distance2_plus < inner2;
+    const double t7 = WG_SELECT(t6, 1.0, WG_SELECT(t5, 6.0, WG_SELECT(t2, 3.0, 0.0)));
+    const double unusual_state = WG_SELECT(!isfinite(taint), 2.0, t7);
+    const int t8 = wg_near && ((t3 && tolerance < knee_sin_plus) && !t2);
+    WG_LEAVE_BEYOND(t8)
+    const double state = WG_SELECT(t8, 0.0, unusual_state);
+    *status = (WG_STATE)(state);
+    double yaw_one_angle, t9, thigh;
+    WG_NEAR_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle,
+        WG_SELECT(!t8 && knee_plus_clamped == 0.0, 1.0, knee_sin), fabs(knee_plus_clamped), t9, thigh_sin,
+        thigh_cos, thigh);
+    const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
+    const double yaw_one = WG_SELECT(t2, 0.0, yaw_one_half_open);
+    const double yaw_one_checked = yaw_one + WG_SELECT(t8, 0.0, taint);
+    q[0] = yaw_one_checked;
+    const double gamma_2 = 2.0*t9;
+    const double thigh_checked = taint + thigh;
+    const double q2_one_angle = WG_SELECT(t8, thigh, thigh_checked);
+    const double q2_one_half_open = WG_SELECT(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle);
+    q[1] = q2_one_half_open;
+    const double gamma_checked = taint + gamma_2;
+    q[2] = WG_SELECT(t8, gamma_2, gamma_checked);
+}
+
+WG_INLINE_ROW(void mero_leg_leg_regular_rates_kernel)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, WG_STATE *WG_RESTRICT status,
+    int wg_near) {
+    (void)wg_near;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
+    WG_NEAR_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
+        q[0], sin_yaw, cos_yaw);
+    WG_TURN(sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh);
+    const double shank_to_tip_x = cos_thigh_shank*0.4;
+    const double shank_to_tip_y = sin_thigh_shank*0.4;
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double det = WG_FMA(-shank_to_tip_x, thigh_to_tip_y, shank_to_tip_y*thigh_to_tip_x);
+    const double inverse_det = 1.0/det;
+    const double inverse_pivot = 1.0/thigh_to_tip_x;
+    const double det3 = thigh_to_tip_x*det;
+    const double v_along = WG_FMA(v[1], sin_yaw, v[0]*cos_yaw);
+    const double v_across = WG_FMA(-v[0], sin_yaw, v[1]*cos_yaw);
+    const double rate = inverse_pivot*v_across;
+    qd[0] = rate;
+    const double solution = WG_FMA(shank_to_tip_x, v_along, v[2]*shank_to_tip_y);
+    const double solution_2 = WG_FMA(thigh_to_tip_x, v_along, v[2]*thigh_to_tip_y);
+    const double rate_2 = inverse_det*solution;
+    qd[1] = rate_2;
+    const double rate_3 = inverse_det*solution_2;
+    qd[2] = -rate_3;
+    const double a_along = WG_FMA(a[1], sin_yaw, a[0]*cos_yaw);
+    const double a_across = WG_FMA(-a[0], sin_yaw, a[1]*cos_yaw);
+    const double flow_yaw_z = thigh_to_tip_x*rate;
+    const double bias_yaw_x = WG_FMA(rate, flow_yaw_z, a_along);
+    const double flow_thigh_x = thigh_to_tip_y*rate_2;
+    const double flow_thigh_y = thigh_to_tip_x*rate_2;
+    const double rates_thigh_y = rate*2.0;
+    const double bias_thigh_x = WG_FMA(rate_2, flow_thigh_y, bias_yaw_x);
+    const double bias_thigh_y = WG_FMA(rate_2, flow_thigh_x, a[2]);
+    const double bias_thigh_z = WG_FMA(flow_thigh_x, rates_thigh_y, a_across);
+    const double flow_shank_x = shank_to_tip_y*rate_3;
+    const double flow_shank_y = shank_to_tip_x*rate_3;
+    const double rate_shank_z = rate_2 - rate_3;
+    const double rates_shank_z = rate_2 + rate_shank_z;
+    const double bias_shank_x = WG_FMA(flow_shank_y, rates_shank_z, -bias_thigh_x);
+    const double bias_shank_y = WG_FMA(flow_shank_x, rates_shank_z, -bias_thigh_y);
+    const double bias_shank_z = WG_FMA(-rates_thigh_y, flow_shank_x, bias_thigh_z);
+    const double rate_4 = inverse_pivot*bias_shank_z;
+    qdd[0] = rate_4;
+    const double solution_3 = WG_FMA(shank_to_tip_y, bias_shank_y, shank_to_tip_x*bias_shank_x);
+    const double solution_4 = WG_FMA(thigh_to_tip_y, bias_shank_y, thigh_to_tip_x*bias_shank_x);
+    const double rate_5 = inverse_det*solution_3;
+    qdd[1] = -rate_5;
+    const double rate_6 = inverse_det*solution_4;
+    qdd[2] = rate_6;
+    const double total = rate_6 + (rate_4 + (rate + rate_2)) - rate_3 - rate_5;
+    const double t1 = WG_FMA(shank_to_tip_y, shank_to_tip_y, shank_to_tip_x*shank_to_tip_x);
+    const double t2 = WG_FMA(2.0, thigh_to_tip_x*thigh_to_tip_x, t1);
+    const double square = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, t2);
+    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.02), total - total);
+    *status = (WG_STATE)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
+}
+
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
@@ -1089,6 +1208,36 @@ WG_LANED(mero_leg_leg_inverse, 1, 2);
 #endif
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
+WG_BLOCK(mero_leg_leg_inverse_branch) {
+    WG_FROM(p, 0)
+    WG_FROM(branch, 1)
+    WG_INTO(q, 2)
+    WG_INTO(status, 3)
+    WG_EACH_LANE {
+        double p[3], q[3], target[3];
+        WG_STATE branch[1], status[1];
+        WG_TAKE_3(p)
+        WG_TAKE_1(branch)
+        mero_leg_leg_inverse_one_kernel_lane(p, branch[0], q, status, target, 1);
+        WG_KEEP_3(q)
+        WG_KEEP_1(status)
+        WG_DONE(q[0] + q[1] + q[2])
+    }
+}
+
+WG_ALONE(mero_leg_leg_inverse_branch) {
+    double target[3];
+    int32_t status[1];
+    mero_leg_leg_inverse_one_kernel(&given[0], (int32_t)given[3], &found[0], status, target, 1);
+    if (status[0] == WALKGEN_UNREACHABLE) {
+        mero_leg_leg_inverse_one_kernel(&given[0], (int32_t)given[3], &found[0], status, target, 0);
+    }
+    for (int at = 0; at < 1; ++at) { found[3 + at] = (double)status[at]; }
+}
+WG_LANED(mero_leg_leg_inverse_branch, 2, 2);
+#endif
+
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_leg_within_limits) {
     WG_FROM(q, 0)
     WG_INTO(within, 1)
@@ -1108,6 +1257,39 @@ WG_ALONE(mero_leg_leg_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(mero_leg_leg_within_limits, 1, 1);
+#endif
+
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+WG_BLOCK(mero_leg_leg_inverse_velocity_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(v, 1)
+    WG_FROM(a, 2)
+    WG_INTO(qd, 3)
+    WG_INTO(qdd, 4)
+    WG_INTO(status, 5)
+    WG_EACH_LANE {
+        double q[3], v[3], a[3], qd[3], qdd[3];
+        WG_STATE status[1];
+        WG_TAKE_3(q)
+        WG_TAKE_3(v)
+        WG_TAKE_3(a)
+        mero_leg_leg_regular_rates_kernel_lane(q, v, a, qd, qdd, status, 1);
+        WG_KEEP_3(qd)
+        WG_KEEP_3(qdd)
+        WG_KEEP_1(status)
+        WG_DONE(qd[0])
+    }
+}
+
+WG_ALONE(mero_leg_leg_inverse_velocity_acceleration) {
+    int32_t status[1];
+    mero_leg_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 1);
+    if (status[0] == WALKGEN_UNREACHABLE) {
+        mero_leg_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 0);
+    }
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+WG_LANED(mero_leg_leg_inverse_velocity_acceleration, 3, 3);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1296,65 +1478,6 @@ WG_REPEATED void mero_leg_leg_inverse_geometry_kernel(double *WG_RESTRICT geomet
     geometry[9] = 0.0;
 }
 
-WG_INLINE void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int32_t branch, double *WG_RESTRICT q,
-    int32_t *WG_RESTRICT status, double *WG_RESTRICT target, int wg_near) {
-    (void)wg_near;
-    target[0] = p[0];
-    target[1] = p[1];
-    const double offset_z = p[2] - 0.12;
-    target[2] = offset_z;
-    const double rho_sign = WG_FMA(-2.0, WG_INDICATOR(2.0 <= (double)branch), 1.0);
-    const double knee_sign = WG_FMA(-2.0, WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0), 1.0);
-    const double radius2 = WG_FMA(p[1], p[1], p[0]*p[0]);
-    const double epsilon = WG_EPSILON;
-    const double t1 = epsilon*8.0;
-    const double tolerance = WG_SELECT(1e-12 < t1, t1, 1e-12);
-    const double touching2 = 0.5625*(tolerance*tolerance);
-    const double radius = sqrt(radius2);
-    const int t2 = radius2 <= touching2;
-    const double rho = WG_SELECT(t2, 0.0, radius);
-    const double rho_signed = rho_sign*rho;
-    const double distance2_plus = WG_FMA(offset_z, offset_z, radius2);
-    const double slack = tolerance*1.5;
-    const double outer2 = WG_FMA(slack, 0.75, 0.5625);
-    const double inner2 = WG_FMA(-slack, 0.05, 0.0025);
-    const double knee_plus = WG_FMA(distance2_plus, 3.5714285714285716, -0.008928571428571428);
-    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
-    const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
-    const double knee_cos_plus = knee_plus_clamped - 1.0;
-    const double knee_sin = knee_sign*knee_sin_plus;
-    const double along = WG_FMA(knee_cos_plus, 0.4, 0.35);
-    const double across = knee_sin*0.4;
-    const double thigh_sin = WG_FMA(-rho_signed, across, offset_z*along);
-    const double thigh_cos = WG_FMA(rho_signed, along, offset_z*across);
-    const int t3 = 0.0 <= (double)branch && (double)branch <= 3.0;
-    const double t4 = WG_SELECT(t3, 0.0, sqrt(WG_FMA(-((double)branch), (double)branch, -1.0)));
-    const double taint = t4 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
-    const int t5 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
-    const int t6 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double t7 = WG_SELECT(t6, 1.0, WG_SELECT(t5, 6.0, WG_SELECT(t2, 3.0, 0.0)));
-    const double unusual_state = WG_SELECT(!isfinite(taint), 2.0, t7);
-    const int t8 = wg_near && ((t3 && tolerance < knee_sin_plus) && !t2);
-    WG_LEAVE_BEYOND(t8)
-    const double state = WG_SELECT(t8, 0.0, unusual_state);
-    *status = (int32_t)(state);
-    double yaw_one_angle, t9, thigh;
-    WG_NEAR_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle,
-        WG_SELECT(!t8 && knee_plus_clamped == 0.0, 1.0, knee_sin), fabs(knee_plus_clamped), t9, thigh_sin,
-        thigh_cos, thigh);
-    const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
-    const double yaw_one = WG_SELECT(t2, 0.0, yaw_one_half_open);
-    const double yaw_one_checked = yaw_one + WG_SELECT(t8, 0.0, taint);
-    q[0] = yaw_one_checked;
-    const double gamma_2 = 2.0*t9;
-    const double thigh_checked = taint + thigh;
-    const double q2_one_angle = WG_SELECT(t8, thigh, thigh_checked);
-    const double q2_one_half_open = WG_SELECT(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle);
-    q[1] = q2_one_half_open;
-    const double gamma_checked = taint + gamma_2;
-    q[2] = WG_SELECT(t8, gamma_2, gamma_checked);
-}
-
 WG_INLINE void mero_leg_leg_limits_kernel(double *WG_RESTRICT limits) {
     limits[0] = -1.0471975511965979;
     limits[1] = 1.0471975511965979;
@@ -1506,66 +1629,6 @@ WG_INLINE void mero_leg_leg_acceleration_jacobian_kernel(const double *WG_RESTRI
     rest[1] = wanted_y;
     const double wanted_z = a[2] + bias_shank_z;
     rest[2] = wanted_z;
-}
-
-WG_INLINE void mero_leg_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status,
-    int wg_near) {
-    (void)wg_near;
-    const double angle_thigh_shank = q[1] + q[2];
-    double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
-    WG_NEAR_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
-        q[0], sin_yaw, cos_yaw);
-    WG_TURN(sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh);
-    const double shank_to_tip_x = cos_thigh_shank*0.4;
-    const double shank_to_tip_y = sin_thigh_shank*0.4;
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double det = WG_FMA(-shank_to_tip_x, thigh_to_tip_y, shank_to_tip_y*thigh_to_tip_x);
-    const double inverse_det = 1.0/det;
-    const double inverse_pivot = 1.0/thigh_to_tip_x;
-    const double det3 = thigh_to_tip_x*det;
-    const double v_along = WG_FMA(v[1], sin_yaw, v[0]*cos_yaw);
-    const double v_across = WG_FMA(-v[0], sin_yaw, v[1]*cos_yaw);
-    const double rate = inverse_pivot*v_across;
-    qd[0] = rate;
-    const double solution = WG_FMA(shank_to_tip_x, v_along, v[2]*shank_to_tip_y);
-    const double solution_2 = WG_FMA(thigh_to_tip_x, v_along, v[2]*thigh_to_tip_y);
-    const double rate_2 = inverse_det*solution;
-    qd[1] = rate_2;
-    const double rate_3 = inverse_det*solution_2;
-    qd[2] = -rate_3;
-    const double a_along = WG_FMA(a[1], sin_yaw, a[0]*cos_yaw);
-    const double a_across = WG_FMA(-a[0], sin_yaw, a[1]*cos_yaw);
-    const double flow_yaw_z = thigh_to_tip_x*rate;
-    const double bias_yaw_x = WG_FMA(rate, flow_yaw_z, a_along);
-    const double flow_thigh_x = thigh_to_tip_y*rate_2;
-    const double flow_thigh_y = thigh_to_tip_x*rate_2;
-    const double rates_thigh_y = rate*2.0;
-    const double bias_thigh_x = WG_FMA(rate_2, flow_thigh_y, bias_yaw_x);
-    const double bias_thigh_y = WG_FMA(rate_2, flow_thigh_x, a[2]);
-    const double bias_thigh_z = WG_FMA(flow_thigh_x, rates_thigh_y, a_across);
-    const double flow_shank_x = shank_to_tip_y*rate_3;
-    const double flow_shank_y = shank_to_tip_x*rate_3;
-    const double rate_shank_z = rate_2 - rate_3;
-    const double rates_shank_z = rate_2 + rate_shank_z;
-    const double bias_shank_x = WG_FMA(flow_shank_y, rates_shank_z, -bias_thigh_x);
-    const double bias_shank_y = WG_FMA(flow_shank_x, rates_shank_z, -bias_thigh_y);
-    const double bias_shank_z = WG_FMA(-rates_thigh_y, flow_shank_x, bias_thigh_z);
-    const double rate_4 = inverse_pivot*bias_shank_z;
-    qdd[0] = rate_4;
-    const double solution_3 = WG_FMA(shank_to_tip_y, bias_shank_y, shank_to_tip_x*bias_shank_x);
-    const double solution_4 = WG_FMA(thigh_to_tip_y, bias_shank_y, thigh_to_tip_x*bias_shank_x);
-    const double rate_5 = inverse_det*solution_3;
-    qdd[1] = -rate_5;
-    const double rate_6 = inverse_det*solution_4;
-    qdd[2] = rate_6;
-    const double total = rate_6 + (rate_4 + (rate + rate_2)) - rate_3 - rate_5;
-    const double t1 = WG_FMA(shank_to_tip_y, shank_to_tip_y, shank_to_tip_x*shank_to_tip_x);
-    const double t2 = WG_FMA(2.0, thigh_to_tip_x*thigh_to_tip_x, t1);
-    const double square = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, t2);
-    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.02), total - total);
-    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
 }
 
 WG_INLINE void mero_leg_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
@@ -3589,16 +3652,6 @@ void mero_leg_leg_joint_frames_batch(size_t rows, const double *WG_RESTRICT q, d
     }
 }
 
-size_t mero_leg_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
-    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_leg_inverse_branch(p + row * 3, branch[row], q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 size_t mero_leg_leg_inverse_near_batch(size_t rows, const double *WG_RESTRICT p, const double *WG_RESTRICT q_seed,
     double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     return wg_each_2_1_told_batch(rows, &mero_leg_leg_inverse_near, p, 3, q_seed, 3, q, 3, status);
@@ -3626,12 +3679,6 @@ size_t mero_leg_leg_inverse_velocity_batch(size_t rows, const double *WG_RESTRIC
 size_t mero_leg_leg_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
     return wg_each_3_1_told_batch(rows, &mero_leg_leg_inverse_acceleration, q, 3, qd, 3, a, 3, qdd, 3, status);
-}
-
-size_t mero_leg_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status) {
-    return wg_each_3_2_told_batch(rows, &mero_leg_leg_inverse_velocity_acceleration, q, 3, v, 3, a, 3, qd, 3, qdd, 3, status);
 }
 
 void mero_leg_leg_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
@@ -3739,6 +3786,20 @@ static void mero_leg_leg_inverse_closest(const double *given, double *found) {
     int32_t status[4];
     mero_leg_leg_inverse(&given[0], &found[0], status);
     for (int at = 0; at < 4; ++at) { found[12 + at] = (double)status[at]; }
+}
+#endif
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+static void mero_leg_leg_inverse_branch_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = mero_leg_leg_inverse_branch(&given[0], (int32_t)given[3], &found[0]);
+    for (int at = 0; at < 1; ++at) { found[3 + at] = (double)status[at]; }
+}
+#endif
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+static void mero_leg_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = mero_leg_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
 }
 #endif
 #endif
@@ -3883,6 +3944,22 @@ size_t mero_leg_leg_inverse_batch(size_t rows, const double *WG_RESTRICT p, doub
 #endif
 }
 
+size_t mero_leg_leg_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
+    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+    const struct wg_array arrays[] = {WG_DENSE(p, 3), WG_DENSE_STATUS(branch, 1), WG_DENSE(q, 3),
+        WG_DENSE_STATUS(status, 1)};
+    return WG_NAME(wg_batch)(&mero_leg_leg_inverse_branch_laned, rows, arrays, mero_leg_leg_inverse_branch_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_leg_inverse_branch(p + row * 3, branch[row], q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+#endif
+}
+
 void mero_leg_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, int32_t *WG_RESTRICT within) {
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
     const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE_STATUS(within, 1)};
@@ -3891,6 +3968,23 @@ void mero_leg_leg_within_limits_batch(size_t rows, const double *WG_RESTRICT q, 
     for (size_t row = 0; row < rows; ++row) {
         within[row] = mero_leg_leg_within_limits(q + row * 3);
     }
+#endif
+}
+
+size_t mero_leg_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
+    int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(v, 3), WG_DENSE(a, 3), WG_DENSE(qd, 3), WG_DENSE(qdd,
+        3), WG_DENSE_STATUS(status, 1)};
+    return WG_NAME(wg_batch)(&mero_leg_leg_inverse_velocity_acceleration_laned, rows, arrays, mero_leg_leg_inverse_velocity_acceleration_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_leg_inverse_velocity_acceleration(q + row * 3, v + row * 3, a + row * 3, qd + row * 3, qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
 #endif
 }
 

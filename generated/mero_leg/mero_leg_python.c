@@ -21,6 +21,16 @@ static void mero_leg_leg_inverse_closest(const double *given, double *found) {
     mero_leg_leg_inverse(&given[0], &found[0], status);
     for (int at = 0; at < 4; ++at) { found[12 + at] = (double)status[at]; }
 }
+static void mero_leg_leg_inverse_branch_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = mero_leg_leg_inverse_branch(&given[0], (int32_t)given[3], &found[0]);
+    for (int at = 0; at < 1; ++at) { found[3 + at] = (double)status[at]; }
+}
+static void mero_leg_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = mero_leg_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
 
 static const walkgen_port mero_leg_leg_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -276,7 +286,7 @@ WALKGEN_ROWS(mero_leg_leg_within_limits) {
         *WALKGEN_PORT(int32_t, 1) = mero_leg_leg_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_within_limits, mero_leg, walkgen_wide_rows, 12, 1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_within_limits, mero_leg, walkgen_wide_rows, 13, 1, NULL)
 WALKGEN_LOOP(mero_leg_leg_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_velocity_ports[] = {
@@ -334,7 +344,8 @@ WALKGEN_ROWS(mero_leg_leg_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_velocity_acceleration, rows, double, 16, 6)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_velocity_acceleration, mero_leg, walkgen_wide_rows, 14, 5, mero_leg_leg_inverse_velocity_acceleration_closest)
+WALKGEN_LOOP(mero_leg_leg_inverse_velocity_acceleration, wide_rows, double, 16, 6)
 
 static const walkgen_port mero_leg_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -354,7 +365,7 @@ WALKGEN_ROWS(mero_leg_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_dynamics, mero_leg, walkgen_wide_rows, 13, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_dynamics, mero_leg, walkgen_wide_rows, 15, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_forward_dynamics_ports[] = {
@@ -375,7 +386,7 @@ WALKGEN_ROWS(mero_leg_leg_forward_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_forward_dynamics, mero_leg, walkgen_wide_rows, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_forward_dynamics, mero_leg, walkgen_wide_rows, 16, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_mass_matrix_ports[] = {
@@ -388,7 +399,7 @@ WALKGEN_ROWS(mero_leg_leg_mass_matrix) {
         mero_leg_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_mass_matrix, mero_leg, walkgen_wide_rows, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_mass_matrix, mero_leg, walkgen_wide_rows, 17, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_bias_ports[] = {
@@ -402,7 +413,7 @@ WALKGEN_ROWS(mero_leg_leg_bias) {
         mero_leg_leg_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_bias, mero_leg, walkgen_wide_rows, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_bias, mero_leg, walkgen_wide_rows, 18, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_gravity_torque_ports[] = {
@@ -415,7 +426,7 @@ WALKGEN_ROWS(mero_leg_leg_gravity_torque) {
         mero_leg_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_gravity_torque, mero_leg, walkgen_wide_rows, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_gravity_torque, mero_leg, walkgen_wide_rows, 19, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port mero_leg_leg_coriolis_matrix_ports[] = {
@@ -429,7 +440,7 @@ WALKGEN_ROWS(mero_leg_leg_coriolis_matrix) {
         mero_leg_leg_coriolis_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_coriolis_matrix, mero_leg, walkgen_wide_rows, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_coriolis_matrix, mero_leg, walkgen_wide_rows, 20, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port mero_leg_leg_kinetic_energy_ports[] = {
@@ -443,7 +454,7 @@ WALKGEN_ROWS(mero_leg_leg_kinetic_energy) {
         mero_leg_leg_kinetic_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_kinetic_energy, mero_leg, walkgen_wide_rows, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_kinetic_energy, mero_leg, walkgen_wide_rows, 21, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_leg_potential_energy_ports[] = {
@@ -456,7 +467,7 @@ WALKGEN_ROWS(mero_leg_leg_potential_energy) {
         mero_leg_leg_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_potential_energy, mero_leg, walkgen_wide_rows, 20, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_potential_energy, mero_leg, walkgen_wide_rows, 22, -1, NULL)
 WALKGEN_LOOP(mero_leg_leg_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_dynamics_derivatives_ports[] = {

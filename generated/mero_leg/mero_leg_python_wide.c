@@ -15,6 +15,7 @@
 #undef WALKGEN_PART
 #define WG_ROW(head) static __attribute__((unused)) head
 #define WG_STATIC_ROW(head) static __attribute__((unused)) head
+#define WG_INLINE_ROW(head) WG_INLINE head
 #define WALKGEN_ROWS 1
 #include "walkgen_real_f64.h"
 #include "walkgen_wide.h"
@@ -37,7 +38,9 @@ static const struct WG_NAME(wg_laned) *const laned[] = {
     &mero_leg_leg_foot_bias_acceleration_laned,
     &mero_leg_leg_foot_torque_laned,
     &mero_leg_leg_inverse_laned,
+    &mero_leg_leg_inverse_branch_laned,
     &mero_leg_leg_within_limits_laned,
+    &mero_leg_leg_inverse_velocity_acceleration_laned,
     &mero_leg_leg_inverse_dynamics_laned,
     &mero_leg_leg_forward_dynamics_laned,
     &mero_leg_leg_mass_matrix_laned,

@@ -1361,6 +1361,66 @@ WG_ROW(void mero_leg_param_leg_potential_energy_d_param)(const double *WG_RESTRI
     U_d_param[0] = 0.3*sin_thigh_shank*9.80665;
 }
 
+WG_INLINE_ROW(void mero_leg_param_leg_regular_rates_kernel)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, const double *WG_RESTRICT param, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
+    WG_STATE *WG_RESTRICT status, int wg_near) {
+    (void)wg_near;
+    const double angle_thigh_shank = q[1] + q[2];
+    double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
+    WG_NEAR_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
+        q[0], sin_yaw, cos_yaw);
+    WG_TURN(sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh);
+    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
+    const double shank_to_tip_y = WG_FMA(-param[1], cos_thigh_shank, param[0]*sin_thigh_shank);
+    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
+    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
+    const double det = WG_FMA(-shank_to_tip_x, thigh_to_tip_y, shank_to_tip_y*thigh_to_tip_x);
+    const double inverse_det = 1.0/det;
+    const double inverse_pivot = 1.0/thigh_to_tip_x;
+    const double det3 = thigh_to_tip_x*det;
+    const double v_along = WG_FMA(v[1], sin_yaw, v[0]*cos_yaw);
+    const double v_across = WG_FMA(-v[0], sin_yaw, v[1]*cos_yaw);
+    const double rate = inverse_pivot*v_across;
+    qd[0] = rate;
+    const double solution = WG_FMA(shank_to_tip_x, v_along, v[2]*shank_to_tip_y);
+    const double solution_2 = WG_FMA(thigh_to_tip_x, v_along, v[2]*thigh_to_tip_y);
+    const double rate_2 = inverse_det*solution;
+    qd[1] = rate_2;
+    const double rate_3 = inverse_det*solution_2;
+    qd[2] = -rate_3;
+    const double a_along = WG_FMA(a[1], sin_yaw, a[0]*cos_yaw);
+    const double a_across = WG_FMA(-a[0], sin_yaw, a[1]*cos_yaw);
+    const double flow_yaw_z = thigh_to_tip_x*rate;
+    const double bias_yaw_x = WG_FMA(rate, flow_yaw_z, a_along);
+    const double flow_thigh_x = thigh_to_tip_y*rate_2;
+    const double flow_thigh_y = thigh_to_tip_x*rate_2;
+    const double rates_thigh_y = rate*2.0;
+    const double bias_thigh_x = WG_FMA(rate_2, flow_thigh_y, bias_yaw_x);
+    const double bias_thigh_y = WG_FMA(rate_2, flow_thigh_x, a[2]);
+    const double bias_thigh_z = WG_FMA(flow_thigh_x, rates_thigh_y, a_across);
+    const double flow_shank_x = shank_to_tip_y*rate_3;
+    const double flow_shank_y = shank_to_tip_x*rate_3;
+    const double rate_shank_z = rate_2 - rate_3;
+    const double rates_shank_z = rate_2 + rate_shank_z;
+    const double bias_shank_x = WG_FMA(flow_shank_y, rates_shank_z, -bias_thigh_x);
+    const double bias_shank_y = WG_FMA(flow_shank_x, rates_shank_z, -bias_thigh_y);
+    const double bias_shank_z = WG_FMA(-rates_thigh_y, flow_shank_x, bias_thigh_z);
+    const double rate_4 = inverse_pivot*bias_shank_z;
+    qdd[0] = rate_4;
+    const double solution_3 = WG_FMA(shank_to_tip_y, bias_shank_y, shank_to_tip_x*bias_shank_x);
+    const double solution_4 = WG_FMA(thigh_to_tip_y, bias_shank_y, thigh_to_tip_x*bias_shank_x);
+    const double rate_5 = inverse_det*solution_3;
+    qdd[1] = -rate_5;
+    const double rate_6 = inverse_det*solution_4;
+    qdd[2] = rate_6;
+    const double total = rate_6 + (rate_4 + (rate + rate_2)) - rate_3 - rate_5;
+    const double t1 = WG_FMA(shank_to_tip_y, shank_to_tip_y, shank_to_tip_x*shank_to_tip_x);
+    const double t2 = WG_FMA(2.0, thigh_to_tip_x*thigh_to_tip_x, t1);
+    const double square = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, t2);
+    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.02), total - total);
+    *status = (WG_STATE)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
+}
+
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
@@ -1854,6 +1914,41 @@ WG_ALONE(mero_leg_param_leg_within_limits_d_param) {
     for (int at = 0; at < 2; ++at) { found[0 + at] = (double)within_d_param[at]; }
 }
 WG_LANED(mero_leg_param_leg_within_limits_d_param, 2, 1);
+#endif
+
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+WG_BLOCK(mero_leg_param_leg_inverse_velocity_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(v, 1)
+    WG_FROM(a, 2)
+    WG_FROM(param, 3)
+    WG_INTO(qd, 4)
+    WG_INTO(qdd, 5)
+    WG_INTO(status, 6)
+    WG_EACH_LANE {
+        double q[3], v[3], a[3], param[2], qd[3], qdd[3];
+        WG_STATE status[1];
+        WG_TAKE_3(q)
+        WG_TAKE_3(v)
+        WG_TAKE_3(a)
+        WG_TAKE_2(param)
+        mero_leg_param_leg_regular_rates_kernel_lane(q, v, a, param, qd, qdd, status, 1);
+        WG_KEEP_3(qd)
+        WG_KEEP_3(qdd)
+        WG_KEEP_1(status)
+        WG_DONE(qd[0])
+    }
+}
+
+WG_ALONE(mero_leg_param_leg_inverse_velocity_acceleration) {
+    int32_t status[1];
+    mero_leg_param_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &given[9], &found[0], &found[3], status, 1);
+    if (status[0] == WALKGEN_UNREACHABLE) {
+        mero_leg_param_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &given[9], &found[0], &found[3], status, 0);
+    }
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+WG_LANED(mero_leg_param_leg_inverse_velocity_acceleration, 4, 3);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -2549,66 +2644,6 @@ WG_INLINE void mero_leg_param_leg_acceleration_jacobian_kernel(const double *WG_
     rest[1] = wanted_y;
     const double wanted_z = a[2] + bias_shank_z;
     rest[2] = wanted_z;
-}
-
-WG_INLINE void mero_leg_param_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, const double *WG_RESTRICT param, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status, int wg_near) {
-    (void)wg_near;
-    const double angle_thigh_shank = q[1] + q[2];
-    double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
-    WG_NEAR_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
-        q[0], sin_yaw, cos_yaw);
-    WG_TURN(sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh);
-    const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);
-    const double shank_to_tip_y = WG_FMA(-param[1], cos_thigh_shank, param[0]*sin_thigh_shank);
-    const double thigh_to_tip_x = WG_FMA(cos_thigh, 0.35, shank_to_tip_x);
-    const double thigh_to_tip_y = WG_FMA(sin_thigh, 0.35, shank_to_tip_y);
-    const double det = WG_FMA(-shank_to_tip_x, thigh_to_tip_y, shank_to_tip_y*thigh_to_tip_x);
-    const double inverse_det = 1.0/det;
-    const double inverse_pivot = 1.0/thigh_to_tip_x;
-    const double det3 = thigh_to_tip_x*det;
-    const double v_along = WG_FMA(v[1], sin_yaw, v[0]*cos_yaw);
-    const double v_across = WG_FMA(-v[0], sin_yaw, v[1]*cos_yaw);
-    const double rate = inverse_pivot*v_across;
-    qd[0] = rate;
-    const double solution = WG_FMA(shank_to_tip_x, v_along, v[2]*shank_to_tip_y);
-    const double solution_2 = WG_FMA(thigh_to_tip_x, v_along, v[2]*thigh_to_tip_y);
-    const double rate_2 = inverse_det*solution;
-    qd[1] = rate_2;
-    const double rate_3 = inverse_det*solution_2;
-    qd[2] = -rate_3;
-    const double a_along = WG_FMA(a[1], sin_yaw, a[0]*cos_yaw);
-    const double a_across = WG_FMA(-a[0], sin_yaw, a[1]*cos_yaw);
-    const double flow_yaw_z = thigh_to_tip_x*rate;
-    const double bias_yaw_x = WG_FMA(rate, flow_yaw_z, a_along);
-    const double flow_thigh_x = thigh_to_tip_y*rate_2;
-    const double flow_thigh_y = thigh_to_tip_x*rate_2;
-    const double rates_thigh_y = rate*2.0;
-    const double bias_thigh_x = WG_FMA(rate_2, flow_thigh_y, bias_yaw_x);
-    const double bias_thigh_y = WG_FMA(rate_2, flow_thigh_x, a[2]);
-    const double bias_thigh_z = WG_FMA(flow_thigh_x, rates_thigh_y, a_across);
-    const double flow_shank_x = shank_to_tip_y*rate_3;
-    const double flow_shank_y = shank_to_tip_x*rate_3;
-    const double rate_shank_z = rate_2 - rate_3;
-    const double rates_shank_z = rate_2 + rate_shank_z;
-    const double bias_shank_x = WG_FMA(flow_shank_y, rates_shank_z, -bias_thigh_x);
-    const double bias_shank_y = WG_FMA(flow_shank_x, rates_shank_z, -bias_thigh_y);
-    const double bias_shank_z = WG_FMA(-rates_thigh_y, flow_shank_x, bias_thigh_z);
-    const double rate_4 = inverse_pivot*bias_shank_z;
-    qdd[0] = rate_4;
-    const double solution_3 = WG_FMA(shank_to_tip_y, bias_shank_y, shank_to_tip_x*bias_shank_x);
-    const double solution_4 = WG_FMA(thigh_to_tip_y, bias_shank_y, thigh_to_tip_x*bias_shank_x);
-    const double rate_5 = inverse_det*solution_3;
-    qdd[1] = -rate_5;
-    const double rate_6 = inverse_det*solution_4;
-    qdd[2] = rate_6;
-    const double total = rate_6 + (rate_4 + (rate + rate_2)) - rate_3 - rate_5;
-    const double t1 = WG_FMA(shank_to_tip_y, shank_to_tip_y, shank_to_tip_x*shank_to_tip_x);
-    const double t2 = WG_FMA(2.0, thigh_to_tip_x*thigh_to_tip_x, t1);
-    const double square = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, t2);
-    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.02), total - total);
-    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
 }
 
 WG_INLINE void mero_leg_param_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
@@ -6833,18 +6868,6 @@ size_t mero_leg_param_leg_inverse_acceleration_batch(size_t rows, const double *
     return bad;
 }
 
-size_t mero_leg_param_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
-    double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = mero_leg_param_leg_inverse_velocity_acceleration(q + row * 3, v + row * 3, a + row * 3, param, qd + row * 3,
-            qdd + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 void mero_leg_param_leg_forward_dynamics_d_param_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT tau, const double *WG_RESTRICT f,
     const double *WG_RESTRICT param, double *WG_RESTRICT qdd_d_param) {
@@ -7070,6 +7093,13 @@ void mero_leg_param_floating_inverse_dynamics_d_param_batch(size_t rows, const d
 #include "walkgen_lanes.h"
 #include "mero_leg_param.c"
 #undef WALKGEN_ROWS
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+static void mero_leg_param_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = mero_leg_param_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &given[9], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+#endif
 #endif
 
 void mero_leg_param_leg_foot_position_batch(size_t rows, const double *WG_RESTRICT q,
@@ -7340,6 +7370,24 @@ void mero_leg_param_leg_within_limits_d_param_batch(size_t rows, const double *W
     for (size_t row = 0; row < rows; ++row) {
         mero_leg_param_leg_within_limits_d_param(q + row * 3, param, within_d_param + row * 2);
     }
+#endif
+}
+
+size_t mero_leg_param_leg_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, const double *WG_RESTRICT param,
+    double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(v, 3), WG_DENSE(a, 3), WG_SHARED(param, 2),
+        WG_DENSE(qd, 3), WG_DENSE(qdd, 3), WG_DENSE_STATUS(status, 1)};
+    return WG_NAME(wg_batch)(&mero_leg_param_leg_inverse_velocity_acceleration_laned, rows, arrays, mero_leg_param_leg_inverse_velocity_acceleration_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = mero_leg_param_leg_inverse_velocity_acceleration(q + row * 3, v + row * 3, a + row * 3, param, qd + row * 3,
+            qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
 #endif
 }
 

@@ -16,6 +16,11 @@ extern "C" {
 extern const struct walkgen_wide mero_leg_param_avx2, mero_leg_param_avx512;
 static const struct walkgen_wide *const mero_leg_param_wide[] = {&mero_leg_param_avx2, &mero_leg_param_avx512};
 WALKGEN_LEVEL(mero_leg_param)
+static void mero_leg_param_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = mero_leg_param_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &given[9], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
 
 static const walkgen_port mero_leg_param_leg_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -610,7 +615,8 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_LOOP(mero_leg_param_leg_inverse_velocity_acceleration, rows, double, 18, 7)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_velocity_acceleration, mero_leg_param, walkgen_wide_rows, 22, 6, mero_leg_param_leg_inverse_velocity_acceleration_closest)
+WALKGEN_LOOP(mero_leg_param_leg_inverse_velocity_acceleration, wide_rows, double, 18, 7)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -632,7 +638,7 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics, mero_leg_param, walkgen_wide_rows, 22, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics, mero_leg_param, walkgen_wide_rows, 23, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = {
@@ -655,7 +661,7 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_d_param) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics_d_param, mero_leg_param, walkgen_wide_rows, 23, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics_d_param, mero_leg_param, walkgen_wide_rows, 24, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_d_param, wide_rows, double, 20, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
@@ -678,7 +684,7 @@ WALKGEN_ROWS(mero_leg_param_leg_forward_dynamics) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_forward_dynamics, mero_leg_param, walkgen_wide_rows, 24, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_forward_dynamics, mero_leg_param, walkgen_wide_rows, 25, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = {
@@ -714,7 +720,7 @@ WALKGEN_ROWS(mero_leg_param_leg_mass_matrix) {
         mero_leg_param_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix, mero_leg_param, walkgen_wide_rows, 25, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix, mero_leg_param, walkgen_wide_rows, 26, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_mass_matrix, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
@@ -731,7 +737,7 @@ WALKGEN_ROWS(mero_leg_param_leg_mass_matrix_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix_d_param, mero_leg_param, walkgen_wide_rows, 26, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix_d_param, mero_leg_param, walkgen_wide_rows, 27, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_mass_matrix_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_bias_ports[] = {
@@ -750,7 +756,7 @@ WALKGEN_ROWS(mero_leg_param_leg_bias) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias, mero_leg_param, walkgen_wide_rows, 27, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias, mero_leg_param, walkgen_wide_rows, 28, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_bias, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
@@ -769,7 +775,7 @@ WALKGEN_ROWS(mero_leg_param_leg_bias_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias_d_param, mero_leg_param, walkgen_wide_rows, 28, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias_d_param, mero_leg_param, walkgen_wide_rows, 29, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_bias_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
@@ -783,7 +789,7 @@ WALKGEN_ROWS(mero_leg_param_leg_gravity_torque) {
         mero_leg_param_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque, mero_leg_param, walkgen_wide_rows, 29, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque, mero_leg_param, walkgen_wide_rows, 30, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_gravity_torque, wide_rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
@@ -800,7 +806,7 @@ WALKGEN_ROWS(mero_leg_param_leg_gravity_torque_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque_d_param, mero_leg_param, walkgen_wide_rows, 30, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque_d_param, mero_leg_param, walkgen_wide_rows, 31, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_gravity_torque_d_param, wide_rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
@@ -819,7 +825,7 @@ WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix, mero_leg_param, walkgen_wide_rows, 31, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix, mero_leg_param, walkgen_wide_rows, 32, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix, wide_rows, double, 17, 4)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
@@ -838,7 +844,7 @@ WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix_d_param, mero_leg_param, walkgen_wide_rows, 32, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix_d_param, mero_leg_param, walkgen_wide_rows, 33, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix_d_param, wide_rows, double, 26, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
@@ -857,7 +863,7 @@ WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy, mero_leg_param, walkgen_wide_rows, 33, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy, mero_leg_param, walkgen_wide_rows, 34, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy, wide_rows, double, 9, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
@@ -876,7 +882,7 @@ WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy_d_param, mero_leg_param, walkgen_wide_rows, 34, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy_d_param, mero_leg_param, walkgen_wide_rows, 35, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy_d_param, wide_rows, double, 10, 4)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
@@ -893,7 +899,7 @@ WALKGEN_ROWS(mero_leg_param_leg_potential_energy) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy, mero_leg_param, walkgen_wide_rows, 35, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy, mero_leg_param, walkgen_wide_rows, 36, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_potential_energy, wide_rows, double, 6, 3)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = {
@@ -910,7 +916,7 @@ WALKGEN_ROWS(mero_leg_param_leg_potential_energy_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy_d_param, mero_leg_param, walkgen_wide_rows, 36, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy_d_param, mero_leg_param, walkgen_wide_rows, 37, -1, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_potential_energy_d_param, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[] = {

@@ -15,6 +15,7 @@
 #undef WALKGEN_PART
 #define WG_ROW(head) static __attribute__((unused)) head
 #define WG_STATIC_ROW(head) static __attribute__((unused)) head
+#define WG_INLINE_ROW(head) WG_INLINE head
 #define WALKGEN_ROWS 1
 #include "walkgen_real_f64.h"
 #include "walkgen_wide.h"
@@ -47,6 +48,7 @@ static const struct WG_NAME(wg_laned) *const laned[] = {
     &mero_leg_param_leg_foot_torque_d_param_laned,
     &mero_leg_param_leg_within_limits_laned,
     &mero_leg_param_leg_within_limits_d_param_laned,
+    &mero_leg_param_leg_inverse_velocity_acceleration_laned,
     &mero_leg_param_leg_inverse_dynamics_laned,
     &mero_leg_param_leg_inverse_dynamics_d_param_laned,
     &mero_leg_param_leg_forward_dynamics_laned,

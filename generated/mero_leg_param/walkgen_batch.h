@@ -13,8 +13,10 @@
 #if !defined(WALKGEN_ROWS)
 #undef WG_ROW
 #undef WG_STATIC_ROW
+#undef WG_INLINE_ROW
 #define WG_ROW(head) head
 #define WG_STATIC_ROW(head) static head
+#define WG_INLINE_ROW(head) WG_INLINE head
 #endif
 
 #if !defined(WALKGEN_BATCH)
@@ -38,7 +40,7 @@
 #define WG_ALIGNED
 #endif
 
-/* What an array's elements are: numbers, or statuses of 32 bits. */
+/* What an array's elements are: numbers, or integers of 32 bits, as statuses are. */
 enum { WG_NUMBER = 0, WG_STATUS = 1 };
 
 /* One array: `row` and `element` are the bytes from one to the next. */

@@ -797,6 +797,146 @@ WG_ROW(void phantomx_leg_right_front_potential_energy)(const double *WG_RESTRICT
     *U = moment_z*9.81;
 }
 
+WG_INLINE_ROW(void phantomx_leg_right_front_inverse_one_kernel)(const double *WG_RESTRICT p, WG_STATE branch,
+    double *WG_RESTRICT q, WG_STATE *WG_RESTRICT status, double *WG_RESTRICT target, int wg_near) {
+    (void)wg_near;
+    const double offset_x = p[0] - 0.1248;
+    const double offset_y = p[1] + 0.06164;
+    const double offset_z = p[2] - 0.001116;
+    target[2] = offset_z;
+    const double t1 = offset_y*0.7071067811865476;
+    const double t2 = offset_x*0.7071067811865476;
+    const double target_x = t1 - t2;
+    target[0] = target_x;
+    const double target_y = t1 + t2;
+    target[1] = -target_y;
+    const double rho_sign = WG_FMA(-2.0, WG_INDICATOR(2.0 <= (double)branch), 1.0);
+    const double knee_sign = WG_FMA(-2.0, WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0), 1.0);
+    const double radius2 = WG_FMA(target_y, target_y, target_x*target_x);
+    const double epsilon = WG_EPSILON;
+    const double t3 = epsilon*8.0;
+    const double tolerance = WG_SELECT(1e-12 < t3, t3, 1e-12);
+    const double touching2 = 0.06255489065783021*(tolerance*tolerance);
+    const double radius = sqrt(radius2);
+    const int t4 = radius2 <= touching2;
+    const double rho = WG_SELECT(t4, 0.0, radius);
+    const double X = WG_FMA(rho_sign, rho, 0.054);
+    const double distance2_plus = WG_FMA(X, X, offset_z*offset_z);
+    const double slack = tolerance*0.5002195144447293;
+    const double outer2 = WG_FMA(slack, 0.19610975722236468, 0.038459036877814816);
+    const double inner2 = WG_FMA(-slack, 0.06389024277763532, 0.004081963122185181);
+    const double knee_plus = WG_FMA(distance2_plus, 58.17830843361056, -0.23748170953711342);
+    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
+    const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
+    const double knee_cos_plus = knee_plus_clamped - 1.0;
+    const double knee_sin = knee_sign*knee_sin_plus;
+    const double along = WG_FMA(knee_cos_plus, 0.13, 0.06610975722236469);
+    const double across = knee_sin*0.13;
+    const double thigh_sin = WG_FMA(-X, across, offset_z*along);
+    const double thigh_cos = WG_FMA(X, along, offset_z*across);
+    const int t5 = 0.0 <= (double)branch && (double)branch <= 3.0;
+    const double t6 = WG_SELECT(t5, 0.0, sqrt(WG_FMA(-((double)branch), (double)branch, -1.0)));
+    const double taint = t6 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
+    const int t7 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
+    const int t8 = outer2 < distance2_plus || distance2_plus < inner2;
+    const double t9 = WG_SELECT(t8, 1.0, WG_SELECT(t7, 6.0, WG_SELECT(t4, 3.0, 0.0)));
+    const double unusual_state = WG_SELECT(!isfinite(taint), 2.0, t9);
+    const int t10 = wg_near && ((t5 && tolerance < knee_sin_plus) && !t4);
+    WG_LEAVE_BEYOND(t10)
+    const double state = WG_SELECT(t10, 0.0, unusual_state);
+    *status = (WG_STATE)(state);
+    const double lift_thigh_sin = WG_FMA(-thigh_sin, 0.9756502324316491, thigh_cos*0.21933222279471182);
+    double yaw_one_angle, t11, thigh;
+    WG_NEAR_ATAN2_3(-(target_y*rho_sign), target_x*rho_sign, yaw_one_angle,
+        WG_SELECT(!t10 && knee_plus_clamped == 0.0, -1.0, knee_sin), fabs(knee_plus_clamped), t11, lift_thigh_sin,
+        WG_FMA(-thigh_cos, 0.9756502324316491, -(thigh_sin*0.21933222279471182)), thigh);
+    const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
+    const double yaw_one = WG_SELECT(t4, 0.0, yaw_one_half_open);
+    const double yaw_one_checked = yaw_one + WG_SELECT(t10, 0.0, taint);
+    q[0] = yaw_one_checked;
+    const double thigh_checked = taint + thigh;
+    const double q2_one_angle = WG_SELECT(t10, thigh, thigh_checked);
+    const double q2_one_half_open = WG_SELECT(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle);
+    q[1] = q2_one_half_open;
+    const double gamma_checked = WG_FMA(2.0, t11, taint);
+    const double q3_one_sum = 4.491259005845174 - gamma_checked;
+    const double t12 = WG_INDICATOR(q3_one_sum <= -3.141592653589793);
+    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < q3_one_sum) - t12;
+    const double q3_one_wrapped = WG_FMA(-q3_one_turns, 6.283185307179586, q3_one_sum);
+    q[2] = q3_one_wrapped;
+}
+
+WG_INLINE_ROW(void phantomx_leg_right_front_regular_rates_kernel)(const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
+    WG_STATE *WG_RESTRICT status, int wg_near) {
+    (void)wg_near;
+    const double angle_thigh_tibia = q[1] - q[2];
+    double sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh, sin_coxa, cos_coxa;
+    WG_NEAR_SINCOS_3(WG_PART(angle_thigh_tibia, -q[2]), sin_thigh_tibia, cos_thigh_tibia, q[1], sin_thigh,
+        cos_thigh, q[0], sin_coxa, cos_coxa);
+    WG_TURN(sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh);
+    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
+    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
+    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
+    const double thigh_to_tip_link_y = WG_FMA(-cos_thigh, 0.0645, sin_thigh*0.0145);
+    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
+    const double thigh_to_tip_y = thigh_to_tip_link_y - tibia_to_tip_y;
+    const double coxa_to_tip_inner_y = thigh_to_tip_y - 0.054;
+    const double det = WG_FMA(-tibia_to_tip_x, thigh_to_tip_y, tibia_to_tip_y*thigh_to_tip_x);
+    const double inverse_det = 1.0/det;
+    const double inverse_pivot = 1.0/coxa_to_tip_inner_y;
+    const double det3 = coxa_to_tip_inner_y*det;
+    const double t1 = v[0]*0.7071067811865476;
+    const double t2 = v[1]*0.7071067811865476;
+    const double v_mount_x = t1 + t2;
+    const double v_mount_y = t2 - t1;
+    const double v_along = WG_FMA(v_mount_y, sin_coxa, v_mount_x*cos_coxa);
+    const double v_across = WG_FMA(-v_mount_x, sin_coxa, v_mount_y*cos_coxa);
+    const double rate = inverse_pivot*v_along;
+    qd[0] = -rate;
+    const double solution = WG_FMA(-v[2], tibia_to_tip_x, tibia_to_tip_y*v_across);
+    const double solution_2 = WG_FMA(-thigh_to_tip_y, v_across, v[2]*thigh_to_tip_x);
+    const double rate_2 = inverse_det*solution;
+    qd[1] = rate_2;
+    const double rate_3 = inverse_det*solution_2;
+    qd[2] = rate_3;
+    const double t3 = a[0]*0.7071067811865476;
+    const double t4 = a[1]*0.7071067811865476;
+    const double a_mount_x = t3 + t4;
+    const double a_mount_y = t4 - t3;
+    const double a_along = WG_FMA(sin_coxa, a_mount_y, cos_coxa*a_mount_x);
+    const double a_across = WG_FMA(-sin_coxa, a_mount_x, cos_coxa*a_mount_y);
+    const double flow_coxa_z = coxa_to_tip_inner_y*rate;
+    const double bias_coxa_y = WG_FMA(rate, flow_coxa_z, a_across);
+    const double flow_thigh_x = thigh_to_tip_y*rate_2;
+    const double flow_thigh_y = thigh_to_tip_x*rate_2;
+    const double rates_thigh_x = rate*2.0;
+    const double bias_thigh_x = WG_FMA(-rate_2, flow_thigh_y, a[2]);
+    const double bias_thigh_y = WG_FMA(rate_2, flow_thigh_x, bias_coxa_y);
+    const double bias_thigh_z = WG_FMA(flow_thigh_y, rates_thigh_x, -a_along);
+    const double flow_tibia_x = tibia_to_tip_y*rate_3;
+    const double flow_tibia_y = tibia_to_tip_x*rate_3;
+    const double rate_tibia_z = rate_2 - rate_3;
+    const double rates_tibia_z = rate_2 + rate_tibia_z;
+    const double bias_tibia_x = WG_FMA(-flow_tibia_y, rates_tibia_z, bias_thigh_x);
+    const double bias_tibia_y = WG_FMA(flow_tibia_x, rates_tibia_z, bias_thigh_y);
+    const double bias_tibia_z = WG_FMA(rates_thigh_x, flow_tibia_y, bias_thigh_z);
+    const double rate_4 = inverse_pivot*bias_tibia_z;
+    qdd[0] = rate_4;
+    const double solution_3 = WG_FMA(-tibia_to_tip_x, bias_tibia_x, tibia_to_tip_y*bias_tibia_y);
+    const double solution_4 = WG_FMA(-thigh_to_tip_y, bias_tibia_y, thigh_to_tip_x*bias_tibia_x);
+    const double rate_5 = inverse_det*solution_3;
+    qdd[1] = rate_5;
+    const double rate_6 = inverse_det*solution_4;
+    qdd[2] = rate_6;
+    const double total = rate_6 + (rate_5 + (rate_4 + (rate_2 + rate_3))) - rate;
+    const double t5 = WG_FMA(tibia_to_tip_y, tibia_to_tip_y, tibia_to_tip_x*tibia_to_tip_x);
+    const double t6 = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, WG_FMA(thigh_to_tip_x, thigh_to_tip_x, t5));
+    const double square = WG_FMA(coxa_to_tip_inner_y, coxa_to_tip_inner_y, t6);
+    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.0026), total - total);
+    *status = (WG_STATE)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
+}
+
 #if defined(WALKGEN_ROWS)
 #if WALKGEN_ROWS == 2
 
@@ -1022,6 +1162,36 @@ WG_LANED(phantomx_leg_right_front_foot_torque, 2, 1);
 #endif
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
+WG_BLOCK(phantomx_leg_right_front_inverse_branch) {
+    WG_FROM(p, 0)
+    WG_FROM(branch, 1)
+    WG_INTO(q, 2)
+    WG_INTO(status, 3)
+    WG_EACH_LANE {
+        double p[3], q[3], target[3];
+        WG_STATE branch[1], status[1];
+        WG_TAKE_3(p)
+        WG_TAKE_1(branch)
+        phantomx_leg_right_front_inverse_one_kernel_lane(p, branch[0], q, status, target, 1);
+        WG_KEEP_3(q)
+        WG_KEEP_1(status)
+        WG_DONE(q[0] + q[1] + q[2])
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_inverse_branch) {
+    double target[3];
+    int32_t status[1];
+    phantomx_leg_right_front_inverse_one_kernel(&given[0], (int32_t)given[3], &found[0], status, target, 1);
+    if (status[0] == WALKGEN_UNREACHABLE) {
+        phantomx_leg_right_front_inverse_one_kernel(&given[0], (int32_t)given[3], &found[0], status, target, 0);
+    }
+    for (int at = 0; at < 1; ++at) { found[3 + at] = (double)status[at]; }
+}
+WG_LANED(phantomx_leg_right_front_inverse_branch, 2, 2);
+#endif
+
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(phantomx_leg_right_front_within_limits) {
     WG_FROM(q, 0)
     WG_INTO(within, 1)
@@ -1041,6 +1211,39 @@ WG_ALONE(phantomx_leg_right_front_within_limits) {
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
 WG_LANED(phantomx_leg_right_front_within_limits, 1, 1);
+#endif
+
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+WG_BLOCK(phantomx_leg_right_front_inverse_velocity_acceleration) {
+    WG_FROM(q, 0)
+    WG_FROM(v, 1)
+    WG_FROM(a, 2)
+    WG_INTO(qd, 3)
+    WG_INTO(qdd, 4)
+    WG_INTO(status, 5)
+    WG_EACH_LANE {
+        double q[3], v[3], a[3], qd[3], qdd[3];
+        WG_STATE status[1];
+        WG_TAKE_3(q)
+        WG_TAKE_3(v)
+        WG_TAKE_3(a)
+        phantomx_leg_right_front_regular_rates_kernel_lane(q, v, a, qd, qdd, status, 1);
+        WG_KEEP_3(qd)
+        WG_KEEP_3(qdd)
+        WG_KEEP_1(status)
+        WG_DONE(qd[0])
+    }
+}
+
+WG_ALONE(phantomx_leg_right_front_inverse_velocity_acceleration) {
+    int32_t status[1];
+    phantomx_leg_right_front_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 1);
+    if (status[0] == WALKGEN_UNREACHABLE) {
+        phantomx_leg_right_front_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 0);
+    }
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+WG_LANED(phantomx_leg_right_front_inverse_velocity_acceleration, 3, 3);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1372,75 +1575,6 @@ WG_REPEATED void phantomx_leg_right_front_inverse_geometry_kernel(double *WG_RES
     geometry[9] = 4.491259005845174;
 }
 
-WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_RESTRICT p, int32_t branch,
-    double *WG_RESTRICT q, int32_t *WG_RESTRICT status, double *WG_RESTRICT target, int wg_near) {
-    (void)wg_near;
-    const double offset_x = p[0] - 0.1248;
-    const double offset_y = p[1] + 0.06164;
-    const double offset_z = p[2] - 0.001116;
-    target[2] = offset_z;
-    const double t1 = offset_y*0.7071067811865476;
-    const double t2 = offset_x*0.7071067811865476;
-    const double target_x = t1 - t2;
-    target[0] = target_x;
-    const double target_y = t1 + t2;
-    target[1] = -target_y;
-    const double rho_sign = WG_FMA(-2.0, WG_INDICATOR(2.0 <= (double)branch), 1.0);
-    const double knee_sign = WG_FMA(-2.0, WG_INDICATOR((double)branch == 1.0 || (double)branch == 3.0), 1.0);
-    const double radius2 = WG_FMA(target_y, target_y, target_x*target_x);
-    const double epsilon = WG_EPSILON;
-    const double t3 = epsilon*8.0;
-    const double tolerance = WG_SELECT(1e-12 < t3, t3, 1e-12);
-    const double touching2 = 0.06255489065783021*(tolerance*tolerance);
-    const double radius = sqrt(radius2);
-    const int t4 = radius2 <= touching2;
-    const double rho = WG_SELECT(t4, 0.0, radius);
-    const double X = WG_FMA(rho_sign, rho, 0.054);
-    const double distance2_plus = WG_FMA(X, X, offset_z*offset_z);
-    const double slack = tolerance*0.5002195144447293;
-    const double outer2 = WG_FMA(slack, 0.19610975722236468, 0.038459036877814816);
-    const double inner2 = WG_FMA(-slack, 0.06389024277763532, 0.004081963122185181);
-    const double knee_plus = WG_FMA(distance2_plus, 58.17830843361056, -0.23748170953711342);
-    const double knee_plus_clamped = WG_SELECT(2.0 < knee_plus, 2.0, WG_SELECT(knee_plus < 0.0, 0.0, knee_plus));
-    const double knee_sin_plus = sqrt(knee_plus_clamped*(2.0 - knee_plus_clamped));
-    const double knee_cos_plus = knee_plus_clamped - 1.0;
-    const double knee_sin = knee_sign*knee_sin_plus;
-    const double along = WG_FMA(knee_cos_plus, 0.13, 0.06610975722236469);
-    const double across = knee_sin*0.13;
-    const double thigh_sin = WG_FMA(-X, across, offset_z*along);
-    const double thigh_cos = WG_FMA(X, along, offset_z*across);
-    const int t5 = 0.0 <= (double)branch && (double)branch <= 3.0;
-    const double t6 = WG_SELECT(t5, 0.0, sqrt(WG_FMA(-((double)branch), (double)branch, -1.0)));
-    const double taint = t6 + (p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1])));
-    const int t7 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
-    const int t8 = outer2 < distance2_plus || distance2_plus < inner2;
-    const double t9 = WG_SELECT(t8, 1.0, WG_SELECT(t7, 6.0, WG_SELECT(t4, 3.0, 0.0)));
-    const double unusual_state = WG_SELECT(!isfinite(taint), 2.0, t9);
-    const int t10 = wg_near && ((t5 && tolerance < knee_sin_plus) && !t4);
-    WG_LEAVE_BEYOND(t10)
-    const double state = WG_SELECT(t10, 0.0, unusual_state);
-    *status = (int32_t)(state);
-    const double lift_thigh_sin = WG_FMA(-thigh_sin, 0.9756502324316491, thigh_cos*0.21933222279471182);
-    double yaw_one_angle, t11, thigh;
-    WG_NEAR_ATAN2_3(-(target_y*rho_sign), target_x*rho_sign, yaw_one_angle,
-        WG_SELECT(!t10 && knee_plus_clamped == 0.0, -1.0, knee_sin), fabs(knee_plus_clamped), t11, lift_thigh_sin,
-        WG_FMA(-thigh_cos, 0.9756502324316491, -(thigh_sin*0.21933222279471182)), thigh);
-    const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
-    const double yaw_one = WG_SELECT(t4, 0.0, yaw_one_half_open);
-    const double yaw_one_checked = yaw_one + WG_SELECT(t10, 0.0, taint);
-    q[0] = yaw_one_checked;
-    const double thigh_checked = taint + thigh;
-    const double q2_one_angle = WG_SELECT(t10, thigh, thigh_checked);
-    const double q2_one_half_open = WG_SELECT(q2_one_angle <= -3.141592653589793, 3.141592653589793, q2_one_angle);
-    q[1] = q2_one_half_open;
-    const double gamma_checked = WG_FMA(2.0, t11, taint);
-    const double q3_one_sum = 4.491259005845174 - gamma_checked;
-    const double t12 = WG_INDICATOR(q3_one_sum <= -3.141592653589793);
-    const double q3_one_turns = WG_INDICATOR(3.141592653589793 < q3_one_sum) - t12;
-    const double q3_one_wrapped = WG_FMA(-q3_one_turns, 6.283185307179586, q3_one_sum);
-    q[2] = q3_one_wrapped;
-}
-
 WG_INLINE void phantomx_leg_right_front_limits_kernel(double *WG_RESTRICT limits) {
     limits[0] = -2.6179939;
     limits[1] = 2.6179939;
@@ -1615,77 +1749,6 @@ WG_INLINE void phantomx_leg_right_front_acceleration_jacobian_kernel(const doubl
     rest[1] = wanted_y;
     const double wanted_z = a[2] - bias_tibia_z;
     rest[2] = wanted_z;
-}
-
-WG_INLINE void phantomx_leg_right_front_regular_rates_kernel(const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status, int wg_near) {
-    (void)wg_near;
-    const double angle_thigh_tibia = q[1] - q[2];
-    double sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh, sin_coxa, cos_coxa;
-    WG_NEAR_SINCOS_3(WG_PART(angle_thigh_tibia, -q[2]), sin_thigh_tibia, cos_thigh_tibia, q[1], sin_thigh,
-        cos_thigh, q[0], sin_coxa, cos_coxa);
-    WG_TURN(sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh);
-    const double tibia_to_tip_x = cos_thigh_tibia*0.13;
-    const double tibia_to_tip_y = sin_thigh_tibia*0.13;
-    const double thigh_to_tip_link_x = WG_FMA(sin_thigh, 0.0645, cos_thigh*0.0145);
-    const double thigh_to_tip_link_y = WG_FMA(-cos_thigh, 0.0645, sin_thigh*0.0145);
-    const double thigh_to_tip_x = thigh_to_tip_link_x - tibia_to_tip_x;
-    const double thigh_to_tip_y = thigh_to_tip_link_y - tibia_to_tip_y;
-    const double coxa_to_tip_inner_y = thigh_to_tip_y - 0.054;
-    const double det = WG_FMA(-tibia_to_tip_x, thigh_to_tip_y, tibia_to_tip_y*thigh_to_tip_x);
-    const double inverse_det = 1.0/det;
-    const double inverse_pivot = 1.0/coxa_to_tip_inner_y;
-    const double det3 = coxa_to_tip_inner_y*det;
-    const double t1 = v[0]*0.7071067811865476;
-    const double t2 = v[1]*0.7071067811865476;
-    const double v_mount_x = t1 + t2;
-    const double v_mount_y = t2 - t1;
-    const double v_along = WG_FMA(v_mount_y, sin_coxa, v_mount_x*cos_coxa);
-    const double v_across = WG_FMA(-v_mount_x, sin_coxa, v_mount_y*cos_coxa);
-    const double rate = inverse_pivot*v_along;
-    qd[0] = -rate;
-    const double solution = WG_FMA(-v[2], tibia_to_tip_x, tibia_to_tip_y*v_across);
-    const double solution_2 = WG_FMA(-thigh_to_tip_y, v_across, v[2]*thigh_to_tip_x);
-    const double rate_2 = inverse_det*solution;
-    qd[1] = rate_2;
-    const double rate_3 = inverse_det*solution_2;
-    qd[2] = rate_3;
-    const double t3 = a[0]*0.7071067811865476;
-    const double t4 = a[1]*0.7071067811865476;
-    const double a_mount_x = t3 + t4;
-    const double a_mount_y = t4 - t3;
-    const double a_along = WG_FMA(sin_coxa, a_mount_y, cos_coxa*a_mount_x);
-    const double a_across = WG_FMA(-sin_coxa, a_mount_x, cos_coxa*a_mount_y);
-    const double flow_coxa_z = coxa_to_tip_inner_y*rate;
-    const double bias_coxa_y = WG_FMA(rate, flow_coxa_z, a_across);
-    const double flow_thigh_x = thigh_to_tip_y*rate_2;
-    const double flow_thigh_y = thigh_to_tip_x*rate_2;
-    const double rates_thigh_x = rate*2.0;
-    const double bias_thigh_x = WG_FMA(-rate_2, flow_thigh_y, a[2]);
-    const double bias_thigh_y = WG_FMA(rate_2, flow_thigh_x, bias_coxa_y);
-    const double bias_thigh_z = WG_FMA(flow_thigh_y, rates_thigh_x, -a_along);
-    const double flow_tibia_x = tibia_to_tip_y*rate_3;
-    const double flow_tibia_y = tibia_to_tip_x*rate_3;
-    const double rate_tibia_z = rate_2 - rate_3;
-    const double rates_tibia_z = rate_2 + rate_tibia_z;
-    const double bias_tibia_x = WG_FMA(-flow_tibia_y, rates_tibia_z, bias_thigh_x);
-    const double bias_tibia_y = WG_FMA(flow_tibia_x, rates_tibia_z, bias_thigh_y);
-    const double bias_tibia_z = WG_FMA(rates_thigh_x, flow_tibia_y, bias_thigh_z);
-    const double rate_4 = inverse_pivot*bias_tibia_z;
-    qdd[0] = rate_4;
-    const double solution_3 = WG_FMA(-tibia_to_tip_x, bias_tibia_x, tibia_to_tip_y*bias_tibia_y);
-    const double solution_4 = WG_FMA(-thigh_to_tip_y, bias_tibia_y, thigh_to_tip_x*bias_tibia_x);
-    const double rate_5 = inverse_det*solution_3;
-    qdd[1] = rate_5;
-    const double rate_6 = inverse_det*solution_4;
-    qdd[2] = rate_6;
-    const double total = rate_6 + (rate_5 + (rate_4 + (rate_2 + rate_3))) - rate;
-    const double t5 = WG_FMA(tibia_to_tip_y, tibia_to_tip_y, tibia_to_tip_x*tibia_to_tip_x);
-    const double t6 = WG_FMA(thigh_to_tip_y, thigh_to_tip_y, WG_FMA(thigh_to_tip_x, thigh_to_tip_x, t5));
-    const double square = WG_FMA(coxa_to_tip_inner_y, coxa_to_tip_inner_y, t6);
-    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.0026), total - total);
-    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det3), 0.0, 1.0));
 }
 
 WG_INLINE void phantomx_leg_right_front_rates_wanted_kernel(const double *WG_RESTRICT a,
@@ -4155,16 +4218,6 @@ size_t phantomx_leg_right_front_inverse_batch(size_t rows, const double *WG_REST
     return bad;
 }
 
-size_t phantomx_leg_right_front_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
-    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
-    size_t bad = 0;
-    for (size_t row = 0; row < rows; ++row) {
-        status[row] = phantomx_leg_right_front_inverse_branch(p + row * 3, branch[row], q + row * 3);
-        bad += status[row] != WALKGEN_OK;
-    }
-    return bad;
-}
-
 size_t phantomx_leg_right_front_inverse_near_batch(size_t rows, const double *WG_RESTRICT p,
     const double *WG_RESTRICT q_seed, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
     return wg_each_2_1_told_batch(rows, &phantomx_leg_right_front_inverse_near, p, 3, q_seed, 3, q, 3, status);
@@ -4193,13 +4246,6 @@ size_t phantomx_leg_right_front_inverse_velocity_batch(size_t rows, const double
 size_t phantomx_leg_right_front_inverse_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
     const double *WG_RESTRICT qd, const double *WG_RESTRICT a, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
     return wg_each_3_1_told_batch(rows, &phantomx_leg_right_front_inverse_acceleration, q, 3, qd, 3, a, 3, qdd, 3, status);
-}
-
-size_t phantomx_leg_right_front_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
-    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
-    int32_t *WG_RESTRICT status) {
-    return wg_each_3_2_told_batch(rows, &phantomx_leg_right_front_inverse_velocity_acceleration, q, 3, v, 3, a, 3, qd, 3,
-        qdd, 3, status);
 }
 
 void phantomx_leg_right_front_inverse_dynamics_derivatives_batch(size_t rows, const double *WG_RESTRICT q,
@@ -4300,6 +4346,20 @@ void phantomx_leg_floating_inverse_dynamics_batch(size_t rows, const double *WG_
 #include "walkgen_lanes.h"
 #include "phantomx_leg.c"
 #undef WALKGEN_ROWS
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+static void phantomx_leg_right_front_inverse_branch_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = phantomx_leg_right_front_inverse_branch(&given[0], (int32_t)given[3], &found[0]);
+    for (int at = 0; at < 1; ++at) { found[3 + at] = (double)status[at]; }
+}
+#endif
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+static void phantomx_leg_right_front_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = phantomx_leg_right_front_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
+#endif
 #endif
 
 void phantomx_leg_right_front_foot_position_batch(size_t rows, const double *WG_RESTRICT q, double *WG_RESTRICT p) {
@@ -4429,6 +4489,22 @@ void phantomx_leg_right_front_foot_torque_batch(size_t rows, const double *WG_RE
 #endif
 }
 
+size_t phantomx_leg_right_front_inverse_branch_batch(size_t rows, const double *WG_RESTRICT p,
+    const int32_t *WG_RESTRICT branch, double *WG_RESTRICT q, int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+    const struct wg_array arrays[] = {WG_DENSE(p, 3), WG_DENSE_STATUS(branch, 1), WG_DENSE(q, 3),
+        WG_DENSE_STATUS(status, 1)};
+    return WG_NAME(wg_batch)(&phantomx_leg_right_front_inverse_branch_laned, rows, arrays, phantomx_leg_right_front_inverse_branch_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = phantomx_leg_right_front_inverse_branch(p + row * 3, branch[row], q + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
+#endif
+}
+
 void phantomx_leg_right_front_within_limits_batch(size_t rows, const double *WG_RESTRICT q,
     int32_t *WG_RESTRICT within) {
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
@@ -4438,6 +4514,24 @@ void phantomx_leg_right_front_within_limits_batch(size_t rows, const double *WG_
     for (size_t row = 0; row < rows; ++row) {
         within[row] = phantomx_leg_right_front_within_limits(q + row * 3);
     }
+#endif
+}
+
+size_t phantomx_leg_right_front_inverse_velocity_acceleration_batch(size_t rows, const double *WG_RESTRICT q,
+    const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd,
+    int32_t *WG_RESTRICT status) {
+#if defined(WALKGEN_BLOCKS) && WG_MASKS
+    const struct wg_array arrays[] = {WG_DENSE(q, 3), WG_DENSE(v, 3), WG_DENSE(a, 3), WG_DENSE(qd, 3), WG_DENSE(qdd,
+        3), WG_DENSE_STATUS(status, 1)};
+    return WG_NAME(wg_batch)(&phantomx_leg_right_front_inverse_velocity_acceleration_laned, rows, arrays, phantomx_leg_right_front_inverse_velocity_acceleration_closest);
+#else
+    size_t bad = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        status[row] = phantomx_leg_right_front_inverse_velocity_acceleration(q + row * 3, v + row * 3, a + row * 3, qd + row * 3,
+            qdd + row * 3);
+        bad += status[row] != WALKGEN_OK;
+    }
+    return bad;
 #endif
 }
 

@@ -16,6 +16,16 @@ extern "C" {
 extern const struct walkgen_wide phantomx_leg_avx2, phantomx_leg_avx512;
 static const struct walkgen_wide *const phantomx_leg_wide[] = {&phantomx_leg_avx2, &phantomx_leg_avx512};
 WALKGEN_LEVEL(phantomx_leg)
+static void phantomx_leg_right_front_inverse_branch_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = phantomx_leg_right_front_inverse_branch(&given[0], (int32_t)given[3], &found[0]);
+    for (int at = 0; at < 1; ++at) { found[3 + at] = (double)status[at]; }
+}
+static void phantomx_leg_right_front_inverse_velocity_acceleration_closest(const double *given, double *found) {
+    int32_t status[1];
+    status[0] = phantomx_leg_right_front_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
+    for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
+}
 
 static const walkgen_port phantomx_leg_right_front_foot_position_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -281,7 +291,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_within_limits) {
         *WALKGEN_PORT(int32_t, 1) = phantomx_leg_right_front_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_within_limits, phantomx_leg, walkgen_wide_rows, 11, 1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_within_limits, phantomx_leg, walkgen_wide_rows, 12, 1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_velocity_ports[] = {
@@ -339,7 +349,8 @@ WALKGEN_ROWS(phantomx_leg_right_front_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_velocity_acceleration, rows, double, 16, 6)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_velocity_acceleration, phantomx_leg, walkgen_wide_rows, 13, 5, phantomx_leg_right_front_inverse_velocity_acceleration_closest)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_velocity_acceleration, wide_rows, double, 16, 6)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -359,7 +370,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_inverse_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_dynamics, phantomx_leg, walkgen_wide_rows, 12, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_dynamics, phantomx_leg, walkgen_wide_rows, 14, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port phantomx_leg_right_front_forward_dynamics_ports[] = {
@@ -380,7 +391,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_forward_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_forward_dynamics, phantomx_leg, walkgen_wide_rows, 13, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_forward_dynamics, phantomx_leg, walkgen_wide_rows, 15, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port phantomx_leg_right_front_mass_matrix_ports[] = {
@@ -393,7 +404,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_mass_matrix) {
         phantomx_leg_right_front_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_mass_matrix, phantomx_leg, walkgen_wide_rows, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_mass_matrix, phantomx_leg, walkgen_wide_rows, 16, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_right_front_bias_ports[] = {
@@ -407,7 +418,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_bias) {
         phantomx_leg_right_front_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_bias, phantomx_leg, walkgen_wide_rows, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_bias, phantomx_leg, walkgen_wide_rows, 17, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port phantomx_leg_right_front_gravity_torque_ports[] = {
@@ -420,7 +431,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_gravity_torque) {
         phantomx_leg_right_front_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_gravity_torque, phantomx_leg, walkgen_wide_rows, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_gravity_torque, phantomx_leg, walkgen_wide_rows, 18, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port phantomx_leg_right_front_coriolis_matrix_ports[] = {
@@ -437,7 +448,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_coriolis_matrix) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_coriolis_matrix, phantomx_leg, walkgen_wide_rows, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_coriolis_matrix, phantomx_leg, walkgen_wide_rows, 19, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port phantomx_leg_right_front_kinetic_energy_ports[] = {
@@ -454,7 +465,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_kinetic_energy) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_kinetic_energy, phantomx_leg, walkgen_wide_rows, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_kinetic_energy, phantomx_leg, walkgen_wide_rows, 20, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port phantomx_leg_right_front_potential_energy_ports[] = {
@@ -467,7 +478,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_potential_energy) {
         phantomx_leg_right_front_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_potential_energy, phantomx_leg, walkgen_wide_rows, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_potential_energy, phantomx_leg, walkgen_wide_rows, 21, -1, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_derivatives_ports[] = {

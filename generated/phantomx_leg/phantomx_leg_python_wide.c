@@ -15,6 +15,7 @@
 #undef WALKGEN_PART
 #define WG_ROW(head) static __attribute__((unused)) head
 #define WG_STATIC_ROW(head) static __attribute__((unused)) head
+#define WG_INLINE_ROW(head) WG_INLINE head
 #define WALKGEN_ROWS 1
 #include "walkgen_real_f64.h"
 #include "walkgen_wide.h"
@@ -36,7 +37,9 @@ static const struct WG_NAME(wg_laned) *const laned[] = {
     &phantomx_leg_right_front_foot_acceleration_laned,
     &phantomx_leg_right_front_foot_bias_acceleration_laned,
     &phantomx_leg_right_front_foot_torque_laned,
+    &phantomx_leg_right_front_inverse_branch_laned,
     &phantomx_leg_right_front_within_limits_laned,
+    &phantomx_leg_right_front_inverse_velocity_acceleration_laned,
     &phantomx_leg_right_front_inverse_dynamics_laned,
     &phantomx_leg_right_front_forward_dynamics_laned,
     &phantomx_leg_right_front_mass_matrix_laned,

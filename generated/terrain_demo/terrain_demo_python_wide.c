@@ -15,6 +15,7 @@
 #undef WALKGEN_PART
 #define WG_ROW(head) static __attribute__((unused)) head
 #define WG_STATIC_ROW(head) static __attribute__((unused)) head
+#define WG_INLINE_ROW(head) WG_INLINE head
 #define WALKGEN_ROWS 1
 #include "walkgen_real_f64.h"
 #include "walkgen_wide.h"

@@ -20,12 +20,22 @@ struct WG_NAME(wg_port) {
     int32_t size, kind, rows, beyond, direct, filled;
 };
 
+/* An integer as a number; beyond 2^24, which a float counts to, it may be any such. */
+static inline WG_REAL WG_NAME(wg_integer)(const char *from) {
+    int32_t integer;
+    memcpy(&integer, from, sizeof integer);
+    return (WG_REAL)(integer > 1 << 24 ? 1 << 24 : integer < -(1 << 24) ? -(1 << 24) : integer);
+}
+
 /* Numbers of so many rows to lanes, one by one. */
 static inline void WG_NAME(wg_gather)(const struct WG_NAME(wg_port) *port, int first, int count, WG_REAL (*given)[WG_LANES]) {
     const char *at = port->at + first * port->row;
     for (int element = 0; element < port->size; ++element, at += port->element) {
         const char *from = at;
         int lane = first;
+        for (; lane < count && port->kind == WG_STATUS; ++lane, from += port->row) {
+            given[element][lane] = WG_NAME(wg_integer)(from);
+        }
         for (; lane + 4 <= count; lane += 4, from += 4 * port->row) {
             WG_REAL four[4]; /* all are read before any is written: nothing says that they are apart */
             memcpy(&four[0], from, sizeof(WG_REAL)), memcpy(&four[1], from + port->row, sizeof(WG_REAL));
@@ -76,6 +86,15 @@ static inline void WG_NAME(wg_integers)(const WG_REAL *WG_RESTRICT found, int32_
 }
 
 /* Where an element's rows lie together; of numbers such are lanes as they are. */
+WG_CALLED void WG_NAME(wg_gather_integer_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
+    const char *from = port->at;
+    for (int element = 0; element < port->size; ++element, from += port->element) {
+        for (int lane = 0; lane < WG_LANES; ++lane) {
+            given[element][lane] = WG_NAME(wg_integer)(from + lane * (ptrdiff_t)sizeof(int32_t));
+        }
+    }
+}
+
 WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
     char *to = port->at;
     for (int element = 0; element < port->size; ++element, to += port->element) {
@@ -127,10 +146,10 @@ static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written
     port->direct = !state && port->row == bytes && (uintptr_t)port->at % sizeof(WG_REAL) == 0 && port->element % bytes == 0;
     port->move = written ? WG_NAME(wg_scatter_any) : WG_NAME(wg_gather_any);
     if (state && port->row == bytes) {
-        port->move = WG_NAME(wg_scatter_status_planes);
+        port->move = written ? WG_NAME(wg_scatter_status_planes) : WG_NAME(wg_gather_integer_planes);
     }
 #if defined(WALKGEN_TURNED)
-    if (port->element == bytes && port->row >= port->size * bytes && port->size >= 3 && (port->size > 3 || !written || port->row == 3 * bytes)) {
+    if (port->element == bytes && port->row >= port->size * bytes && port->size >= 3 && (written ? port->size > 3 || port->row == 3 * bytes : !state)) {
         port->move = state ? WG_NAME(wg_scatter_status_rows) : written ? WG_NAME(wg_scatter_rows) : WG_NAME(wg_gather_rows);
         port->beyond = port->size == 3;
     }

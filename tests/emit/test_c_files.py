@@ -166,7 +166,7 @@ def test_composite_runs_its_steps_under_their_guards(tmp_path):
     second = Composite(Signature("bot", "leg", "again", program.signature.inputs, program.signature.outputs), (), composite.calls[:1], ())
     write(tmp_path, code(composite, second))
     text = (tmp_path / "bot.c").read_text()
-    assert text.count("WG_REPEATED void bot_leg_root_kernel(") == 1
+    assert text.count("WG_STATIC_ROW(void bot_leg_root_kernel)(") == 1
     assert text.count("if (status == WALKGEN_UNREACHABLE) {\n        bot_leg_safe_root_rest(") == 1
     assert text.count("WG_CALLED void bot_leg_safe_root_rest(") == 1
     assert "double squares[2];" in text.split("bot_leg_safe_root_rest(")[1].split("}")[0]

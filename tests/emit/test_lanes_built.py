@@ -59,8 +59,11 @@ def compiled(folder, source, product, *flags, compiler=("gcc", "-std=c99")):
 
 
 def inputs(signature, real, rows, seed):
-    """Rows of every input: angles of one turn; every ninth row far away, out of reach, at the origin, infinite or no number."""
+    """Rows of every input: angles of one turn; every ninth row far away, out of reach, at the origin, infinite or no number; whole numbers
+    that name something, or nothing.
+    """
     rng = np.random.default_rng(seed)
+    whole = [rng.choice([0, 1, 2, 3, 1, 2, 4, -1, 2**31 - 1, -(2**31)], (rows, port.size)).astype(np.int32) for port in signature.inputs]
     found = [rng.uniform(-0.6, 0.6, (rows, port.size)).astype(real) for port in signature.inputs]
     strange = np.array([2e5, 3.0, 0.0, np.inf, np.nan, -1e-300, 1e22], real)
     for row in range(0, rows, 9):
@@ -68,7 +71,7 @@ def inputs(signature, real, rows, seed):
         array[row, rng.integers(array.shape[1])] = strange[row // 9 % len(strange)]
         if row % 2:
             array[row] = 0
-    return found
+    return [array if port.kind == "real" else numbers for port, array, numbers in zip(signature.inputs, found, whole, strict=True)]
 
 
 def results(signature, real, rows):
@@ -79,12 +82,18 @@ def pointers(arrays):
     return [array.ctypes.data_as(ctypes.c_void_p) for array in arrays]
 
 
+def one_row(signature, given):
+    """Whole numbers go by value."""
+    places = zip(signature.inputs, given, pointers(given), strict=True)
+    return [place if port.kind == "real" else ctypes.c_int32(int(array[0, 0])) for port, array, place in places]
+
+
 def one_by_one(library, name, signature, given, found):
     """The function of one row; what it returns."""
     returned = signature.returned
     for row in range(len(given[0])):
         written = [array[row:] for port, array in zip(signature.outputs, found, strict=True) if port is not returned]
-        answer = library[name](*pointers([array[row:] for array in given]), *pointers(written))
+        answer = library[name](*one_row(signature, [array[row:] for array in given]), *pointers(written))
         if returned:
             found[signature.outputs.index(returned)][row] = answer
 

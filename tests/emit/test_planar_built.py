@@ -47,13 +47,8 @@ def component_major(array, shared):
 
 
 def given_rows(signature, real, rows):
-    """Inputs with branches that are whole numbers; one row of parameters."""
+    """Inputs; one row of parameters."""
     found = inputs(signature, real, rows, rows)
-    whole = [port.kind != "real" for port in signature.inputs]
-    found = [
-        (np.arange(array.size).reshape(array.shape) % 5).astype(np.int32) if each else array
-        for each, array in zip(whole, found, strict=True)
-    ]
     return [array[:1] if port.name == "param" else array for port, array in zip(signature.inputs, found, strict=True)]
 
 

@@ -214,9 +214,10 @@ def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -
     taken: set[str] = set()
     for program, count in uses.items():
         name = _free(f"{function_name(program.signature, printer.precision)}_kernel", taken)
-        inlined = count == 1 and program not in in_lanes
+        leaves = count == 1 and program in leaving
+        inlined = leaves or (count == 1 and program not in in_lanes)
         storage = "WG_INLINE" if inlined else "static" if program in in_lanes else "WG_REPEATED"
-        kernels[program] = kernel(program, name, printer, storage, leaves=inlined and program in leaving)
+        kernels[program] = kernel(program, name, printer, storage, leaves=leaves)
     return kernels
 
 

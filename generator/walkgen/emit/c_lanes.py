@@ -1,13 +1,12 @@
 """Functions that run many rows side by side, one a lane: which they are, and their blocks in C (walkgen_lanes.h)."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from walkgen.emit.artifact import Body, RobotCode
 from walkgen.emit.c_declaration import INDENT, CFunction, function_name, wrapped
 from walkgen.emit.c_printer import Precision
-from walkgen.emit.c_rest import may_leave
 from walkgen.graph.lanes import telling
 from walkgen.graph.program import Code, Composite, Program
 from walkgen.graph.sharing import nameless
@@ -20,6 +19,8 @@ _WIDEST_PORT, _MOST_GIVEN, _MOST_STATUSES = 32, 48, 8
 
 
 _GUARD = "wg_any_unreachable"
+_READ = {"static ": "WG_STATIC_ROW", "WG_INLINE ": "WG_INLINE_ROW", "": "WG_ROW"}
+"""What stands for a function's storage."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def _fits(signature: Signature) -> bool:
         and not signature.workspace
         and bool(signature.inputs)
         and all(0 < port.size <= _WIDEST_PORT for port in ports)
-        and all(port.kind == "real" for port in signature.inputs)
+        and all(port.kind == "real" or (port.kind == "integer" and not port.shape) for port in signature.inputs)
         and sum(port.size for port in signature.inputs) <= _MOST_GIVEN
         and sum(port.size for port in signature.outputs) <= _MOST_FOUND
         and (not whole or (whole == [signature.outputs[-1]] and whole[0].size <= _MOST_STATUSES))
@@ -94,7 +95,7 @@ def _laned(body: Body) -> Laned | None:
     names = tuple(map(str, first.arguments))
     if not isinstance(first.callee, Program) or first.guard or first.repeat > 1 or names != first.arguments:
         return None
-    if may_leave(body) or (others and not (body.signature.status and all(call.guard and call.guard[0] == _GUARD for call in others))):
+    if others and not (body.signature.status and all(call.guard and call.guard[0] == _GUARD for call in others)):
         return None
     computed = names[len(first.callee.signature.inputs) :]
     return Laned(body, first.callee, names, body.signature) if _known(body, computed) else None
@@ -105,7 +106,7 @@ def _known(body: Composite, computed: tuple[str, ...]) -> bool:
     return all(port.name in computed for port in body.signature.outputs)
 
 
-def lane_lines(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
+def lane_lines(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str]:
     """The block, the row alone and the table of both."""
     name = function_name(each.signature, precision)
     yield from ("", each.opening, f"WG_BLOCK({name}) {{")
@@ -134,10 +135,10 @@ def closest_lines(each: Laned, precision: Precision) -> Iterator[str]:
 
 def read_twice(function: CFunction) -> CFunction:
     """With a head that walkgen_batch.h and walkgen_lanes.h make of what they need, and statuses of the type that lanes have."""
-    static = function.head.startswith("static ")
-    head, rest = _with_states(function.head.removeprefix("static ")).split("(", 1)
+    storage = next((each for each in _READ if each and function.head.startswith(each)), "")
+    head, rest = _with_states(function.head.removeprefix(storage)).split("(", 1)
     lines = tuple(map(_with_states, function.lines))
-    return replace(function, head=f"WG_{'STATIC_' if static else ''}ROW({head})({rest}", lines=lines)
+    return replace(function, head=f"{_READ[storage]}({head})({rest}", lines=lines)
 
 
 def _with_states(text: str) -> str:
@@ -177,7 +178,7 @@ def _places(each: Laned) -> Iterator[str]:
             yield f"WG_{'FROM' if place < len(inputs) else 'INTO'}({port.name}, {place})"
 
 
-def _block(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
+def _block(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str]:
     signature, own = each.signature, each.program.signature
     sizes = dict(zip(each.arguments, (*own.inputs, *own.outputs), strict=True))
     reals, whole = ([f"{name}[{port.size}]" for name, port in sizes.items() if (port.kind == "real") == real] for real in (True, False))
@@ -185,7 +186,7 @@ def _block(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
     yield from [f"WG_STATE {', '.join(whole)};"] if whole else []
     yield from (f"WG_TAKE_{port.size}({port.name})" for port in signature.inputs if port.name in sizes)
     texts = {name: f"{name}[0]" for name, port in zip(each.arguments, own.inputs, strict=False) if not port.shape}
-    yield _call(each.program, f"{kernel}_lane", each.arguments, texts, isinstance(each.body, Program))
+    yield _call(each, kernel, texts, lane=True)
     yield from (f"WG_KEEP_{port.size}({port.name})" for port in signature.outputs)
     yield f"WG_DONE({_telling(each)})"
 
@@ -198,31 +199,39 @@ def _telling(each: Laned) -> str:
     return " + ".join(elements[place] for place in each.telling) or "0"
 
 
-def _alone(each: Laned, kernel: str, precision: Precision) -> Iterator[str]:
+def _alone(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str]:
     """One row by the first step alone."""
     signature, own = each.signature, each.program.signature
     ports = dict(zip(each.arguments, (*own.inputs, *own.outputs), strict=True))
     kept = {port.name for port in (*signature.inputs, *signature.outputs)}
     scratch = [f"{name}[{port.size}]" for name, port in ports.items() if name not in kept]
     yield from [f"{precision.real} {', '.join(scratch)};"] if scratch else []
-    yield from _row(signature, precision, lambda texts: _call(each.program, kernel, each.arguments, texts, isinstance(each.body, Program)))
+    yield from _row(signature, precision, lambda texts: _kernel_calls(each, kernel, texts))
+
+
+def _kernel_calls(each: Laned, kernel: CFunction, texts: Mapping[str, str]) -> Iterator[str]:
+    """Of one row; where the kernel has left it, once more and to the end."""
+    yield _call(each, kernel, texts)
+    if kernel.leaves:
+        left = f"{each.signature.outputs[-1].name}[0] == WALKGEN_UNREACHABLE"
+        yield from (f"if ({left}) {{", f"{INDENT}{_call(each, kernel, texts, near=0)}", "}")
 
 
 def _whole(signature: Signature, name: str, precision: Precision) -> Iterator[str]:
     """One row by the function."""
     names = tuple(port.name for port in (*signature.inputs, *signature.outputs))
     texts = dict(zip(names, names, strict=True))
-    yield from _row(signature, precision, lambda found: _call_text(signature, name, names, texts | found, returns=True))
+    yield from _row(signature, precision, lambda found: [_call_text(signature, name, names, texts | found, returns=True)])
 
 
-def _row(signature: Signature, precision: Precision, called: Callable[[dict[str, str]], str]) -> Iterator[str]:
+def _row(signature: Signature, precision: Precision, called: Callable[[dict[str, str]], Iterable[str]]) -> Iterator[str]:
     """A call on numbers that lie side by side; statuses take a detour through integers."""
     given, found = _starts(signature.inputs), _starts(signature.outputs)
     texts = {port.name: _number(port, f"given[{given[port.name]}]") for port in signature.inputs}
     texts |= {port.name: _number(port, f"found[{found[port.name]}]", written=True) for port in signature.outputs}
     whole = [port for port in signature.outputs if port.kind != "real"]
     yield from (f"int32_t {port.name}[{port.size}];" for port in whole)
-    yield called(texts)
+    yield from called(texts)
     for port in whole:
         start = found[port.name]
         yield f"for (int at = 0; at < {port.size}; ++at) {{ found[{start} + at] = ({precision.real}){port.name}[at]; }}"
@@ -230,18 +239,23 @@ def _row(signature: Signature, precision: Precision, called: Callable[[dict[str,
 
 def _number(port: Port, place: str, *, written: bool = False) -> str:
     if port.kind != "real":
-        return port.name
+        return port.name if written else f"(int32_t){place}"
     return f"&{place}" if port.shape or written else place
 
 
-def _call(program: Program, called: str, arguments: tuple[str, ...], texts: Mapping[str, str], returns: bool) -> str:
-    return _call_text(program.signature, called, arguments, {name: name for name in arguments} | dict(texts), returns)
+def _call(each: Laned, kernel: CFunction, texts: Mapping[str, str], *, lane: bool = False, near: int = 1) -> str:
+    """`near` is 1 for a kernel to leave an unusual row, for the function to begin anew; lanes go on with it."""
+    name, last = f"{kernel.name}_lane" if lane else kernel.name, [str(near)] if kernel.leaves else []
+    names = {name: name for name in each.arguments} | dict(texts)
+    return _call_text(each.program.signature, name, each.arguments, names, isinstance(each.body, Program), last)
 
 
-def _call_text(signature: Signature, called: str, names: tuple[str, ...], texts: Mapping[str, str], returns: bool) -> str:
+def _call_text(
+    signature: Signature, called: str, names: tuple[str, ...], texts: Mapping[str, str], returns: bool, last: Sequence[str] = ()
+) -> str:
     """With `returns` the status that C returns goes into its place, else it is written like every other output."""
     ports = (*signature.inputs, *signature.outputs)
     written = [(port, texts[name]) for name, port in zip(names, ports, strict=True)]
     returned = next((text for port, text in written if returns and port is signature.returned), "")
-    given = ", ".join(text for port, text in written if not (returns and port is signature.returned))
+    given = ", ".join([*(text for port, text in written if not (returns and port is signature.returned)), *last])
     return f"{f'{returned}[0] = ' if returned else ''}{called}({given});"

@@ -67,7 +67,7 @@ def read_rows(
     return Rows(
         public=tuple(read_twice(function) for program, function in used.items() if program in code.public),
         kernels=tuple(read_twice(function) for program, function in used.items() if program not in code.public),
-        blocks=tuple(line for each in lanes if each.owns_table for line in lane_lines(each, used[each.program].name, precision)),
+        blocks=tuple(line for each in lanes if each.owns_table for line in lane_lines(each, used[each.program], precision)),
         closest=tuple(line for each in lanes if each.body not in code.repeated for line in _closest(each, precision)),
         batches=tuple(each for body, (_, of_rows) in zip(code.functions, functions, strict=True) if body in bodies for each in of_rows),
     )

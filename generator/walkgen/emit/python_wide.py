@@ -52,11 +52,13 @@ def _tagged(name: str, precision: Precision) -> str:
 
 
 def wide_loops(code: RobotCode, lanes: tuple[Laned, ...], precision: Precision) -> dict[str, WideLoop]:
-    """By the functions' full names."""
+    """By the functions' full names; NumPy's integers have 64 bits, which lanes do not know."""
     tables = [each.table for each in lanes if each.owns_table]
     robot, run = stem(code, precision), _tagged("walkgen_wide_rows", precision)
     return {
-        each.signature.full_name: WideLoop(robot, run, tables.index(each.table), _status(each), _closest(each, precision)) for each in lanes
+        each.signature.full_name: WideLoop(robot, run, tables.index(each.table), _status(each), _closest(each, precision))
+        for each in lanes
+        if all(port.kind == "real" for port in each.signature.inputs)
     }
 
 

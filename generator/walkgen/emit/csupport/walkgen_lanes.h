@@ -7,8 +7,10 @@
 #if defined(WALKGEN_ROWS)
 #undef WG_ROW
 #undef WG_STATIC_ROW
+#undef WG_INLINE_ROW
 #define WG_ROW(head) WG_INLINE head##_lane
 #define WG_STATIC_ROW(head) WG_INLINE head##_lane
+#define WG_INLINE_ROW(head) WG_INLINE head##_lane
 
 /* Choices by the bits; a status is a number like others. */
 #undef WG_SELECT

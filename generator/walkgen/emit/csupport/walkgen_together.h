@@ -185,12 +185,18 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #define WG_POINTS_WITHIN_4(y0, x0, y1, x1, y2, x2, y3, x3) 1
 #endif
 
-#if !defined(WG_LEAVE_BEYOND)
+/* Lanes go on to the end. */
+#undef WG_LEAVE_BEYOND
+#if defined(WALKGEN_ROWS) && WALKGEN_ROWS == 2
+#define WG_LEAVE_BEYOND(within)
+#else
 #define WG_LEAVE_BEYOND(within) \
     if (wg_near && !WG_LIKELY(within)) { \
         *status = WALKGEN_UNREACHABLE; \
         return; \
     }
+#endif
+#if !defined(WG_NEAR_SINCOS_2)
 #define WG_NEAR_SINCOS_2(a0, s0, c0, a1, s1, c1) \
     WG_LEAVE_BEYOND(WG_ANGLES_WITHIN_2(a0, a1)) \
     WG_SINCOS_2(a0, s0, c0, a1, s1, c1)
