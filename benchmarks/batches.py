@@ -1,9 +1,9 @@
 """What does a leg cost among many? Prints ns a row and ratios, writes results/batches.json.
 
-The leg of specs/mero_leg.toml: its Jacobian and its inverse, 512 rows that stay in the cache and a million that do not, in double and in
-float. Lanes are beside the same functions row after row, and beside the same with the C library's sine and cosine; planar are lanes on
-arrays whose like elements lie together. At a million rows the bytes that are read and written count beside what memcpy moves. From
-Python: walkgen's call beside the formulas written with NumPy.
+The leg of specs/mero_leg.toml: its position and Jacobian, its Jacobian alone, all four branches of its inverse and one of them, 256 rows
+that stay in the nearest cache and a million that do not, in double and in float. Lanes are beside the same functions row after row, and
+beside the same with the C library's sine and cosine; planar are both on arrays whose like elements lie together. At a million rows the
+bytes that are read and written count beside what memcpy moves. From Python: walkgen's call beside the formulas written with NumPy.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from walkgen import pipeline, toolchain
 from walkgen.runtime import load
 
 OUTPUT = HERE.parent / "_build" / "batches"
-ROWS = {"in cache": 512, "a million rows": 1_000_000}
+ROWS = {"in cache": 256, "a million rows": 1_000_000}
 COMMON = tuple(flag for flag in toolchain.FLAGS if flag != "-std=c99")
 BUILDS = {
     "C library, row by row": ("-O3", "-march=native", "-DWALKGEN_LIBM"),
@@ -37,11 +37,14 @@ BUILDS = {
     "lanes": ("-O3", "-march=native"),
     "lanes, any x86-64": ("-O3",),
 }
-PLANAR = "lanes, planar"
+PLANAR, LIBRARY_PLANAR = "lanes, planar", "C library, planar"
+_PLANAR = {LIBRARY_PLANAR: "C library, row by row", PLANAR: "lanes"}
 _PADDING = 16
 """Numbers between planes: those whose lengths are powers of two would compete for the same lines of the cache."""
 _LINE = 64
-ASKED = {"foot_jacobian": {"double": 10, "float": 15}, "inverse": {"double": 7, "float": 20}}
+_MOST_ARRAYS = 4
+_JACOBIAN, _INVERSE = {"double": 10, "float": 15}, {"double": 7, "float": 20}
+ASKED = {"foot_position_jacobian": _JACOBIAN, "foot_jacobian": _JACOBIAN, "inverse": _INVERSE, "inverse_branch": _INVERSE}
 """How many times faster than the C library's loop, in the cache, with AVX-512."""
 
 
@@ -67,7 +70,7 @@ class Call:
         places = [ctypes.c_void_p(array.ctypes.data) for array in self.arrays]
         function = ctypes.cast(self.function, ctypes.c_void_p)
         answer: float = self.harness.time_arrays(
-            function, *map(ctypes.c_size_t, (_calls(rows), rows)), *places, *[None] * (3 - len(places))
+            function, *map(ctypes.c_size_t, (_calls(rows), rows)), *places, *[None] * (_MOST_ARRAYS - len(places))
         )
         return answer
 
@@ -91,7 +94,7 @@ class PlanarCall:
         sizes = map(ctypes.c_size_t, (_calls(self.rows), self.rows, self.arrays[0].shape[1]))
         places = [ctypes.c_void_p(array.ctypes.data) for array in self.arrays]
         function = ctypes.cast(self.function, ctypes.c_void_p)
-        answer: float = self.harness.time_planes(function, *sizes, *places, *[None] * (3 - len(places)))
+        answer: float = self.harness.time_planes(function, *sizes, *places, *[None] * (_MOST_ARRAYS - len(places)))
         return answer
 
 
@@ -136,15 +139,29 @@ def _exported(text: str) -> str:
     return f"#pragma GCC visibility push(default)\n{text}\n"
 
 
-def calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, Call]:
-    """Jacobian and inverse of feet that are reached."""
+def _inputs(rows: int, real: type) -> dict[str, tuple[Array, ...]]:
+    """Of each function; feet are reached."""
     inputs = leg.draw(rows, "limits")
-    q, p = inputs.q.astype(real), inputs.p.astype(real)
-    name = f"mero_leg{tag}_leg"
+    q, p, branch = inputs.q.astype(real), inputs.p.astype(real), inputs.branch.astype(np.int32).reshape(rows, 1)
+    return {"foot_position_jacobian": (q,), "foot_jacobian": (q,), "inverse": (p,), "inverse_branch": (p, branch)}
+
+
+def _outputs(real: type) -> dict[str, tuple[tuple[int, type], ...]]:
+    """How many elements a row of each output has, and of what type."""
+    whole = np.int32
     return {
-        "foot_jacobian": Call(timer, found[f"{name}_foot_jacobian_batch"], (q, np.zeros((rows, 9), real))),
-        "inverse": Call(timer, found[f"{name}_inverse_batch"], (p, np.zeros((rows, 12), real), np.zeros((rows, 4), np.int32))),
+        "foot_position_jacobian": ((3, real), (9, real)),
+        "foot_jacobian": ((9, real),),
+        "inverse": ((12, real), (4, whole)),
+        "inverse_branch": ((3, real), (1, whole)),
     }
+
+
+def calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, Call]:
+    """Each function on arrays of rows."""
+    outputs = {name: tuple(np.zeros((rows, size), kind) for size, kind in each) for name, each in _outputs(real).items()}
+    functions = {name: found[f"mero_leg{tag}_leg_{name}_batch"] for name in outputs}
+    return {name: Call(timer, functions[name], (*given, *outputs[name])) for name, given in _inputs(rows, real).items()}
 
 
 def _planes(elements: int, rows: int, kind: type) -> Array:
@@ -156,15 +173,16 @@ def _planes(elements: int, rows: int, kind: type) -> Array:
 
 def planar_calls(timer: ctypes.CDLL, found: ctypes.CDLL, tag: str, real: type, rows: int) -> dict[str, PlanarCall]:
     """The same on planes."""
-    inputs = leg.draw(rows, "limits")
-    q, p = _planes(3, rows, real), _planes(3, rows, real)
-    q[:, :rows], p[:, :rows] = inputs.q.T, inputs.p.T
-    J, angles, states = (_planes(size, rows, kind) for size, kind in ((9, real), (12, real), (4, np.int32)))
-    name = f"mero_leg{tag}_leg"
-    return {
-        "foot_jacobian": PlanarCall(timer, found[f"{name}_foot_jacobian_planar"], rows, (q, J)),
-        "inverse": PlanarCall(timer, found[f"{name}_inverse_planar"], rows, (p, angles, states)),
-    }
+    outputs = {name: tuple(_planes(size, rows, kind) for size, kind in each) for name, each in _outputs(real).items()}
+    functions = {name: found[f"mero_leg{tag}_leg_{name}_planar"] for name in outputs}
+    given = {name: tuple(_in_planes(array) for array in arrays) for name, arrays in _inputs(rows, real).items()}
+    return {name: PlanarCall(timer, functions[name], rows, (*given[name], *outputs[name])) for name in outputs}
+
+
+def _in_planes(array: Array) -> Array:
+    planes = _planes(array.shape[1], len(array), array.dtype.type)
+    planes[:, : len(array)] = array.T
+    return planes
 
 
 def medians(runners: Mapping[str, Callable[[], float]], repetitions: int) -> dict[str, float]:
@@ -183,9 +201,9 @@ def compiled(place: Any, repetitions: int) -> list[dict[str, Any]]:
         built = {name: library(place, f"mero_leg{tag}.c", flags) for name, flags in BUILDS.items()}
         for span, rows in ROWS.items():
             made = {name: calls(timer, found, tag, real, rows) for name, found in built.items()}
-            planes = planar_calls(timer, built["lanes"], tag, real, rows)
+            planes = {name: planar_calls(timer, built[build], tag, real, rows) for name, build in _PLANAR.items()}
             for function in ASKED:
-                runners: dict[str, Callable[[], float]] = {name: each[function] for name, each in made.items()} | {PLANAR: planes[function]}
+                runners: dict[str, Callable[[], float]] = {name: each[function] for name, each in (made | planes).items()}
                 count = made["lanes"][function].bytes
                 runners["memcpy of as many bytes"] = Copy(
                     timer, np.ones((rows, count // 2), np.int8), np.zeros((rows, count // 2), np.int8)
@@ -225,6 +243,12 @@ def _timed(pair: Mapping[str, Callable[[], Any]], repetitions: int, rows: int) -
     return medians({name: partial(ns, run) for name, run in pair.items()}, repetitions)
 
 
+def gains(entry: Mapping[str, Any]) -> tuple[float, float]:
+    """How many times faster lanes are than the C library's loop on the same arrays: on rows, and on planes."""
+    ns = entry["ns"]
+    return ns["C library, row by row"] / ns["lanes"], ns[LIBRARY_PLANAR] / ns[PLANAR]
+
+
 def show(entries: Sequence[dict[str, Any]], python: Sequence[dict[str, Any]]) -> None:
     """A row for each function, precision and number of rows."""
     names = list(entries[0]["ns"])
@@ -233,10 +257,10 @@ def show(entries: Sequence[dict[str, Any]], python: Sequence[dict[str, Any]]) ->
     for entry in entries:
         ns = entry["ns"]
         first = f"{entry['function']}, {entry['real']}, {entry['span']}"
-        gains = [ns["C library, row by row"] / ns[name] for name in ("lanes", PLANAR)]
         shares = [ns["memcpy of as many bytes"] / ns[name] for name in ("lanes", PLANAR)]
         asked = ASKED[entry["function"]][entry["real"]] if entry["span"] == "in cache" else None
-        numbers = [f"{gains[0]:.1f}{f' (asked {asked})' if asked else ''}", f"{gains[1]:.1f}", *(f"{share:.2f}" for share in shares)]
+        own, planar = gains(entry)
+        numbers = [f"{own:.1f}{f' (asked {asked})' if asked else ''}", f"{planar:.1f}", *(f"{share:.2f}" for share in shares)]
         rows.append([first, *(f"{ns[name]:.1f}" for name in names), *numbers])
     print(table(heads, rows))
     for entry in python:

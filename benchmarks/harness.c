@@ -11,8 +11,9 @@ enum { INPUTS = WIDTH };
 
 typedef int32_t (*row_function)(const double *in, int32_t branch, double *out, int32_t *status);
 typedef size_t (*batch_function)(size_t rows, const double *in, const int32_t *branch, double *out, int32_t *status);
-typedef size_t (*arrays_function)(size_t rows, const void *in, void *out, void *status);
-typedef size_t (*planes_function)(size_t rows, size_t stride, const void *in, void *out, void *status);
+/* Up to four arrays in the function's own order. */
+typedef size_t (*arrays_function)(size_t rows, void *a, void *b, void *c, void *d);
+typedef size_t (*planes_function)(size_t rows, size_t stride, void *a, void *b, void *c, void *d);
 
 #define ENTRY __attribute__((visibility("default")))
 
@@ -65,12 +66,12 @@ ENTRY double time_batch(batch_function function, size_t rows, const double *in, 
     return (stop - start) / (double)rows;
 }
 
-/* ns a row of as many calls on the same arrays, one of input and one or two of output, of any precision. */
-ENTRY double time_arrays(arrays_function function, size_t calls, size_t rows, const void *in, void *out, void *status) {
+/* ns a row of as many calls on the same arrays, of any precision. */
+ENTRY double time_arrays(arrays_function function, size_t calls, size_t rows, void *a, void *b, void *c, void *d) {
     size_t answer = 0;
     const double start = now();
     for (size_t call = 0; call < calls; ++call) {
-        answer += function(rows, in, out, status);
+        answer += function(rows, a, b, c, d);
     }
     const double stop = now();
     sink = (int32_t)answer;
@@ -78,11 +79,11 @@ ENTRY double time_arrays(arrays_function function, size_t calls, size_t rows, co
 }
 
 /* The same on arrays whose like elements lie together, `stride` numbers from one to the next of a row. */
-ENTRY double time_planes(planes_function function, size_t calls, size_t rows, size_t stride, const void *in, void *out, void *status) {
+ENTRY double time_planes(planes_function function, size_t calls, size_t rows, size_t stride, void *a, void *b, void *c, void *d) {
     size_t answer = 0;
     const double start = now();
     for (size_t call = 0; call < calls; ++call) {
-        answer += function(rows, stride, in, out, status);
+        answer += function(rows, stride, a, b, c, d);
     }
     const double stop = now();
     sink = (int32_t)answer;

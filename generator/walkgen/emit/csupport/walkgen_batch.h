@@ -102,7 +102,8 @@ struct WG_NAME(wg_gathered) {
 
 /* A batch on its way. The next block's numbers are gathered before one is computed: numbers that are read as wider vectors than they were
  * written have then long arrived, and what waits for memory goes beside what waits for sums and products. `calm` is a block without any
- * status but OK.
+ * status but OK; where nothing of all inputs, or of all outputs, is to be moved, there is nothing it `takes`, or `gives`, and their ports
+ * stand where the last block begins.
  */
 struct WG_NAME(wg_course) {
     WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES]; /* of three numbers a fourth is read too */
@@ -112,7 +113,7 @@ struct WG_NAME(wg_course) {
     const struct WG_NAME(wg_laned) *laned;
     WG_NAME(wg_alone) closest;
     size_t bad;
-    int inputs, outputs, states, calm;
+    int inputs, outputs, states, calm, takes, gives;
 };
 
 #include "walkgen_left_over.h"
@@ -134,7 +135,7 @@ WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_
 static inline void WG_NAME(wg_begin)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_laned) *laned, size_t whole,
                                      const struct wg_array *array) {
     struct WG_NAME(wg_port) *port = course->ports;
-    course->laned = laned, course->bad = 0, course->inputs = course->outputs = course->states = 0;
+    course->laned = laned, course->bad = 0, course->inputs = course->outputs = course->states = course->takes = course->gives = 0;
     course->results = port + laned->inputs, course->end = course->results + laned->outputs;
     for (; port < course->end; ++port, ++array) {
         const int written = port >= course->results;
@@ -142,15 +143,21 @@ static inline void WG_NAME(wg_begin)(struct WG_NAME(wg_course) *course, const st
         course->states = port->kind == WG_STATUS ? port->size : 0; /* a status is the last output */
         *(written ? &course->outputs : &course->inputs) += port->size;
         WG_NAME(wg_choose)(port, written);
+        *(written ? &course->gives : &course->takes) |= !port->direct;
     }
     WG_NAME(wg_prepare)(course, &course->blocks[0], 0, whole < 1);
     WG_NAME(wg_prepare)(course, &course->blocks[1], 1, whole < 2);
+    for (port = course->ports; port < course->end; ++port) {
+        if (!(port < course->results ? course->takes : course->gives)) {
+            port->at += (ptrdiff_t)(WG_LANES * whole) * port->row;
+        }
+    }
 }
 
 /* The numbers of a block that has another one after it, and of the last one. */
 static inline void WG_NAME(wg_take)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered) {
     WG_REAL(*given)[WG_LANES] = gathered->given;
-    for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; given += port->size, ++port) {
+    for (struct WG_NAME(wg_port) *port = course->ports; course->takes && port < course->results; given += port->size, ++port) {
         if (!port->direct) {
             port->move(port, given);
         }
@@ -183,7 +190,7 @@ WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int coun
 /* And its results. */
 static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course) {
     WG_REAL(*found)[WG_LANES] = course->found;
-    for (struct WG_NAME(wg_port) *port = course->results; port < course->end; found += port->size, ++port) {
+    for (struct WG_NAME(wg_port) *port = course->results; course->gives && port < course->end; found += port->size, ++port) {
         if (course->calm && port->filled) {
             WG_NAME(wg_scatter_ok)(port);
         } else if (!port->direct) {
