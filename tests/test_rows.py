@@ -10,7 +10,7 @@ from walkgen import pipeline, toolchain
 from walkgen.runtime import load
 
 SPEC = Path(__file__).parents[1] / "specs" / "mero_leg.toml"
-FUNCTIONS = ("foot_position", "foot_jacobian", "foot_velocity", "inverse", "within_limits")
+FUNCTIONS = ("foot_position", "foot_jacobian", "foot_velocity", "inverse", "inverse_branch", "within_limits")
 ROWS = 5000
 
 
@@ -54,6 +54,20 @@ def test_rows_do_not_depend_on_their_number(leg):
         assert same(leg.foot_jacobian(q[:rows]), J[:rows])
         assert all(same(*pair) for pair in zip(leg.inverse(p[:rows]), (found[:rows], status[:rows]), strict=True))
     assert same(leg.foot_jacobian(q[7]), J[7])
+
+
+def test_a_branch_is_that_of_its_row(leg):
+    """Numbers that name none among them; whatever their stride."""
+    p, branch = targets(leg), np.random.default_rng(2).choice([0, 1, 2, 3, 3, -1, 4, 2**31, -(2**40)], ROWS)
+    q, status = leg.inverse_branch(p, branch)
+    for row in range(0, ROWS, 7):
+        assert all(same(one, many[row]) for one, many in zip(leg.inverse_branch(p[row], branch[row]), (q, status), strict=True))
+    named = (branch >= 0) & (branch < 4)
+    all_rows, statuses = leg.inverse(p[named])
+    assert same(statuses[np.arange(named.sum()), branch[named]], status[named])
+    np.testing.assert_allclose(all_rows[np.arange(named.sum()), branch[named]][status[named] == 0], q[named & (status == 0)], atol=1e-12)
+    assert all(same(*pair) for pair in zip(leg.inverse_branch(p[::-3], branch[::-3]), (q[::-3], status[::-3]), strict=True))
+    assert all(same(*pair) for pair in zip(leg.inverse_branch(p[:3], branch[:3]), (q[:3], status[:3]), strict=True))
 
 
 def test_strides_do_not_matter(leg):

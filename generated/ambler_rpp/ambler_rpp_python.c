@@ -32,7 +32,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_position) {
         ambler_rpp_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_position, ambler_rpp, walkgen_wide_rows, 0, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_position, ambler_rpp, walkgen_wide_rows, 0, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_position, wide_rows, double, 6, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_rotation_ports[] = {
@@ -45,7 +45,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_rotation) {
         ambler_rpp_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_rotation, ambler_rpp, walkgen_wide_rows, 1, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_rotation, ambler_rpp, walkgen_wide_rows, 1, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_rotation, wide_rows, double, 12, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_pose_ports[] = {
@@ -58,7 +58,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_pose) {
         ambler_rpp_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_pose, ambler_rpp, walkgen_wide_rows, 2, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_pose, ambler_rpp, walkgen_wide_rows, 2, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_pose, wide_rows, double, 19, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_jacobian_ports[] = {
@@ -71,7 +71,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_jacobian) {
         ambler_rpp_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_jacobian, ambler_rpp, walkgen_wide_rows, 3, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_jacobian, ambler_rpp, walkgen_wide_rows, 3, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_jacobian, wide_rows, double, 12, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_position_jacobian_ports[] = {
@@ -88,7 +88,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_position_jacobian) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_position_jacobian, ambler_rpp, walkgen_wide_rows, 4, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_position_jacobian, ambler_rpp, walkgen_wide_rows, 4, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_position_jacobian, wide_rows, double, 15, 3)
 
 static const walkgen_port ambler_rpp_leg_foot_spatial_jacobian_ports[] = {
@@ -101,7 +101,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_spatial_jacobian) {
         ambler_rpp_leg_foot_spatial_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_spatial_jacobian, ambler_rpp, walkgen_wide_rows, 5, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_spatial_jacobian, ambler_rpp, walkgen_wide_rows, 5, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_spatial_jacobian, wide_rows, double, 21, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_hessian_ports[] = {
@@ -114,7 +114,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_hessian) {
         ambler_rpp_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_hessian, ambler_rpp, walkgen_wide_rows, 6, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_hessian, ambler_rpp, walkgen_wide_rows, 6, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_hessian, wide_rows, double, 30, 2)
 
 static const walkgen_port ambler_rpp_leg_foot_velocity_ports[] = {
@@ -128,7 +128,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_velocity) {
         ambler_rpp_leg_foot_velocity(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_velocity, ambler_rpp, walkgen_wide_rows, 7, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_velocity, ambler_rpp, walkgen_wide_rows, 7, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_velocity, wide_rows, double, 9, 3)
 
 static const walkgen_port ambler_rpp_leg_foot_acceleration_ports[] = {
@@ -147,7 +147,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_acceleration) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_acceleration, ambler_rpp, walkgen_wide_rows, 8, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_acceleration, ambler_rpp, walkgen_wide_rows, 8, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_acceleration, wide_rows, double, 12, 4)
 
 static const walkgen_port ambler_rpp_leg_foot_bias_acceleration_ports[] = {
@@ -164,7 +164,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_bias_acceleration) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_bias_acceleration, ambler_rpp, walkgen_wide_rows, 9, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_bias_acceleration, ambler_rpp, walkgen_wide_rows, 9, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_bias_acceleration, wide_rows, double, 12, 3)
 
 static const walkgen_port ambler_rpp_leg_foot_torque_ports[] = {
@@ -178,7 +178,7 @@ WALKGEN_ROWS(ambler_rpp_leg_foot_torque) {
         ambler_rpp_leg_foot_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_torque, ambler_rpp, walkgen_wide_rows, 10, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_foot_torque, ambler_rpp, walkgen_wide_rows, 10, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_foot_torque, wide_rows, double, 9, 3)
 
 static const walkgen_port ambler_rpp_leg_joint_frames_ports[] = {
@@ -277,7 +277,7 @@ WALKGEN_ROWS(ambler_rpp_leg_within_limits) {
         *WALKGEN_PORT(int32_t, 1) = ambler_rpp_leg_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_within_limits, ambler_rpp, walkgen_wide_rows, 11, 1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_within_limits, ambler_rpp, walkgen_wide_rows, 11, 1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port ambler_rpp_leg_inverse_velocity_ports[] = {
@@ -335,7 +335,7 @@ WALKGEN_ROWS(ambler_rpp_leg_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_inverse_velocity_acceleration, ambler_rpp, walkgen_wide_rows, 12, 5, ambler_rpp_leg_inverse_velocity_acceleration_closest)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_inverse_velocity_acceleration, ambler_rpp, walkgen_wide_rows, 12, 5, 0, ambler_rpp_leg_inverse_velocity_acceleration_closest)
 WALKGEN_LOOP(ambler_rpp_leg_inverse_velocity_acceleration, wide_rows, double, 16, 6)
 
 static const walkgen_port ambler_rpp_leg_inverse_dynamics_ports[] = {
@@ -356,7 +356,7 @@ WALKGEN_ROWS(ambler_rpp_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_inverse_dynamics, ambler_rpp, walkgen_wide_rows, 13, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_inverse_dynamics, ambler_rpp, walkgen_wide_rows, 13, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port ambler_rpp_leg_forward_dynamics_ports[] = {
@@ -377,7 +377,7 @@ WALKGEN_ROWS(ambler_rpp_leg_forward_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_forward_dynamics, ambler_rpp, walkgen_wide_rows, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_forward_dynamics, ambler_rpp, walkgen_wide_rows, 14, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port ambler_rpp_leg_mass_matrix_ports[] = {
@@ -390,7 +390,7 @@ WALKGEN_ROWS(ambler_rpp_leg_mass_matrix) {
         ambler_rpp_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_mass_matrix, ambler_rpp, walkgen_wide_rows, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_mass_matrix, ambler_rpp, walkgen_wide_rows, 15, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port ambler_rpp_leg_bias_ports[] = {
@@ -404,7 +404,7 @@ WALKGEN_ROWS(ambler_rpp_leg_bias) {
         ambler_rpp_leg_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_bias, ambler_rpp, walkgen_wide_rows, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_bias, ambler_rpp, walkgen_wide_rows, 16, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port ambler_rpp_leg_gravity_torque_ports[] = {
@@ -417,7 +417,7 @@ WALKGEN_ROWS(ambler_rpp_leg_gravity_torque) {
         ambler_rpp_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_gravity_torque, ambler_rpp, walkgen_wide_rows, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_gravity_torque, ambler_rpp, walkgen_wide_rows, 17, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port ambler_rpp_leg_coriolis_matrix_ports[] = {
@@ -431,7 +431,7 @@ WALKGEN_ROWS(ambler_rpp_leg_coriolis_matrix) {
         ambler_rpp_leg_coriolis_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_coriolis_matrix, ambler_rpp, walkgen_wide_rows, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_coriolis_matrix, ambler_rpp, walkgen_wide_rows, 18, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port ambler_rpp_leg_kinetic_energy_ports[] = {
@@ -445,7 +445,7 @@ WALKGEN_ROWS(ambler_rpp_leg_kinetic_energy) {
         ambler_rpp_leg_kinetic_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_kinetic_energy, ambler_rpp, walkgen_wide_rows, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_kinetic_energy, ambler_rpp, walkgen_wide_rows, 19, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port ambler_rpp_leg_potential_energy_ports[] = {
@@ -458,7 +458,7 @@ WALKGEN_ROWS(ambler_rpp_leg_potential_energy) {
         ambler_rpp_leg_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_potential_energy, ambler_rpp, walkgen_wide_rows, 20, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_potential_energy, ambler_rpp, walkgen_wide_rows, 20, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port ambler_rpp_leg_inverse_dynamics_derivatives_ports[] = {
@@ -479,7 +479,7 @@ WALKGEN_ROWS(ambler_rpp_leg_inverse_dynamics_derivatives) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_inverse_dynamics_derivatives, ambler_rpp, walkgen_wide_rows, 21, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_inverse_dynamics_derivatives, ambler_rpp, walkgen_wide_rows, 21, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_inverse_dynamics_derivatives, wide_rows, double, 27, 5)
 
 static const walkgen_port ambler_rpp_leg_regressor_ports[] = {
@@ -518,7 +518,7 @@ WALKGEN_ROWS(ambler_rpp_leg_base_parameters) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(ambler_rpp_leg_base_parameters, ambler_rpp, walkgen_wide_rows, 22, -1, NULL)
+WALKGEN_WIDE_ROWS(ambler_rpp_leg_base_parameters, ambler_rpp, walkgen_wide_rows, 22, -1, 0, NULL)
 WALKGEN_LOOP(ambler_rpp_leg_base_parameters, wide_rows, double, 29, 5)
 
 static const walkgen_port ambler_rpp_platform_poses_ports[] = {

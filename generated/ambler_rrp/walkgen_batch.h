@@ -40,8 +40,8 @@
 #define WG_ALIGNED
 #endif
 
-/* What an array's elements are: numbers, or integers of 32 bits, as statuses are. */
-enum { WG_NUMBER = 0, WG_STATUS = 1 };
+/* What an array's elements are: numbers, or integers of 32 bits, as statuses are, or, of inputs, of 64 bits. */
+enum { WG_NUMBER = 0, WG_STATUS = 1, WG_LONG = 2 };
 
 /* One array: `row` and `element` are the bytes from one to the next. */
 struct wg_array {

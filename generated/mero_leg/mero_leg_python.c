@@ -42,7 +42,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_position) {
         mero_leg_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position, mero_leg, walkgen_wide_rows, 0, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position, mero_leg, walkgen_wide_rows, 0, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_position, wide_rows, double, 6, 2)
 
 static const walkgen_port mero_leg_leg_foot_rotation_ports[] = {
@@ -55,7 +55,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_rotation) {
         mero_leg_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_rotation, mero_leg, walkgen_wide_rows, 1, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_rotation, mero_leg, walkgen_wide_rows, 1, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_rotation, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_foot_pose_ports[] = {
@@ -68,7 +68,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_pose) {
         mero_leg_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_pose, mero_leg, walkgen_wide_rows, 2, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_pose, mero_leg, walkgen_wide_rows, 2, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_pose, wide_rows, double, 19, 2)
 
 static const walkgen_port mero_leg_leg_foot_jacobian_ports[] = {
@@ -81,7 +81,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_jacobian) {
         mero_leg_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_jacobian, mero_leg, walkgen_wide_rows, 3, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_jacobian, mero_leg, walkgen_wide_rows, 3, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_jacobian, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_foot_position_jacobian_ports[] = {
@@ -98,7 +98,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_position_jacobian) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position_jacobian, mero_leg, walkgen_wide_rows, 4, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_position_jacobian, mero_leg, walkgen_wide_rows, 4, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_position_jacobian, wide_rows, double, 15, 3)
 
 static const walkgen_port mero_leg_leg_foot_spatial_jacobian_ports[] = {
@@ -111,7 +111,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_spatial_jacobian) {
         mero_leg_leg_foot_spatial_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_spatial_jacobian, mero_leg, walkgen_wide_rows, 5, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_spatial_jacobian, mero_leg, walkgen_wide_rows, 5, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_spatial_jacobian, wide_rows, double, 21, 2)
 
 static const walkgen_port mero_leg_leg_foot_hessian_ports[] = {
@@ -124,7 +124,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_hessian) {
         mero_leg_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_hessian, mero_leg, walkgen_wide_rows, 6, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_hessian, mero_leg, walkgen_wide_rows, 6, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_hessian, wide_rows, double, 30, 2)
 
 static const walkgen_port mero_leg_leg_foot_velocity_ports[] = {
@@ -138,7 +138,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_velocity) {
         mero_leg_leg_foot_velocity(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_velocity, mero_leg, walkgen_wide_rows, 7, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_velocity, mero_leg, walkgen_wide_rows, 7, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_velocity, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_foot_acceleration_ports[] = {
@@ -157,7 +157,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_acceleration) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_acceleration, mero_leg, walkgen_wide_rows, 8, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_acceleration, mero_leg, walkgen_wide_rows, 8, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_acceleration, wide_rows, double, 12, 4)
 
 static const walkgen_port mero_leg_leg_foot_bias_acceleration_ports[] = {
@@ -174,7 +174,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_bias_acceleration) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_bias_acceleration, mero_leg, walkgen_wide_rows, 9, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_bias_acceleration, mero_leg, walkgen_wide_rows, 9, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_bias_acceleration, wide_rows, double, 12, 3)
 
 static const walkgen_port mero_leg_leg_foot_torque_ports[] = {
@@ -188,7 +188,7 @@ WALKGEN_ROWS(mero_leg_leg_foot_torque) {
         mero_leg_leg_foot_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_foot_torque, mero_leg, walkgen_wide_rows, 10, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_foot_torque, mero_leg, walkgen_wide_rows, 10, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_foot_torque, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_joint_frames_ports[] = {
@@ -214,7 +214,7 @@ WALKGEN_ROWS(mero_leg_leg_inverse) {
         (void)mero_leg_leg_inverse(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_inverse, mero_leg, walkgen_wide_rows, 11, 2, mero_leg_leg_inverse_closest)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse, mero_leg, walkgen_wide_rows, 11, 2, 0, mero_leg_leg_inverse_closest)
 WALKGEN_LOOP(mero_leg_leg_inverse, wide_rows, double, 19, 3)
 
 static const walkgen_port mero_leg_leg_inverse_branch_ports[] = {
@@ -232,7 +232,8 @@ WALKGEN_ROWS(mero_leg_leg_inverse_branch) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(mero_leg_leg_inverse_branch, rows, double, 8, 4)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_branch, mero_leg, walkgen_wide_rows, 12, 3, 2, mero_leg_leg_inverse_branch_closest)
+WALKGEN_LOOP(mero_leg_leg_inverse_branch, wide_rows, double, 8, 4)
 
 static const walkgen_port mero_leg_leg_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -286,7 +287,7 @@ WALKGEN_ROWS(mero_leg_leg_within_limits) {
         *WALKGEN_PORT(int32_t, 1) = mero_leg_leg_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_within_limits, mero_leg, walkgen_wide_rows, 13, 1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_within_limits, mero_leg, walkgen_wide_rows, 13, 1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_velocity_ports[] = {
@@ -344,7 +345,7 @@ WALKGEN_ROWS(mero_leg_leg_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_velocity_acceleration, mero_leg, walkgen_wide_rows, 14, 5, mero_leg_leg_inverse_velocity_acceleration_closest)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_velocity_acceleration, mero_leg, walkgen_wide_rows, 14, 5, 0, mero_leg_leg_inverse_velocity_acceleration_closest)
 WALKGEN_LOOP(mero_leg_leg_inverse_velocity_acceleration, wide_rows, double, 16, 6)
 
 static const walkgen_port mero_leg_leg_inverse_dynamics_ports[] = {
@@ -365,7 +366,7 @@ WALKGEN_ROWS(mero_leg_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_dynamics, mero_leg, walkgen_wide_rows, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_inverse_dynamics, mero_leg, walkgen_wide_rows, 15, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_forward_dynamics_ports[] = {
@@ -386,7 +387,7 @@ WALKGEN_ROWS(mero_leg_leg_forward_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_forward_dynamics, mero_leg, walkgen_wide_rows, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_forward_dynamics, mero_leg, walkgen_wide_rows, 16, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port mero_leg_leg_mass_matrix_ports[] = {
@@ -399,7 +400,7 @@ WALKGEN_ROWS(mero_leg_leg_mass_matrix) {
         mero_leg_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_mass_matrix, mero_leg, walkgen_wide_rows, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_mass_matrix, mero_leg, walkgen_wide_rows, 17, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port mero_leg_leg_bias_ports[] = {
@@ -413,7 +414,7 @@ WALKGEN_ROWS(mero_leg_leg_bias) {
         mero_leg_leg_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_bias, mero_leg, walkgen_wide_rows, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_bias, mero_leg, walkgen_wide_rows, 18, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port mero_leg_leg_gravity_torque_ports[] = {
@@ -426,7 +427,7 @@ WALKGEN_ROWS(mero_leg_leg_gravity_torque) {
         mero_leg_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_gravity_torque, mero_leg, walkgen_wide_rows, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_gravity_torque, mero_leg, walkgen_wide_rows, 19, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port mero_leg_leg_coriolis_matrix_ports[] = {
@@ -440,7 +441,7 @@ WALKGEN_ROWS(mero_leg_leg_coriolis_matrix) {
         mero_leg_leg_coriolis_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_coriolis_matrix, mero_leg, walkgen_wide_rows, 20, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_coriolis_matrix, mero_leg, walkgen_wide_rows, 20, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port mero_leg_leg_kinetic_energy_ports[] = {
@@ -454,7 +455,7 @@ WALKGEN_ROWS(mero_leg_leg_kinetic_energy) {
         mero_leg_leg_kinetic_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_kinetic_energy, mero_leg, walkgen_wide_rows, 21, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_kinetic_energy, mero_leg, walkgen_wide_rows, 21, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_leg_potential_energy_ports[] = {
@@ -467,7 +468,7 @@ WALKGEN_ROWS(mero_leg_leg_potential_energy) {
         mero_leg_leg_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_leg_potential_energy, mero_leg, walkgen_wide_rows, 22, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_leg_potential_energy, mero_leg, walkgen_wide_rows, 22, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_leg_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port mero_leg_leg_inverse_dynamics_derivatives_ports[] = {

@@ -33,7 +33,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position) {
         mero_leg_param_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position, mero_leg_param, walkgen_wide_rows, 0, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position, mero_leg_param, walkgen_wide_rows, 0, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position, wide_rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_d_param_ports[] = {
@@ -50,7 +50,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_d_param, mero_leg_param, walkgen_wide_rows, 1, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_d_param, mero_leg_param, walkgen_wide_rows, 1, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position_d_param, wide_rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_ports[] = {
@@ -64,7 +64,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_rotation) {
         mero_leg_param_leg_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation, mero_leg_param, walkgen_wide_rows, 2, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation, mero_leg_param, walkgen_wide_rows, 2, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_rotation, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_rotation_d_param_ports[] = {
@@ -81,7 +81,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_rotation_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation_d_param, mero_leg_param, walkgen_wide_rows, 3, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_rotation_d_param, mero_leg_param, walkgen_wide_rows, 3, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_rotation_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_ports[] = {
@@ -95,7 +95,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_pose) {
         mero_leg_param_leg_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose, mero_leg_param, walkgen_wide_rows, 4, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose, mero_leg_param, walkgen_wide_rows, 4, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_pose, wide_rows, double, 21, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_pose_d_param_ports[] = {
@@ -112,7 +112,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_pose_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose_d_param, mero_leg_param, walkgen_wide_rows, 5, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_pose_d_param, mero_leg_param, walkgen_wide_rows, 5, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_pose_d_param, wide_rows, double, 37, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_ports[] = {
@@ -126,7 +126,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian) {
         mero_leg_param_leg_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian, mero_leg_param, walkgen_wide_rows, 6, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian, mero_leg_param, walkgen_wide_rows, 6, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_jacobian_d_param_ports[] = {
@@ -143,7 +143,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_jacobian_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian_d_param, mero_leg_param, walkgen_wide_rows, 7, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_jacobian_d_param, mero_leg_param, walkgen_wide_rows, 7, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_jacobian_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_ports[] = {
@@ -162,7 +162,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian, mero_leg_param, walkgen_wide_rows, 8, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian, mero_leg_param, walkgen_wide_rows, 8, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian, wide_rows, double, 17, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_position_jacobian_d_param_ports[] = {
@@ -181,7 +181,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param, mero_leg_param, walkgen_wide_rows, 9, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_position_jacobian_d_param, mero_leg_param, walkgen_wide_rows, 9, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_position_jacobian_d_param, wide_rows, double, 29, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_ports[] = {
@@ -198,7 +198,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_spatial_jacobian) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_spatial_jacobian, mero_leg_param, walkgen_wide_rows, 10, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_spatial_jacobian, mero_leg_param, walkgen_wide_rows, 10, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_spatial_jacobian, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_spatial_jacobian_d_param_ports[] = {
@@ -228,7 +228,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_hessian) {
         mero_leg_param_leg_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_hessian, mero_leg_param, walkgen_wide_rows, 11, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_hessian, mero_leg_param, walkgen_wide_rows, 11, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_hessian, wide_rows, double, 32, 3)
 
 static const walkgen_port mero_leg_param_leg_foot_hessian_d_param_ports[] = {
@@ -263,7 +263,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_velocity) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity, mero_leg_param, walkgen_wide_rows, 12, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity, mero_leg_param, walkgen_wide_rows, 12, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_velocity, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_velocity_d_param_ports[] = {
@@ -282,7 +282,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_velocity_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity_d_param, mero_leg_param, walkgen_wide_rows, 13, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_velocity_d_param, mero_leg_param, walkgen_wide_rows, 13, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_velocity_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_ports[] = {
@@ -303,7 +303,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration, mero_leg_param, walkgen_wide_rows, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration, mero_leg_param, walkgen_wide_rows, 14, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration, wide_rows, double, 14, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_acceleration_d_param_ports[] = {
@@ -324,7 +324,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_acceleration_d_param) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration_d_param, mero_leg_param, walkgen_wide_rows, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_acceleration_d_param, mero_leg_param, walkgen_wide_rows, 15, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_acceleration_d_param, wide_rows, double, 17, 5)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_ports[] = {
@@ -343,7 +343,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration, mero_leg_param, walkgen_wide_rows, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration, mero_leg_param, walkgen_wide_rows, 16, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_bias_acceleration_d_param_ports[] = {
@@ -362,7 +362,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param, mero_leg_param, walkgen_wide_rows, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_bias_acceleration_d_param, mero_leg_param, walkgen_wide_rows, 17, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_bias_acceleration_d_param, wide_rows, double, 20, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_ports[] = {
@@ -381,7 +381,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_torque) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque, mero_leg_param, walkgen_wide_rows, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque, mero_leg_param, walkgen_wide_rows, 18, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_torque, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_foot_torque_d_param_ports[] = {
@@ -400,7 +400,7 @@ WALKGEN_ROWS(mero_leg_param_leg_foot_torque_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque_d_param, mero_leg_param, walkgen_wide_rows, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_foot_torque_d_param, mero_leg_param, walkgen_wide_rows, 19, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_foot_torque_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_joint_frames_ports[] = {
@@ -534,7 +534,7 @@ WALKGEN_ROWS(mero_leg_param_leg_within_limits) {
             WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits, mero_leg_param, walkgen_wide_rows, 20, 2, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits, mero_leg_param, walkgen_wide_rows, 20, 2, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_within_limits, wide_rows, double, 6, 3)
 
 static const walkgen_port mero_leg_param_leg_within_limits_d_param_ports[] = {
@@ -551,7 +551,7 @@ WALKGEN_ROWS(mero_leg_param_leg_within_limits_d_param) {
             WALKGEN_PORT(int32_t, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits_d_param, mero_leg_param, walkgen_wide_rows, 21, 2, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_within_limits_d_param, mero_leg_param, walkgen_wide_rows, 21, 2, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_within_limits_d_param, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_velocity_ports[] = {
@@ -615,7 +615,7 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_velocity_acceleration, mero_leg_param, walkgen_wide_rows, 22, 6, mero_leg_param_leg_inverse_velocity_acceleration_closest)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_velocity_acceleration, mero_leg_param, walkgen_wide_rows, 22, 6, 0, mero_leg_param_leg_inverse_velocity_acceleration_closest)
 WALKGEN_LOOP(mero_leg_param_leg_inverse_velocity_acceleration, wide_rows, double, 18, 7)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_ports[] = {
@@ -638,7 +638,7 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics, mero_leg_param, walkgen_wide_rows, 23, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics, mero_leg_param, walkgen_wide_rows, 23, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_d_param_ports[] = {
@@ -661,7 +661,7 @@ WALKGEN_ROWS(mero_leg_param_leg_inverse_dynamics_d_param) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics_d_param, mero_leg_param, walkgen_wide_rows, 24, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_inverse_dynamics_d_param, mero_leg_param, walkgen_wide_rows, 24, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_inverse_dynamics_d_param, wide_rows, double, 20, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_ports[] = {
@@ -684,7 +684,7 @@ WALKGEN_ROWS(mero_leg_param_leg_forward_dynamics) {
             WALKGEN_PORT(double, 5));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_forward_dynamics, mero_leg_param, walkgen_wide_rows, 25, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_forward_dynamics, mero_leg_param, walkgen_wide_rows, 25, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_forward_dynamics, wide_rows, double, 17, 6)
 
 static const walkgen_port mero_leg_param_leg_forward_dynamics_d_param_ports[] = {
@@ -720,7 +720,7 @@ WALKGEN_ROWS(mero_leg_param_leg_mass_matrix) {
         mero_leg_param_leg_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix, mero_leg_param, walkgen_wide_rows, 26, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix, mero_leg_param, walkgen_wide_rows, 26, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_mass_matrix, wide_rows, double, 14, 3)
 
 static const walkgen_port mero_leg_param_leg_mass_matrix_d_param_ports[] = {
@@ -737,7 +737,7 @@ WALKGEN_ROWS(mero_leg_param_leg_mass_matrix_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix_d_param, mero_leg_param, walkgen_wide_rows, 27, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_mass_matrix_d_param, mero_leg_param, walkgen_wide_rows, 27, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_mass_matrix_d_param, wide_rows, double, 23, 3)
 
 static const walkgen_port mero_leg_param_leg_bias_ports[] = {
@@ -756,7 +756,7 @@ WALKGEN_ROWS(mero_leg_param_leg_bias) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias, mero_leg_param, walkgen_wide_rows, 28, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias, mero_leg_param, walkgen_wide_rows, 28, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_bias, wide_rows, double, 11, 4)
 
 static const walkgen_port mero_leg_param_leg_bias_d_param_ports[] = {
@@ -775,7 +775,7 @@ WALKGEN_ROWS(mero_leg_param_leg_bias_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias_d_param, mero_leg_param, walkgen_wide_rows, 29, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_bias_d_param, mero_leg_param, walkgen_wide_rows, 29, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_bias_d_param, wide_rows, double, 14, 4)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_ports[] = {
@@ -789,7 +789,7 @@ WALKGEN_ROWS(mero_leg_param_leg_gravity_torque) {
         mero_leg_param_leg_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque, mero_leg_param, walkgen_wide_rows, 30, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque, mero_leg_param, walkgen_wide_rows, 30, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_gravity_torque, wide_rows, double, 8, 3)
 
 static const walkgen_port mero_leg_param_leg_gravity_torque_d_param_ports[] = {
@@ -806,7 +806,7 @@ WALKGEN_ROWS(mero_leg_param_leg_gravity_torque_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque_d_param, mero_leg_param, walkgen_wide_rows, 31, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_gravity_torque_d_param, mero_leg_param, walkgen_wide_rows, 31, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_gravity_torque_d_param, wide_rows, double, 11, 3)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_ports[] = {
@@ -825,7 +825,7 @@ WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix, mero_leg_param, walkgen_wide_rows, 32, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix, mero_leg_param, walkgen_wide_rows, 32, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix, wide_rows, double, 17, 4)
 
 static const walkgen_port mero_leg_param_leg_coriolis_matrix_d_param_ports[] = {
@@ -844,7 +844,7 @@ WALKGEN_ROWS(mero_leg_param_leg_coriolis_matrix_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix_d_param, mero_leg_param, walkgen_wide_rows, 33, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_coriolis_matrix_d_param, mero_leg_param, walkgen_wide_rows, 33, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_coriolis_matrix_d_param, wide_rows, double, 26, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_ports[] = {
@@ -863,7 +863,7 @@ WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy, mero_leg_param, walkgen_wide_rows, 34, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy, mero_leg_param, walkgen_wide_rows, 34, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy, wide_rows, double, 9, 4)
 
 static const walkgen_port mero_leg_param_leg_kinetic_energy_d_param_ports[] = {
@@ -882,7 +882,7 @@ WALKGEN_ROWS(mero_leg_param_leg_kinetic_energy_d_param) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy_d_param, mero_leg_param, walkgen_wide_rows, 35, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_kinetic_energy_d_param, mero_leg_param, walkgen_wide_rows, 35, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_kinetic_energy_d_param, wide_rows, double, 10, 4)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_ports[] = {
@@ -899,7 +899,7 @@ WALKGEN_ROWS(mero_leg_param_leg_potential_energy) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy, mero_leg_param, walkgen_wide_rows, 36, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy, mero_leg_param, walkgen_wide_rows, 36, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_potential_energy, wide_rows, double, 6, 3)
 
 static const walkgen_port mero_leg_param_leg_potential_energy_d_param_ports[] = {
@@ -916,7 +916,7 @@ WALKGEN_ROWS(mero_leg_param_leg_potential_energy_d_param) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy_d_param, mero_leg_param, walkgen_wide_rows, 37, -1, NULL)
+WALKGEN_WIDE_ROWS(mero_leg_param_leg_potential_energy_d_param, mero_leg_param, walkgen_wide_rows, 37, -1, 0, NULL)
 WALKGEN_LOOP(mero_leg_param_leg_potential_energy_d_param, wide_rows, double, 7, 3)
 
 static const walkgen_port mero_leg_param_leg_inverse_dynamics_derivatives_ports[] = {

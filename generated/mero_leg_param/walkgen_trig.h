@@ -2,8 +2,7 @@
  *
  * sin and cos: x = n pi/2 + r. A sum with the magic number 1.5 * 2^(p-1) drops the fraction and leaves n in its last bits; then n times the
  * parts of pi/2 are subtracted (Cody and Waite, Software Manual for the Elementary Functions, 1980; Muller, Elementary Functions, 3rd ed.
- * 2016, ch. 11). All parts but the last have so few bits that their products with n are exact. Both functions do all of it alike: inlined
- * for one angle, they share it.
+ * 2016, ch. 11), of which only the last differences are rounded. Both functions do all of it alike: inlined for one angle, they share it.
  * atan2: from the nearest of the directions 0, 45, .. 180 degrees, the angle is the arctangent of one quotient.
  * Choices are masks over bits, not jumps. The polynomials are minimax (Remez, walkgen's tests/oracles/minimax.py): sine's and cosine's in
  * Horner's order, the fewest products, the arctangent's in Estrin's, the shortest wait.
@@ -25,7 +24,7 @@
 #define WG_SIGN (UINT64_C(1) << 63)
 #define WG_LIBM(name) name
 #define WG_FARTHEST WG_C(1e5)
-#define WG_OVERFLOWING WG_C(1.7976931348623158e+303)
+#define WG_OVERFLOWING WG_C(1.7976931348623158e+303) /* times the farthest angle still finite, times the next one not */
 #define WG_QUARTERS WG_C(0.63661977236758138) /* 2/pi */
 #define WG_MAGIC WG_C(6755399441055744.0)
 #define WG_LEAST_EXTENT WG_C(1e-290)

@@ -37,7 +37,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_position) {
         phantomx_leg_right_front_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_position, phantomx_leg, walkgen_wide_rows, 0, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_position, phantomx_leg, walkgen_wide_rows, 0, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_position, wide_rows, double, 6, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_rotation_ports[] = {
@@ -50,7 +50,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_rotation) {
         phantomx_leg_right_front_foot_rotation(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_rotation, phantomx_leg, walkgen_wide_rows, 1, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_rotation, phantomx_leg, walkgen_wide_rows, 1, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_rotation, wide_rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_pose_ports[] = {
@@ -63,7 +63,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_pose) {
         phantomx_leg_right_front_foot_pose(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_pose, phantomx_leg, walkgen_wide_rows, 2, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_pose, phantomx_leg, walkgen_wide_rows, 2, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_pose, wide_rows, double, 19, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_jacobian_ports[] = {
@@ -76,7 +76,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_jacobian) {
         phantomx_leg_right_front_foot_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_jacobian, phantomx_leg, walkgen_wide_rows, 3, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_jacobian, phantomx_leg, walkgen_wide_rows, 3, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_jacobian, wide_rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_position_jacobian_ports[] = {
@@ -93,7 +93,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_position_jacobian) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_position_jacobian, phantomx_leg, walkgen_wide_rows, 4, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_position_jacobian, phantomx_leg, walkgen_wide_rows, 4, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_position_jacobian, wide_rows, double, 15, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_spatial_jacobian_ports[] = {
@@ -106,7 +106,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_spatial_jacobian) {
         phantomx_leg_right_front_foot_spatial_jacobian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_spatial_jacobian, phantomx_leg, walkgen_wide_rows, 5, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_spatial_jacobian, phantomx_leg, walkgen_wide_rows, 5, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_spatial_jacobian, wide_rows, double, 21, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_hessian_ports[] = {
@@ -119,7 +119,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_hessian) {
         phantomx_leg_right_front_foot_hessian(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_hessian, phantomx_leg, walkgen_wide_rows, 6, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_hessian, phantomx_leg, walkgen_wide_rows, 6, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_hessian, wide_rows, double, 30, 2)
 
 static const walkgen_port phantomx_leg_right_front_foot_velocity_ports[] = {
@@ -136,7 +136,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_velocity) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_velocity, phantomx_leg, walkgen_wide_rows, 7, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_velocity, phantomx_leg, walkgen_wide_rows, 7, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_velocity, wide_rows, double, 9, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_acceleration_ports[] = {
@@ -155,7 +155,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_acceleration) {
             WALKGEN_PORT(double, 3));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_acceleration, phantomx_leg, walkgen_wide_rows, 8, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_acceleration, phantomx_leg, walkgen_wide_rows, 8, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_acceleration, wide_rows, double, 12, 4)
 
 static const walkgen_port phantomx_leg_right_front_foot_bias_acceleration_ports[] = {
@@ -172,7 +172,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_bias_acceleration) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_bias_acceleration, phantomx_leg, walkgen_wide_rows, 9, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_bias_acceleration, phantomx_leg, walkgen_wide_rows, 9, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_bias_acceleration, wide_rows, double, 12, 3)
 
 static const walkgen_port phantomx_leg_right_front_foot_torque_ports[] = {
@@ -189,7 +189,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_foot_torque) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_torque, phantomx_leg, walkgen_wide_rows, 10, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_foot_torque, phantomx_leg, walkgen_wide_rows, 10, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_foot_torque, wide_rows, double, 9, 3)
 
 static const walkgen_port phantomx_leg_right_front_joint_frames_ports[] = {
@@ -235,7 +235,8 @@ WALKGEN_ROWS(phantomx_leg_right_front_inverse_branch) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_LOOP(phantomx_leg_right_front_inverse_branch, rows, double, 8, 4)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_branch, phantomx_leg, walkgen_wide_rows, 11, 3, 2, phantomx_leg_right_front_inverse_branch_closest)
+WALKGEN_LOOP(phantomx_leg_right_front_inverse_branch, wide_rows, double, 8, 4)
 
 static const walkgen_port phantomx_leg_right_front_inverse_near_ports[] = {
     {8, 0, 0, 1, {3}},
@@ -291,7 +292,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_within_limits) {
         *WALKGEN_PORT(int32_t, 1) = phantomx_leg_right_front_within_limits(WALKGEN_PORT(double, 0));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_within_limits, phantomx_leg, walkgen_wide_rows, 12, 1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_within_limits, phantomx_leg, walkgen_wide_rows, 12, 1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_within_limits, wide_rows, double, 4, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_velocity_ports[] = {
@@ -349,7 +350,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_inverse_velocity_acceleration) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_velocity_acceleration, phantomx_leg, walkgen_wide_rows, 13, 5, phantomx_leg_right_front_inverse_velocity_acceleration_closest)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_velocity_acceleration, phantomx_leg, walkgen_wide_rows, 13, 5, 0, phantomx_leg_right_front_inverse_velocity_acceleration_closest)
 WALKGEN_LOOP(phantomx_leg_right_front_inverse_velocity_acceleration, wide_rows, double, 16, 6)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_ports[] = {
@@ -370,7 +371,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_inverse_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_dynamics, phantomx_leg, walkgen_wide_rows, 14, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_inverse_dynamics, phantomx_leg, walkgen_wide_rows, 14, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_inverse_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port phantomx_leg_right_front_forward_dynamics_ports[] = {
@@ -391,7 +392,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_forward_dynamics) {
             WALKGEN_PORT(double, 4));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_forward_dynamics, phantomx_leg, walkgen_wide_rows, 15, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_forward_dynamics, phantomx_leg, walkgen_wide_rows, 15, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_forward_dynamics, wide_rows, double, 15, 5)
 
 static const walkgen_port phantomx_leg_right_front_mass_matrix_ports[] = {
@@ -404,7 +405,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_mass_matrix) {
         phantomx_leg_right_front_mass_matrix(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_mass_matrix, phantomx_leg, walkgen_wide_rows, 16, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_mass_matrix, phantomx_leg, walkgen_wide_rows, 16, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_mass_matrix, wide_rows, double, 12, 2)
 
 static const walkgen_port phantomx_leg_right_front_bias_ports[] = {
@@ -418,7 +419,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_bias) {
         phantomx_leg_right_front_bias(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_bias, phantomx_leg, walkgen_wide_rows, 17, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_bias, phantomx_leg, walkgen_wide_rows, 17, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_bias, wide_rows, double, 9, 3)
 
 static const walkgen_port phantomx_leg_right_front_gravity_torque_ports[] = {
@@ -431,7 +432,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_gravity_torque) {
         phantomx_leg_right_front_gravity_torque(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_gravity_torque, phantomx_leg, walkgen_wide_rows, 18, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_gravity_torque, phantomx_leg, walkgen_wide_rows, 18, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_gravity_torque, wide_rows, double, 6, 2)
 
 static const walkgen_port phantomx_leg_right_front_coriolis_matrix_ports[] = {
@@ -448,7 +449,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_coriolis_matrix) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_coriolis_matrix, phantomx_leg, walkgen_wide_rows, 19, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_coriolis_matrix, phantomx_leg, walkgen_wide_rows, 19, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_coriolis_matrix, wide_rows, double, 15, 3)
 
 static const walkgen_port phantomx_leg_right_front_kinetic_energy_ports[] = {
@@ -465,7 +466,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_kinetic_energy) {
             WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_kinetic_energy, phantomx_leg, walkgen_wide_rows, 20, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_kinetic_energy, phantomx_leg, walkgen_wide_rows, 20, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_kinetic_energy, wide_rows, double, 7, 3)
 
 static const walkgen_port phantomx_leg_right_front_potential_energy_ports[] = {
@@ -478,7 +479,7 @@ WALKGEN_ROWS(phantomx_leg_right_front_potential_energy) {
         phantomx_leg_right_front_potential_energy(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1));
     }
 }
-WALKGEN_WIDE_ROWS(phantomx_leg_right_front_potential_energy, phantomx_leg, walkgen_wide_rows, 21, -1, NULL)
+WALKGEN_WIDE_ROWS(phantomx_leg_right_front_potential_energy, phantomx_leg, walkgen_wide_rows, 21, -1, 0, NULL)
 WALKGEN_LOOP(phantomx_leg_right_front_potential_energy, wide_rows, double, 4, 2)
 
 static const walkgen_port phantomx_leg_right_front_inverse_dynamics_derivatives_ports[] = {

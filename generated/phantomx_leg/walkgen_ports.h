@@ -21,10 +21,21 @@ struct WG_NAME(wg_port) {
 };
 
 /* An integer as a number; beyond 2^24, which a float counts to, it may be any such. */
+static inline WG_REAL WG_NAME(wg_whole)(int64_t integer) {
+    const int32_t most = 1 << 24, bounded = integer > most ? most : integer < -most ? -most : (int32_t)integer;
+    return (WG_REAL)bounded;
+}
+
 static inline WG_REAL WG_NAME(wg_integer)(const char *from) {
     int32_t integer;
     memcpy(&integer, from, sizeof integer);
-    return (WG_REAL)(integer > 1 << 24 ? 1 << 24 : integer < -(1 << 24) ? -(1 << 24) : integer);
+    return WG_NAME(wg_whole)(integer);
+}
+
+static inline WG_REAL WG_NAME(wg_long)(const char *from) {
+    int64_t integer;
+    memcpy(&integer, from, sizeof integer);
+    return WG_NAME(wg_whole)(integer);
 }
 
 /* Numbers of so many rows to lanes, one by one. */
@@ -33,8 +44,8 @@ static inline void WG_NAME(wg_gather)(const struct WG_NAME(wg_port) *port, int f
     for (int element = 0; element < port->size; ++element, at += port->element) {
         const char *from = at;
         int lane = first;
-        for (; lane < count && port->kind == WG_STATUS; ++lane, from += port->row) {
-            given[element][lane] = WG_NAME(wg_integer)(from);
+        for (; lane < count && port->kind != WG_NUMBER; ++lane, from += port->row) {
+            given[element][lane] = port->kind == WG_LONG ? WG_NAME(wg_long)(from) : WG_NAME(wg_integer)(from);
         }
         for (; lane + 4 <= count; lane += 4, from += 4 * port->row) {
             WG_REAL four[4]; /* all are read before any is written: nothing says that they are apart */
@@ -139,13 +150,13 @@ WG_CALLED void WG_NAME(wg_scatter_status_rows)(const struct WG_NAME(wg_port) *po
 
 /* How whole blocks of an array are read, or written. */
 static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written) {
-    const int state = port->kind == WG_STATUS;
+    const int state = port->kind != WG_NUMBER;
     const ptrdiff_t bytes = state ? (ptrdiff_t)sizeof(int32_t) : (ptrdiff_t)sizeof(WG_REAL);
     port->rows = WG_LANES, port->beyond = 0;
     port->filled = state && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
     port->direct = !state && port->row == bytes && (uintptr_t)port->at % sizeof(WG_REAL) == 0 && port->element % bytes == 0;
     port->move = written ? WG_NAME(wg_scatter_any) : WG_NAME(wg_gather_any);
-    if (state && port->row == bytes) {
+    if (port->kind == WG_STATUS && port->row == bytes) {
         port->move = written ? WG_NAME(wg_scatter_status_planes) : WG_NAME(wg_gather_integer_planes);
     }
 #if defined(WALKGEN_TURNED)

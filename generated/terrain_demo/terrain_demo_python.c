@@ -28,7 +28,7 @@ WALKGEN_ROWS(terrain_demo_leg_foot_position) {
         terrain_demo_leg_foot_position(WALKGEN_PORT(double, 0), WALKGEN_PORT(double, 1), WALKGEN_PORT(double, 2));
     }
 }
-WALKGEN_WIDE_ROWS(terrain_demo_leg_foot_position, terrain_demo, walkgen_wide_rows, 0, -1, NULL)
+WALKGEN_WIDE_ROWS(terrain_demo_leg_foot_position, terrain_demo, walkgen_wide_rows, 0, -1, 0, NULL)
 WALKGEN_LOOP(terrain_demo_leg_foot_position, wide_rows, double, 6, 3)
 
 static const walkgen_port terrain_demo_terrain_height_ports[] = {

@@ -25,14 +25,15 @@ class Wide:
 
 @dataclass(frozen=True)
 class WideLoop:
-    """A loop's function with lanes: what runs its rows, its number in the table, the place of its status or -1, what serves targets out
-    of reach.
+    """A loop's function with lanes: what runs its rows, its number in the table, the place of its status or -1, a bit for the place of
+    each integer among its inputs, what serves targets out of reach.
     """
 
     robot: str
     run: str
     number: int
     status: int
+    integers: int
     closest: str
 
 
@@ -52,19 +53,22 @@ def _tagged(name: str, precision: Precision) -> str:
 
 
 def wide_loops(code: RobotCode, lanes: tuple[Laned, ...], precision: Precision) -> dict[str, WideLoop]:
-    """By the functions' full names; NumPy's integers have 64 bits, which lanes do not know."""
+    """By the functions' full names."""
     tables = [each.table for each in lanes if each.owns_table]
     robot, run = stem(code, precision), _tagged("walkgen_wide_rows", precision)
     return {
-        each.signature.full_name: WideLoop(robot, run, tables.index(each.table), _status(each), _closest(each, precision))
+        each.signature.full_name: WideLoop(robot, run, tables.index(each.table), _status(each), _integers(each), _closest(each, precision))
         for each in lanes
-        if all(port.kind == "real" for port in each.signature.inputs)
     }
 
 
 def _status(each: Laned) -> int:
-    ports = (*each.signature.inputs, *each.signature.outputs)
-    return next((place for place, port in enumerate(ports) if port.kind != "real"), -1)
+    inputs, outputs = each.signature.inputs, each.signature.outputs
+    return next((place for place, port in enumerate(outputs, len(inputs)) if port.kind != "real"), -1)
+
+
+def _integers(each: Laned) -> int:
+    return sum(1 << place for place, port in enumerate(each.signature.inputs) if port.kind != "real")
 
 
 def _closest(each: Laned, precision: Precision) -> str:

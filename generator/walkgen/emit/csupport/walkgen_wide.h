@@ -5,14 +5,20 @@
 
 #if defined(WALKGEN_LOOPS_H) && !defined(WALKGEN_WIDE_ARRAYS)
 #define WALKGEN_WIDE_ARRAYS
+/* What a port's elements are: `status` is the place of a status, `integers` has a bit for the place of each integer that is an input. */
+static inline int32_t walkgen_kind(int port, int status, uint32_t integers) {
+    return port == status ? WG_STATUS : integers >> port & 1 ? WG_LONG : WG_NUMBER;
+}
+
 /* NumPy's rows as arrays. */
-static inline void walkgen_arrays(const walkgen_port *ports, int count, int status, char *const *a, const intptr_t *step, struct wg_array *arrays) {
+static inline void walkgen_arrays(const walkgen_port *ports, int count, int status, uint32_t integers, char *const *a, const intptr_t *step,
+                                  struct wg_array *arrays) {
     for (int port = 0; port < count; port++) {
         arrays[port].data = a[port];
         arrays[port].row = step[port];
         arrays[port].element = ports[port].item;
         arrays[port].size = (int32_t)walkgen_size(&ports[port]);
-        arrays[port].kind = port == status ? WG_STATUS : WG_NUMBER;
+        arrays[port].kind = walkgen_kind(port, status, integers);
     }
 }
 #endif
@@ -31,17 +37,17 @@ struct WG_NAME(walkgen_wide) {
 };
 
 #if defined(WALKGEN_LOOPS_H)
-/* One row whose numbers lie side by side: as batch computes it, without arrays around. `status` is the place of a status among the ports. */
+/* One row whose numbers lie side by side: as batch computes it, without arrays around. */
 WALKGEN_SHARED void WG_NAME(walkgen_wide_row)(const struct WG_NAME(wg_laned) *laned, const walkgen_port *ports, int count, int status,
-                                              WG_NAME(wg_alone) closest, char *const *a) {
+                                              uint32_t integers, WG_NAME(wg_alone) closest, char *const *a) {
     WG_REAL in[WG_MOST_GIVEN], out[WG_MOST_FOUND], *next = in;
     const WG_REAL *const given = laned->inputs == 1 ? (const WG_REAL *)(const void *)a[0] : in;
     WG_REAL *const found = laned->outputs == 1 && status < 0 ? (WG_REAL *)(void *)a[laned->inputs] : out;
     int port = given == in ? 0 : laned->inputs, away = 0;
     for (; port < laned->inputs; port++) {
         const WG_REAL *numbers = (const WG_REAL *)(const void *)a[port];
-        for (intptr_t left = walkgen_size(&ports[port]); left > 0; left--) {
-            *next++ = *numbers++;
+        for (intptr_t at = 0, size = walkgen_size(&ports[port]); at < size; at++) {
+            *next++ = integers >> port & 1 ? WG_NAME(wg_long)(a[port] + at * (intptr_t)sizeof(int64_t)) : numbers[at];
         }
     }
     laned->alone(given, found);
@@ -71,12 +77,13 @@ WALKGEN_SHARED void WG_NAME(walkgen_wide_row)(const struct WG_NAME(wg_laned) *la
 
 /* Rows by one set of instructions. */
 WALKGEN_SHARED void WG_NAME(walkgen_wide_rows)(const struct WG_NAME(walkgen_wide) *set, int number, const walkgen_port *ports, int count,
-                                               int status, WG_NAME(wg_alone) closest, intptr_t rows, char *const *a, const intptr_t *step) {
+                                               int status, uint32_t integers, WG_NAME(wg_alone) closest, intptr_t rows, char *const *a,
+                                               const intptr_t *step) {
     struct wg_array arrays[WALKGEN_MAX_PORTS];
     if (rows == 1) {
-        WG_NAME(walkgen_wide_row)(set->functions[number], ports, count, status, closest, a);
+        WG_NAME(walkgen_wide_row)(set->functions[number], ports, count, status, integers, closest, a);
     } else {
-        walkgen_arrays(ports, count, status, a, step, arrays);
+        walkgen_arrays(ports, count, status, integers, a, step, arrays);
         (void)set->batch(set->functions[number], (size_t)rows, arrays, closest);
     }
 }
@@ -100,13 +107,13 @@ static inline int walkgen_widest(void) {
 
 /* The rows of a function with lanes: by the widest set, chosen at the first call, which `run` knows (walkgen_wide_rows), else as every
  * processor can. */
-#define WALKGEN_WIDE_ROWS(name, robot, run, number, status, closest) \
+#define WALKGEN_WIDE_ROWS(name, robot, run, number, status, integers, closest) \
     static void name##_wide_rows(intptr_t rows, char *const *a, const intptr_t *step, const intptr_t *dimensions) { \
         const int level = robot##_level(-1), count = (int)(sizeof name##_ports / sizeof name##_ports[0]); \
         if (level == 0) { \
             name##_rows(rows, a, step, dimensions); \
         } else { \
-            run(robot##_wide[level - 1], number, name##_ports, count, status, closest, rows, a, step); \
+            run(robot##_wide[level - 1], number, name##_ports, count, status, integers, closest, rows, a, step); \
         } \
     }
 
