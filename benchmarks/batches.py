@@ -243,7 +243,7 @@ def _timed(pair: Mapping[str, Callable[[], Any]], repetitions: int, rows: int) -
     return medians({name: partial(ns, run) for name, run in pair.items()}, repetitions)
 
 
-def gains(entry: Mapping[str, Any]) -> tuple[float, float]:
+def _gains(entry: Mapping[str, Any]) -> tuple[float, float]:
     """How many times faster lanes are than the C library's loop on the same arrays: on rows, and on planes."""
     ns = entry["ns"]
     return ns["C library, row by row"] / ns["lanes"], ns[LIBRARY_PLANAR] / ns[PLANAR]
@@ -259,7 +259,7 @@ def show(entries: Sequence[dict[str, Any]], python: Sequence[dict[str, Any]]) ->
         first = f"{entry['function']}, {entry['real']}, {entry['span']}"
         shares = [ns["memcpy of as many bytes"] / ns[name] for name in ("lanes", PLANAR)]
         asked = ASKED[entry["function"]][entry["real"]] if entry["span"] == "in cache" else None
-        own, planar = gains(entry)
+        own, planar = _gains(entry)
         numbers = [f"{own:.1f}{f' (asked {asked})' if asked else ''}", f"{planar:.1f}", *(f"{share:.2f}" for share in shares)]
         rows.append([first, *(f"{ns[name]:.1f}" for name in names), *numbers])
     print(table(heads, rows))
