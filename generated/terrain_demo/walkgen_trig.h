@@ -4,8 +4,7 @@
  * parts of pi/2 are subtracted (Cody and Waite, Software Manual for the Elementary Functions, 1980; Muller, Elementary Functions, 3rd ed.
  * 2016, ch. 11), of which only the last differences are rounded. Both functions do all of it alike: inlined for one angle, they share it.
  * atan2: from the nearest of the directions 0, 45, .. 180 degrees, the angle is the arctangent of one quotient.
- * Choices are masks over bits, not jumps. The polynomials are minimax (Remez, walkgen's tests/oracles/minimax.py): sine's and cosine's in
- * Horner's order, the fewest products, the arctangent's in Estrin's, the shortest wait.
+ * Choices are masks over bits, not jumps. The polynomials are minimax (Remez, walkgen's tests/oracles/minimax.py), in Estrin's order.
  *
  * Range      |x| <= 1e5, in float 1e4; atan2 where the larger number lies in 1e-290 .. 1e300, in float 1e-30 .. 1e30. Beyond, for
  *            infinities and for NaN the C library answers. Special values are C99's (Annex F); sin(-0) is -0.

@@ -124,7 +124,7 @@ def test_huge_angles_have_the_rates_of_their_turns(folder):
 def test_one_branch_leaves_before_its_arctangents_unless_the_target_is_usual(folder, tag):
     """So what decides is known before they are called, and nothing is kept over them for it."""
     text = (folder / f"mero_leg{tag}.c").read_text()
-    kernel = re.search(r"inverse_one_kernel\w*\(.*?\n}", text, re.DOTALL)[0]
+    kernel = re.search(r"inverse_one_kernel\w*\)\(.*?\n}", text, re.DOTALL)[0]
     assert len(re.findall(r"= wg_near && ", kernel)) == 1
     usual = re.search(r"WG_LEAVE_BEYOND\((\w+)\)", kernel)
     assert usual.end() < kernel.index("WG_NEAR_ATAN2_3")
