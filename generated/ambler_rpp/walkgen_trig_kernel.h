@@ -16,7 +16,8 @@ WG_INLINE WG_T WG_TN(wg_rest)(WG_T x, WG_T n, WG_T last) {
 }
 
 /* (sin r - r) / r^3 by z = r^2; relative error of sin 2^-57.8 for |r| <= 0.7854. */
-WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z, WG_T z2) {
+WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z) {
+    const WG_T z2 = z * z;
     const WG_T start = WG_TFMA(z, WG_TC(0.0083333333333218407), WG_TC(-0.1666666666666663));
     const WG_T middle = WG_TFMA(z, WG_TC(2.7557313538625445e-6), WG_TC(-0.00019841269829358506));
     const WG_T end = WG_TFMA(z, WG_TC(1.5895440412425314e-10), WG_TC(-2.5050734448150096e-8));
@@ -24,7 +25,8 @@ WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z, WG_T z2) {
 }
 
 /* (cos r - 1) / r^2; error of cos 2^-54.1. */
-WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z, WG_T z2) {
+WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z) {
+    const WG_T z2 = z * z;
     const WG_T start = WG_TFMA(z, WG_TC(0.041666666666503593), WG_TC(-0.49999999999999484));
     const WG_T middle = WG_TFMA(z, WG_TC(2.4801579023431895e-5), WG_TC(-0.001388888887175142));
     const WG_T end = WG_TFMA(z, WG_TC(2.063363754210201e-9), WG_TC(-2.7555297303094491e-7));
@@ -58,14 +60,12 @@ WG_INLINE WG_T WG_TN(wg_rest)(WG_T x, WG_T n, WG_T last) {
 }
 
 /* (sin r - r) / r^3 by z = r^2; relative error of sin 2^-27.8 for |r| <= 0.7866. */
-WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z, WG_T z2) {
-    (void)z2;
+WG_INLINE WG_T WG_TN(wg_sine_series)(WG_T z) {
     return WG_TFMA(z, WG_TFMA(z, WG_TC(-0.000195176981), WG_TC(0.00833218638)), WG_TC(-0.166666552));
 }
 
 /* (cos r - 1) / r^2; error of cos 2^-24.8. */
-WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z, WG_T z2) {
-    (void)z2;
+WG_INLINE WG_T WG_TN(wg_cosine_series)(WG_T z) {
     return WG_TFMA(z, WG_TFMA(z, WG_TC(-0.00135959324), WG_TC(0.0416561589)), WG_TC(-0.499998927));
 }
 
@@ -87,9 +87,9 @@ WG_INLINE WG_T WG_TN(wg_quarters)(WG_T x) {
  * -0, so that the sine keeps r's sign. */
 WG_INLINE void WG_TN(wg_sincos_after)(WG_T quarters, WG_T r, WG_T *sine, WG_T *cosine) {
     const WG_TBITS n = WG_TN(walkgen_to_bits)(quarters);
-    const WG_T z = r * r, z2 = z * z;
-    const WG_T sine_of_r = WG_TFMA(WG_TFMA(z, r, WG_TC(0.0)), WG_TN(wg_sine_series)(z, z2), r);
-    const WG_T cosine_of_r = WG_TFMA(z, WG_TN(wg_cosine_series)(z, z2), WG_TC(1.0));
+    const WG_T z = r * r;
+    const WG_T sine_of_r = WG_TFMA(WG_TFMA(z, r, WG_TC(0.0)), WG_TN(wg_sine_series)(z), r);
+    const WG_T cosine_of_r = WG_TFMA(z, WG_TN(wg_cosine_series)(z), WG_TC(1.0));
     const WG_TBITS odd = 0 - (n & 1), half = (n << (WG_REAL_BITS - 2)) & WG_SIGN;
     const WG_TBITS s = WG_TN(walkgen_to_bits)(sine_of_r) ^ (odd & WG_SIGN), c = WG_TN(walkgen_to_bits)(cosine_of_r);
     const WG_TBITS exchange = (s ^ c) & odd;

@@ -46,8 +46,9 @@ WALKGEN_SHARED void WG_NAME(walkgen_wide_row)(const struct WG_NAME(wg_laned) *la
     int port = given == in ? 0 : laned->inputs, away = 0;
     for (; port < laned->inputs; port++) {
         const WG_REAL *numbers = (const WG_REAL *)(const void *)a[port];
+        const int32_t kind = walkgen_kind(port, status, integers);
         for (intptr_t at = 0, size = walkgen_size(&ports[port]); at < size; at++) {
-            *next++ = integers >> port & 1 ? WG_NAME(wg_long)(a[port] + at * (intptr_t)sizeof(int64_t)) : numbers[at];
+            *next++ = kind == WG_LONG ? WG_NAME(wg_integer)(kind, a[port] + at * (intptr_t)sizeof(int64_t)) : numbers[at];
         }
     }
     laned->alone(given, found);

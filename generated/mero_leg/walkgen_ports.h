@@ -20,22 +20,18 @@ struct WG_NAME(wg_port) {
     int32_t size, kind, rows, beyond, direct, filled;
 };
 
-/* An integer as a number; beyond 2^24, which a float counts to, it may be any such. */
-static inline WG_REAL WG_NAME(wg_whole)(int64_t integer) {
-    const int32_t most = 1 << 24, bounded = integer > most ? most : integer < -most ? -most : (int32_t)integer;
-    return (WG_REAL)bounded;
-}
-
-static inline WG_REAL WG_NAME(wg_integer)(const char *from) {
-    int32_t integer;
-    memcpy(&integer, from, sizeof integer);
-    return WG_NAME(wg_whole)(integer);
-}
-
-static inline WG_REAL WG_NAME(wg_long)(const char *from) {
+/* An integer of this kind as a number; beyond 2^24, which a float counts to, it may be any such. */
+static inline WG_REAL WG_NAME(wg_integer)(int32_t kind, const char *from) {
+    const int32_t most = 1 << 24;
+    int32_t narrow;
     int64_t integer;
-    memcpy(&integer, from, sizeof integer);
-    return WG_NAME(wg_whole)(integer);
+    if (kind == WG_LONG) {
+        memcpy(&integer, from, sizeof integer);
+    } else {
+        memcpy(&narrow, from, sizeof narrow);
+        integer = narrow;
+    }
+    return (WG_REAL)(int32_t)(integer > most ? most : integer < -most ? -most : integer);
 }
 
 /* Numbers of so many rows to lanes, one by one. */
@@ -45,7 +41,7 @@ static inline void WG_NAME(wg_gather)(const struct WG_NAME(wg_port) *port, int f
         const char *from = at;
         int lane = first;
         for (; lane < count && port->kind != WG_NUMBER; ++lane, from += port->row) {
-            given[element][lane] = port->kind == WG_LONG ? WG_NAME(wg_long)(from) : WG_NAME(wg_integer)(from);
+            given[element][lane] = WG_NAME(wg_integer)(port->kind, from);
         }
         for (; lane + 4 <= count; lane += 4, from += 4 * port->row) {
             WG_REAL four[4]; /* all are read before any is written: nothing says that they are apart */
@@ -101,7 +97,7 @@ WG_CALLED void WG_NAME(wg_gather_integer_planes)(const struct WG_NAME(wg_port) *
     const char *from = port->at;
     for (int element = 0; element < port->size; ++element, from += port->element) {
         for (int lane = 0; lane < WG_LANES; ++lane) {
-            given[element][lane] = WG_NAME(wg_integer)(from + lane * (ptrdiff_t)sizeof(int32_t));
+            given[element][lane] = WG_NAME(wg_integer)(WG_STATUS, from + lane * (ptrdiff_t)sizeof(int32_t));
         }
     }
 }
@@ -150,18 +146,19 @@ WG_CALLED void WG_NAME(wg_scatter_status_rows)(const struct WG_NAME(wg_port) *po
 
 /* How whole blocks of an array are read, or written. */
 static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written) {
-    const int state = port->kind != WG_NUMBER;
-    const ptrdiff_t bytes = state ? (ptrdiff_t)sizeof(int32_t) : (ptrdiff_t)sizeof(WG_REAL);
+    const int integer = port->kind != WG_NUMBER;
+    const ptrdiff_t bytes = integer ? (ptrdiff_t)sizeof(int32_t) : (ptrdiff_t)sizeof(WG_REAL);
     port->rows = WG_LANES, port->beyond = 0;
-    port->filled = state && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
-    port->direct = !state && port->row == bytes && (uintptr_t)port->at % sizeof(WG_REAL) == 0 && port->element % bytes == 0;
+    port->filled = integer && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
+    port->direct = !integer && port->row == bytes && (uintptr_t)port->at % sizeof(WG_REAL) == 0 && port->element % bytes == 0;
     port->move = written ? WG_NAME(wg_scatter_any) : WG_NAME(wg_gather_any);
     if (port->kind == WG_STATUS && port->row == bytes) {
         port->move = written ? WG_NAME(wg_scatter_status_planes) : WG_NAME(wg_gather_integer_planes);
     }
 #if defined(WALKGEN_TURNED)
-    if (port->element == bytes && port->row >= port->size * bytes && port->size >= 3 && (written ? port->size > 3 || port->row == 3 * bytes : !state)) {
-        port->move = state ? WG_NAME(wg_scatter_status_rows) : written ? WG_NAME(wg_scatter_rows) : WG_NAME(wg_gather_rows);
+    const int turns = written ? port->size > 3 || port->row == 3 * bytes : !integer;
+    if (port->element == bytes && port->row >= port->size * bytes && port->size >= 3 && turns) {
+        port->move = integer ? WG_NAME(wg_scatter_status_rows) : written ? WG_NAME(wg_scatter_rows) : WG_NAME(wg_gather_rows);
         port->beyond = port->size == 3;
     }
 #endif

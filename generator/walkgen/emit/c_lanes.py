@@ -20,7 +20,7 @@ _WIDEST_PORT, _MOST_GIVEN, _MOST_STATUSES = 32, 48, 8
 
 _GUARD = "wg_any_unreachable"
 _READ = {"static ": "WG_STATIC_ROW", "WG_INLINE ": "WG_INLINE_ROW", "": "WG_ROW"}
-"""What stands for a function's storage."""
+"""What stands for a function's storage; the last one, for a public function, begins every head."""
 
 
 @dataclass(frozen=True)
@@ -134,15 +134,15 @@ def closest_lines(each: Laned, precision: Precision) -> Iterator[str]:
 
 
 def read_twice(function: CFunction) -> CFunction:
-    """With a head that walkgen_batch.h and walkgen_lanes.h make of what they need, and statuses of the type that lanes have."""
-    storage = next((each for each in _READ if each and function.head.startswith(each)), "")
+    """With a head that walkgen_batch.h and walkgen_lanes.h make of what they need, and integers of the type that lanes have."""
+    storage = next(each for each in _READ if function.head.startswith(each))
     head, rest = _with_states(function.head.removeprefix(storage)).split("(", 1)
     lines = tuple(map(_with_states, function.lines))
     return replace(function, head=f"{_READ[storage]}({head})({rest}", lines=lines)
 
 
 def _with_states(text: str) -> str:
-    """Integers of functions with lanes are statuses."""
+    """Integers of functions with lanes are numbers there."""
     return text.replace("int32_t", "WG_STATE")
 
 
