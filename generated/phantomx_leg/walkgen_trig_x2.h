@@ -68,10 +68,9 @@ WG_INLINE struct wg_turned wg_sincos_together(double x0, double x1, double x2, d
 WG_INLINE int wg_points_within(double y0, double x0, double y1, double x1, double y2, double x2, double y3, double x3) {
     const wg_x2 first_y = {y0, y1}, first_x = {x0, x1}, second_y = {y2, y3}, second_x = {x2, x3};
     wg_x2 first, second;
-    (void)wg_atan2_near_x2(first_y, first_x, &first);
-    (void)wg_atan2_near_x2(second_y, second_x, &second);
-    return WG_BOTH((first >= WG_TK(WG_LEAST_EXTENT)) & (first <= WG_TK(WG_GREATEST_EXTENT)) & (second >= WG_TK(WG_LEAST_EXTENT)) &
-                   (second <= WG_TK(WG_GREATEST_EXTENT)));
+    (void)wg_atan2_near_x2(first_y, first_x, &first, 0);
+    (void)wg_atan2_near_x2(second_y, second_x, &second, 0);
+    return WG_BOTH((first > WG_TC(0.0)) & (first <= WG_TK(WG_GREATEST)) & (second > WG_TC(0.0)) & (second <= WG_TK(WG_GREATEST)));
 }
 
 /* Angles of points of which one is beyond the range; by memory, as above. */
@@ -83,7 +82,7 @@ WG_CALLED void wg_atan2_far(double y0, double x0, double y1, double x1, double y
 WG_INLINE struct wg_angles wg_atan2_together(double y0, double x0, double y1, double x1, double y2, double x2, double y3, double x3) {
     const wg_x2 first_y = {y0, y1}, first_x = {x0, x1}, second_y = {y2, y3}, second_x = {x2, x3};
     wg_x2 first, second;
-    const wg_x2 a = wg_atan2_near_x2(first_y, first_x, &first), b = wg_atan2_near_x2(second_y, second_x, &second);
+    const wg_x2 a = wg_atan2_near_x2(first_y, first_x, &first, 0), b = wg_atan2_near_x2(second_y, second_x, &second, 0);
     if (WG_LIKELY(wg_points_within(y0, x0, y1, x1, y2, x2, y3, x3))) {
         const struct wg_angles angles = {a[0], a[1], b[0], b[1]};
         return angles;

@@ -6,8 +6,8 @@
  * atan2: from the nearest of the directions 0, 45, .. 180 degrees, the angle is the arctangent of one quotient.
  * Choices are masks over bits, not jumps. The polynomials are minimax (Remez, walkgen's tests/oracles/minimax.py), in Estrin's order.
  *
- * Range      |x| <= 1e5, in float 1e4; atan2 where the larger number lies in 1e-290 .. 1e300, in float 1e-30 .. 1e30. Beyond, for
- *            infinities and for NaN the C library answers. Special values are C99's (Annex F); sin(-0) is -0.
+ * Range      |x| <= 1e5, in float 1e4; atan2 where the numbers are not both 0 and their sum is finite. Beyond, for infinities and for NaN
+ *            the C library answers. Special values are C99's (Annex F); sin(-0) is -0.
  * Error      at most, in units in the last place: sin and cos 1.75 with fused multiply-add, without it 2, there in float beyond |x| = 100 2.5;
  *            atan2 1.6. In float measured on every angle, in double on some ten millions. Sums that keep what r's rounding drops would
  *            bring sin and cos to 0.85, for a fifth of the time of a block of rows.
@@ -26,8 +26,7 @@
 #define WG_OVERFLOWING WG_C(1.7976931348623158e+303) /* times the farthest angle still finite, times the next one not */
 #define WG_QUARTERS WG_C(0.63661977236758138) /* 2/pi */
 #define WG_MAGIC WG_C(6755399441055744.0)
-#define WG_LEAST_EXTENT WG_C(1e-290)
-#define WG_GREATEST_EXTENT WG_C(1e300)
+#define WG_GREATEST WG_C(1.7976931348623157e+308)
 #define WG_EIGHTH WG_C(0.78539816339744828) /* pi/4 in 50 bits */
 #define WG_EIGHTH_REST WG_C(3.061616997868383e-17)
 #else
@@ -38,8 +37,7 @@
 #define WG_OVERFLOWING WG_C(3.4028233e+34)
 #define WG_QUARTERS WG_C(0.636619772) /* 2/pi */
 #define WG_MAGIC WG_C(12582912.0)
-#define WG_LEAST_EXTENT WG_C(1e-30)
-#define WG_GREATEST_EXTENT WG_C(1e30)
+#define WG_GREATEST WG_C(3.40282347e+38)
 #define WG_EIGHTH WG_C(0.785398006) /* pi/4 in 21 bits */
 #define WG_EIGHTH_REST WG_C(1.56958237e-7)
 #endif
@@ -91,8 +89,8 @@ WG_CALLED struct WG_NAME(wg_sine_cosine) WG_NAME(wg_sincos_called)(WG_REAL x) {
 /* The angle of (x, y). */
 WG_INLINE WG_REAL WG_NAME(wg_atan2)(WG_REAL y, WG_REAL x) {
     WG_REAL extent;
-    const WG_REAL answer = WG_NAME(wg_atan2_near)(y, x, &extent);
-    return WG_LIKELY(extent >= WG_LEAST_EXTENT && extent <= WG_GREATEST_EXTENT) ? answer : WG_LIBM(atan2)(y, x);
+    const WG_REAL answer = WG_NAME(wg_atan2_near)(y, x, &extent, 0);
+    return WG_LIKELY(extent > WG_C(0.0) && extent <= WG_GREATEST) ? answer : WG_LIBM(atan2)(y, x);
 }
 
 /* The same in one call. */
@@ -119,9 +117,7 @@ WG_INLINE WG_REAL WG_NAME(wg_cos_lane)(WG_REAL x) {
 
 WG_INLINE WG_REAL WG_NAME(wg_atan2_lane)(WG_REAL y, WG_REAL x) {
     WG_REAL extent;
-    const WG_REAL answer = WG_NAME(wg_atan2_near)(y, x, &extent);
-    const WG_REAL near = extent >= WG_LEAST_EXTENT ? answer : WG_NAN;
-    return extent <= WG_GREATEST_EXTENT ? near : WG_NAN;
+    return WG_NAME(wg_atan2_near)(y, x, &extent, 1);
 }
 
 /* Sines and cosines of four angles. */
@@ -146,8 +142,7 @@ struct WG_NAME(wg_angles) {
 #undef WG_OVERFLOWING
 #undef WG_QUARTERS
 #undef WG_MAGIC
-#undef WG_LEAST_EXTENT
-#undef WG_GREATEST_EXTENT
+#undef WG_GREATEST
 #undef WG_EIGHTH
 #undef WG_EIGHTH_REST
 #endif

@@ -9,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 from csupport_library import CSUPPORT, STRICT, compile_c
-from trig_library import FARTHEST, SOURCE, ZIG, angles, beside_quarters, build, errors, fma_flags, points
+from trig_library import FARTHEST, SOURCE, ZIG, angles, beside_quarters, build, errors, extreme_points, fma_flags, points
 
 from oracles import minimax
 
@@ -57,8 +57,8 @@ def test_error_of_sine_and_cosine(trig, real, name):
 
 @REALS
 def test_error_of_the_arctangent(trig, real):
-    y, x = points(real, 2000, 2)
-    assert errors("atan2", trig("atan2", y, x), y, x).max() <= ARCTANGENT
+    for y, x in (points(real, 2000, 2), extreme_points(real, 3000, 3)):
+        assert errors("atan2", trig("atan2", y, x), y, x).max() <= ARCTANGENT
 
 
 @pytest.mark.nightly
@@ -159,7 +159,7 @@ def test_special_values_of_the_arctangent(trig, real):
     assert np.array_equal(np.signbit(found)[~np.isnan(expected)], np.signbit(y)[~np.isnan(expected)])
 
 
-LANE = SOURCE.replace("WG_SIN", "WG_NAME(wg_sin_lane)").replace("WG_COS", "WG_NAME(wg_cos_lane)")
+LANE = SOURCE.replace("WG_SIN", "WG_NAME(wg_sin_lane)").replace("WG_COS", "WG_NAME(wg_cos_lane)").replace("WG_ATAN2", "WG_NAME(wg_atan2_lane)")
 
 
 @REALS
@@ -172,6 +172,15 @@ def test_lanes_give_no_number_beyond_the_range_and_the_same_ones_within(tmp_path
     for name in ("sin", "cos"):
         assert lane(name, within).tobytes() == alone(name, within).tobytes()
         assert np.isnan(lane(name, beyond)).all()
+    y, x = np.concatenate([extreme_points(real, 5000, 7), points(real, 500, 8)], axis=1)
+    with np.errstate(over="ignore"):
+        finite = np.isfinite(np.maximum(np.abs(x), np.abs(y)) * real(2))
+    assert 0 < finite.mean() < 1
+    assert lane("atan2", y[finite], x[finite]).tobytes() == alone("atan2", y[finite], x[finite]).tobytes()
+    none = np.array([0.0, -0.0, np.inf, -np.inf, np.nan], real)
+    assert np.isnan(lane("atan2", np.repeat(none, 5), np.tile(none, 5))).all()
+    greatest = np.finfo(real).max
+    assert np.isnan(lane("atan2", np.array([greatest], real), np.array([-greatest], real))).all()
 
 
 def bits(library):

@@ -96,3 +96,14 @@ def points(real: type, rows: int, seed: int):
     x = rng.choice([-1.0, 1.0], 3 * rows) * np.exp(rng.uniform(-20.0, 20.0, 3 * rows))
     ratio = np.concatenate([np.exp(rng.uniform(-30.0, 30.0, rows)), rng.uniform(0.3, 0.7, rows), rng.uniform(1.5, 2.5, rows)])
     return (x * ratio * rng.choice([-1.0, 1.0], 3 * rows)).astype(real), x.astype(real)
+
+
+def extreme_points(real: type, rows: int, seed: int):
+    """y and x of every size that numbers have, subnormal and greatest ones among them, half of them of like size."""
+    rng, limits = np.random.default_rng(seed), np.finfo(real)
+    ends = np.log2(limits.smallest_subnormal.astype(np.longdouble)), np.log2(limits.max.astype(np.longdouble))
+    x, other = (np.exp2(rng.uniform(*map(float, ends), rows).astype(np.longdouble)) for _ in range(2))
+    like = x * np.exp2(rng.uniform(-3.0, 3.0, rows)).astype(np.longdouble)
+    y = np.where(np.arange(rows) % 2 == 0, like, other)
+    sizes = (np.clip(each, limits.smallest_subnormal, limits.max).astype(real) for each in (y, x))
+    return tuple(rng.choice([-1.0, 1.0], rows).astype(real) * size for size in sizes)

@@ -1,6 +1,6 @@
 """Which Programs can run many rows at once, one a lane of a vector, with angles that give NaN beyond their range.
 
-A lane has no branch to ask the C library what the own sine, cosine and arctangent do not know (angles beyond 1e5, points next to the
+A lane has no branch to ask the C library what the own sine, cosine and arctangent do not know (angles beyond 1e5, the
 origin): there its angle is NaN, and a row where that is found out is computed once more, alone. It is found out by a few results. Sums and
 products are NaN if what they are made of is. A comparison with NaN is false, and what is chosen by it may be wrong, unless the choice then
 falls on something that is NaN for the same reason, as in `t <= -pi ? pi : t`; what is chosen by something else is NaN or right.

@@ -79,15 +79,15 @@ WG_INLINE struct WG_NAME(wg_turned) WG_NAME(wg_sincos_together)(WG_REAL x0, WG_R
 WG_INLINE int WG_NAME(wg_points_within)(WG_REAL y0, WG_REAL x0, WG_REAL y1, WG_REAL x1, WG_REAL y2, WG_REAL x2, WG_REAL y3, WG_REAL x3) {
     const WG_T y = {y0, y1, y2, y3}, x = {x0, x1, x2, x3};
     WG_T extent;
-    (void)WG_TN(wg_atan2_near)(y, x, &extent);
-    return WG_MOST_SIGNIFICANT((extent >= WG_TK(WG_LEAST_EXTENT)) & (extent <= WG_TK(WG_GREATEST_EXTENT))) == 15;
+    (void)WG_TN(wg_atan2_near)(y, x, &extent, 0);
+    return WG_MOST_SIGNIFICANT((extent > WG_TC(0.0)) & (extent <= WG_TK(WG_GREATEST))) == 15;
 }
 
 WG_INLINE struct WG_NAME(wg_angles) WG_NAME(wg_atan2_together)(WG_REAL y0, WG_REAL x0, WG_REAL y1, WG_REAL x1, WG_REAL y2, WG_REAL x2,
                                                               WG_REAL y3, WG_REAL x3) {
     const WG_T y = {y0, y1, y2, y3}, x = {x0, x1, x2, x3};
     WG_T extent;
-    const WG_T a = WG_TN(wg_atan2_near)(y, x, &extent);
+    const WG_T a = WG_TN(wg_atan2_near)(y, x, &extent, 0);
     if (WG_LIKELY(WG_NAME(wg_points_within)(y0, x0, y1, x1, y2, x2, y3, x3))) {
         const struct WG_NAME(wg_angles) angles = {a[0], a[1], a[2], a[3]};
         return angles;
