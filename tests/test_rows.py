@@ -80,6 +80,12 @@ def test_strides_do_not_matter(leg):
     leg.foot_jacobian(q, out=out[:, :, 1:4])
     assert same(out[:, :, 1:4], J)
     assert not out[:, :, [0, 4]].any()
+    p = targets(leg)
+    found, status = leg.inverse(p)
+    spread = np.full((ROWS, 4, 2), -7, np.int32)
+    assert same(leg.inverse(p, out=(None, spread[..., 0]))[0], found)
+    assert same(spread[..., 0], status)
+    assert (spread[..., 1] == -7).all()
 
 
 def test_threads_give_the_same_numbers(folder, leg):

@@ -513,10 +513,8 @@ WG_ROW(void ambler_rpp_leg_base_parameters)(const double *WG_RESTRICT q, const d
     Y[4] = Y_extend_m_on_reach_moment_z;
 }
 
-WG_INLINE_ROW(void ambler_rpp_leg_regular_rates_kernel)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, WG_STATE *WG_RESTRICT status,
-    int wg_near) {
-    (void)wg_near;
+WG_INLINE_ROW(void ambler_rpp_leg_regular_rates_usual)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, WG_STATE *WG_RESTRICT status) {
     qd[2] = -v[2];
     qdd[2] = -a[2];
     const double reach_shift_z = q[1] + 0.8;
@@ -562,7 +560,7 @@ WG_BLOCK(ambler_rpp_leg_foot_position) {
 WG_ALONE(ambler_rpp_leg_foot_position) {
     ambler_rpp_leg_foot_position(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_position, 1, 1);
+WG_LANED(ambler_rpp_leg_foot_position, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -581,7 +579,7 @@ WG_BLOCK(ambler_rpp_leg_foot_rotation) {
 WG_ALONE(ambler_rpp_leg_foot_rotation) {
     ambler_rpp_leg_foot_rotation(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_rotation, 1, 1);
+WG_LANED(ambler_rpp_leg_foot_rotation, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -600,7 +598,7 @@ WG_BLOCK(ambler_rpp_leg_foot_pose) {
 WG_ALONE(ambler_rpp_leg_foot_pose) {
     ambler_rpp_leg_foot_pose(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_pose, 1, 1);
+WG_LANED(ambler_rpp_leg_foot_pose, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -619,7 +617,7 @@ WG_BLOCK(ambler_rpp_leg_foot_jacobian) {
 WG_ALONE(ambler_rpp_leg_foot_jacobian) {
     ambler_rpp_leg_foot_jacobian(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_jacobian, 1, 1);
+WG_LANED(ambler_rpp_leg_foot_jacobian, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -640,7 +638,7 @@ WG_BLOCK(ambler_rpp_leg_foot_position_jacobian) {
 WG_ALONE(ambler_rpp_leg_foot_position_jacobian) {
     ambler_rpp_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
 }
-WG_LANED(ambler_rpp_leg_foot_position_jacobian, 1, 2);
+WG_LANED(ambler_rpp_leg_foot_position_jacobian, 1, 2, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -659,7 +657,7 @@ WG_BLOCK(ambler_rpp_leg_foot_spatial_jacobian) {
 WG_ALONE(ambler_rpp_leg_foot_spatial_jacobian) {
     ambler_rpp_leg_foot_spatial_jacobian(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_spatial_jacobian, 1, 1);
+WG_LANED(ambler_rpp_leg_foot_spatial_jacobian, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -678,7 +676,7 @@ WG_BLOCK(ambler_rpp_leg_foot_hessian) {
 WG_ALONE(ambler_rpp_leg_foot_hessian) {
     ambler_rpp_leg_foot_hessian(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_hessian, 1, 1);
+WG_LANED(ambler_rpp_leg_foot_hessian, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -699,7 +697,7 @@ WG_BLOCK(ambler_rpp_leg_foot_velocity) {
 WG_ALONE(ambler_rpp_leg_foot_velocity) {
     ambler_rpp_leg_foot_velocity(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_velocity, 2, 1);
+WG_LANED(ambler_rpp_leg_foot_velocity, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -722,7 +720,7 @@ WG_BLOCK(ambler_rpp_leg_foot_acceleration) {
 WG_ALONE(ambler_rpp_leg_foot_acceleration) {
     ambler_rpp_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_acceleration, 3, 1);
+WG_LANED(ambler_rpp_leg_foot_acceleration, 3, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -743,7 +741,7 @@ WG_BLOCK(ambler_rpp_leg_foot_bias_acceleration) {
 WG_ALONE(ambler_rpp_leg_foot_bias_acceleration) {
     ambler_rpp_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_bias_acceleration, 2, 1);
+WG_LANED(ambler_rpp_leg_foot_bias_acceleration, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -764,7 +762,7 @@ WG_BLOCK(ambler_rpp_leg_foot_torque) {
 WG_ALONE(ambler_rpp_leg_foot_torque) {
     ambler_rpp_leg_foot_torque(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_foot_torque, 2, 1);
+WG_LANED(ambler_rpp_leg_foot_torque, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
@@ -782,11 +780,11 @@ WG_BLOCK(ambler_rpp_leg_within_limits) {
 }
 
 WG_ALONE(ambler_rpp_leg_within_limits) {
-    int32_t within[1];
+    int32_t within[1] = {0};
     within[0] = ambler_rpp_leg_within_limits(&given[0]);
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
-WG_LANED(ambler_rpp_leg_within_limits, 1, 1);
+WG_LANED(ambler_rpp_leg_within_limits, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
@@ -796,30 +794,25 @@ WG_BLOCK(ambler_rpp_leg_inverse_velocity_acceleration) {
     WG_FROM(a, 2)
     WG_INTO(qd, 3)
     WG_INTO(qdd, 4)
-    WG_INTO(status, 5)
     WG_EACH_LANE {
         double q[3], v[3], a[3], qd[3], qdd[3];
         WG_STATE status[1];
         WG_TAKE_3(q)
         WG_TAKE_3(v)
         WG_TAKE_3(a)
-        ambler_rpp_leg_regular_rates_kernel_lane(q, v, a, qd, qdd, status, 1);
+        ambler_rpp_leg_regular_rates_usual_lane(q, v, a, qd, qdd, status);
         WG_KEEP_3(qd)
         WG_KEEP_3(qdd)
-        WG_KEEP_1(status)
-        WG_DONE(qd[0])
+        WG_DONE_IF(qd[0], status[0])
     }
 }
 
 WG_ALONE(ambler_rpp_leg_inverse_velocity_acceleration) {
-    int32_t status[1];
-    ambler_rpp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 1);
-    if (status[0] == WALKGEN_UNREACHABLE) {
-        ambler_rpp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 0);
-    }
+    int32_t status[1] = {0};
+    ambler_rpp_leg_regular_rates_usual(&given[0], &given[3], &given[6], &found[0], &found[3], status);
     for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
 }
-WG_LANED(ambler_rpp_leg_inverse_velocity_acceleration, 3, 3);
+WG_LANED(ambler_rpp_leg_inverse_velocity_acceleration, 3, 3, 1);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -844,7 +837,7 @@ WG_BLOCK(ambler_rpp_leg_inverse_dynamics) {
 WG_ALONE(ambler_rpp_leg_inverse_dynamics) {
     ambler_rpp_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_inverse_dynamics, 4, 1);
+WG_LANED(ambler_rpp_leg_inverse_dynamics, 4, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -869,7 +862,7 @@ WG_BLOCK(ambler_rpp_leg_forward_dynamics) {
 WG_ALONE(ambler_rpp_leg_forward_dynamics) {
     ambler_rpp_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_forward_dynamics, 4, 1);
+WG_LANED(ambler_rpp_leg_forward_dynamics, 4, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -888,7 +881,7 @@ WG_BLOCK(ambler_rpp_leg_mass_matrix) {
 WG_ALONE(ambler_rpp_leg_mass_matrix) {
     ambler_rpp_leg_mass_matrix(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_mass_matrix, 1, 1);
+WG_LANED(ambler_rpp_leg_mass_matrix, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -909,7 +902,7 @@ WG_BLOCK(ambler_rpp_leg_bias) {
 WG_ALONE(ambler_rpp_leg_bias) {
     ambler_rpp_leg_bias(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_bias, 2, 1);
+WG_LANED(ambler_rpp_leg_bias, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -928,7 +921,7 @@ WG_BLOCK(ambler_rpp_leg_gravity_torque) {
 WG_ALONE(ambler_rpp_leg_gravity_torque) {
     ambler_rpp_leg_gravity_torque(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_gravity_torque, 1, 1);
+WG_LANED(ambler_rpp_leg_gravity_torque, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -949,7 +942,7 @@ WG_BLOCK(ambler_rpp_leg_coriolis_matrix) {
 WG_ALONE(ambler_rpp_leg_coriolis_matrix) {
     ambler_rpp_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_coriolis_matrix, 2, 1);
+WG_LANED(ambler_rpp_leg_coriolis_matrix, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -970,7 +963,7 @@ WG_BLOCK(ambler_rpp_leg_kinetic_energy) {
 WG_ALONE(ambler_rpp_leg_kinetic_energy) {
     ambler_rpp_leg_kinetic_energy(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_kinetic_energy, 2, 1);
+WG_LANED(ambler_rpp_leg_kinetic_energy, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -989,7 +982,7 @@ WG_BLOCK(ambler_rpp_leg_potential_energy) {
 WG_ALONE(ambler_rpp_leg_potential_energy) {
     ambler_rpp_leg_potential_energy(&given[0], &found[0]);
 }
-WG_LANED(ambler_rpp_leg_potential_energy, 1, 1);
+WG_LANED(ambler_rpp_leg_potential_energy, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1014,7 +1007,7 @@ WG_BLOCK(ambler_rpp_leg_inverse_dynamics_derivatives) {
 WG_ALONE(ambler_rpp_leg_inverse_dynamics_derivatives) {
     ambler_rpp_leg_inverse_dynamics_derivatives(&given[0], &given[3], &given[6], &found[0], &found[9]);
 }
-WG_LANED(ambler_rpp_leg_inverse_dynamics_derivatives, 3, 2);
+WG_LANED(ambler_rpp_leg_inverse_dynamics_derivatives, 3, 2, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1039,7 +1032,7 @@ WG_BLOCK(ambler_rpp_leg_base_parameters) {
 WG_ALONE(ambler_rpp_leg_base_parameters) {
     ambler_rpp_leg_base_parameters(&given[0], &given[3], &given[6], &found[0], &found[15]);
 }
-WG_LANED(ambler_rpp_leg_base_parameters, 3, 2);
+WG_LANED(ambler_rpp_leg_base_parameters, 3, 2, 0);
 #endif
 
 #endif
@@ -1129,6 +1122,34 @@ WG_INLINE void ambler_rpp_leg_acceleration_jacobian_kernel(const double *WG_REST
     rest[1] = wanted_y;
 }
 
+WG_INLINE void ambler_rpp_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    qd[2] = -v[2];
+    qdd[2] = -a[2];
+    const double reach_shift_z = q[1] + 0.8;
+    const double inverse_pivot = 1.0/reach_shift_z;
+    const double cos_shoulder = WG_COS(q[0]);
+    const double sin_shoulder = WG_SIN(q[0]);
+    const double v_along = WG_FMA(-v[0], sin_shoulder, v[1]*cos_shoulder);
+    const double v_across = WG_FMA(v[1], sin_shoulder, v[0]*cos_shoulder);
+    qd[1] = v_across;
+    const double rate = inverse_pivot*v_along;
+    qd[0] = rate;
+    const double a_along = WG_FMA(-a[0], sin_shoulder, a[1]*cos_shoulder);
+    const double a_across = WG_FMA(a[1], sin_shoulder, a[0]*cos_shoulder);
+    const double flow_shoulder_x = reach_shift_z*rate;
+    const double bias_shoulder_z = WG_FMA(rate, flow_shoulder_x, a_across);
+    qdd[1] = bias_shoulder_z;
+    const double rates_reach_y = rate*2.0;
+    const double bias_reach_x = WG_FMA(-v_across, rates_reach_y, a_along);
+    const double rate_2 = inverse_pivot*bias_reach_x;
+    qdd[0] = rate_2;
+    const double total = rate_2 + (bias_shoulder_z + (v_across + rate)) - v[2] - a[2];
+    const double square = WG_FMA(reach_shift_z, reach_shift_z, 2.0);
+    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.01), total - total);
+    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(reach_shift_z), 0.0, 1.0));
+}
+
 WG_INLINE void ambler_rpp_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
     double *WG_RESTRICT rest) {
     rest[0] = a[0] - bias[0];
@@ -1162,7 +1183,7 @@ WG_CALLED int32_t ambler_rpp_leg_inverse_admissible_rest(const double *WG_RESTRI
 WG_CALLED int32_t ambler_rpp_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     int32_t status = WALKGEN_OK;
-    ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
+    ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status);
     if (status == WALKGEN_UNREACHABLE) {
 #if defined(WALKGEN_NO_DAMPING)
         status = wg_undamped(qd, 3);
@@ -1344,9 +1365,9 @@ int32_t ambler_rpp_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q
     if (WG_SIZE_COUNTS) {
         return ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
-    ambler_rpp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
+    ambler_rpp_leg_regular_rates_usual(q, v, a, qd, qdd, &status);
     if (status == WALKGEN_UNREACHABLE) {
-        status = ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
+        return ambler_rpp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;
 }
@@ -2620,7 +2641,7 @@ void ambler_rpp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
 #undef WALKGEN_ROWS
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 static void ambler_rpp_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
-    int32_t status[1];
+    int32_t status[1] = {0};
     status[0] = ambler_rpp_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
     for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
 }

@@ -695,10 +695,8 @@ WG_ROW(void ambler_rrp_leg_base_parameters)(const double *WG_RESTRICT q, const d
     Y[2] = WG_FMA(elbow_lever_y, elbow_mx_force_y, -t9);
 }
 
-WG_INLINE_ROW(void ambler_rrp_leg_regular_rates_kernel)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
-    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, WG_STATE *WG_RESTRICT status,
-    int wg_near) {
-    (void)wg_near;
+WG_INLINE_ROW(void ambler_rrp_leg_regular_rates_usual)(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, WG_STATE *WG_RESTRICT status) {
     qd[2] = -v[2];
     qdd[2] = -a[2];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
@@ -762,7 +760,7 @@ WG_BLOCK(ambler_rrp_leg_foot_position) {
 WG_ALONE(ambler_rrp_leg_foot_position) {
     ambler_rrp_leg_foot_position(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_position, 1, 1);
+WG_LANED(ambler_rrp_leg_foot_position, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -781,7 +779,7 @@ WG_BLOCK(ambler_rrp_leg_foot_rotation) {
 WG_ALONE(ambler_rrp_leg_foot_rotation) {
     ambler_rrp_leg_foot_rotation(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_rotation, 1, 1);
+WG_LANED(ambler_rrp_leg_foot_rotation, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -800,7 +798,7 @@ WG_BLOCK(ambler_rrp_leg_foot_pose) {
 WG_ALONE(ambler_rrp_leg_foot_pose) {
     ambler_rrp_leg_foot_pose(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_pose, 1, 1);
+WG_LANED(ambler_rrp_leg_foot_pose, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -819,7 +817,7 @@ WG_BLOCK(ambler_rrp_leg_foot_jacobian) {
 WG_ALONE(ambler_rrp_leg_foot_jacobian) {
     ambler_rrp_leg_foot_jacobian(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_jacobian, 1, 1);
+WG_LANED(ambler_rrp_leg_foot_jacobian, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -840,7 +838,7 @@ WG_BLOCK(ambler_rrp_leg_foot_position_jacobian) {
 WG_ALONE(ambler_rrp_leg_foot_position_jacobian) {
     ambler_rrp_leg_foot_position_jacobian(&given[0], &found[0], &found[3]);
 }
-WG_LANED(ambler_rrp_leg_foot_position_jacobian, 1, 2);
+WG_LANED(ambler_rrp_leg_foot_position_jacobian, 1, 2, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -859,7 +857,7 @@ WG_BLOCK(ambler_rrp_leg_foot_spatial_jacobian) {
 WG_ALONE(ambler_rrp_leg_foot_spatial_jacobian) {
     ambler_rrp_leg_foot_spatial_jacobian(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_spatial_jacobian, 1, 1);
+WG_LANED(ambler_rrp_leg_foot_spatial_jacobian, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -878,7 +876,7 @@ WG_BLOCK(ambler_rrp_leg_foot_hessian) {
 WG_ALONE(ambler_rrp_leg_foot_hessian) {
     ambler_rrp_leg_foot_hessian(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_hessian, 1, 1);
+WG_LANED(ambler_rrp_leg_foot_hessian, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -899,7 +897,7 @@ WG_BLOCK(ambler_rrp_leg_foot_velocity) {
 WG_ALONE(ambler_rrp_leg_foot_velocity) {
     ambler_rrp_leg_foot_velocity(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_velocity, 2, 1);
+WG_LANED(ambler_rrp_leg_foot_velocity, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -922,7 +920,7 @@ WG_BLOCK(ambler_rrp_leg_foot_acceleration) {
 WG_ALONE(ambler_rrp_leg_foot_acceleration) {
     ambler_rrp_leg_foot_acceleration(&given[0], &given[3], &given[6], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_acceleration, 3, 1);
+WG_LANED(ambler_rrp_leg_foot_acceleration, 3, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -943,7 +941,7 @@ WG_BLOCK(ambler_rrp_leg_foot_bias_acceleration) {
 WG_ALONE(ambler_rrp_leg_foot_bias_acceleration) {
     ambler_rrp_leg_foot_bias_acceleration(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_bias_acceleration, 2, 1);
+WG_LANED(ambler_rrp_leg_foot_bias_acceleration, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -964,7 +962,7 @@ WG_BLOCK(ambler_rrp_leg_foot_torque) {
 WG_ALONE(ambler_rrp_leg_foot_torque) {
     ambler_rrp_leg_foot_torque(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_foot_torque, 2, 1);
+WG_LANED(ambler_rrp_leg_foot_torque, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
@@ -982,11 +980,11 @@ WG_BLOCK(ambler_rrp_leg_within_limits) {
 }
 
 WG_ALONE(ambler_rrp_leg_within_limits) {
-    int32_t within[1];
+    int32_t within[1] = {0};
     within[0] = ambler_rrp_leg_within_limits(&given[0]);
     for (int at = 0; at < 1; ++at) { found[0 + at] = (double)within[at]; }
 }
-WG_LANED(ambler_rrp_leg_within_limits, 1, 1);
+WG_LANED(ambler_rrp_leg_within_limits, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
@@ -996,30 +994,25 @@ WG_BLOCK(ambler_rrp_leg_inverse_velocity_acceleration) {
     WG_FROM(a, 2)
     WG_INTO(qd, 3)
     WG_INTO(qdd, 4)
-    WG_INTO(status, 5)
     WG_EACH_LANE {
         double q[3], v[3], a[3], qd[3], qdd[3];
         WG_STATE status[1];
         WG_TAKE_3(q)
         WG_TAKE_3(v)
         WG_TAKE_3(a)
-        ambler_rrp_leg_regular_rates_kernel_lane(q, v, a, qd, qdd, status, 1);
+        ambler_rrp_leg_regular_rates_usual_lane(q, v, a, qd, qdd, status);
         WG_KEEP_3(qd)
         WG_KEEP_3(qdd)
-        WG_KEEP_1(status)
-        WG_DONE(qd[0])
+        WG_DONE_IF(qd[0], status[0])
     }
 }
 
 WG_ALONE(ambler_rrp_leg_inverse_velocity_acceleration) {
-    int32_t status[1];
-    ambler_rrp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 1);
-    if (status[0] == WALKGEN_UNREACHABLE) {
-        ambler_rrp_leg_regular_rates_kernel(&given[0], &given[3], &given[6], &found[0], &found[3], status, 0);
-    }
+    int32_t status[1] = {0};
+    ambler_rrp_leg_regular_rates_usual(&given[0], &given[3], &given[6], &found[0], &found[3], status);
     for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
 }
-WG_LANED(ambler_rrp_leg_inverse_velocity_acceleration, 3, 3);
+WG_LANED(ambler_rrp_leg_inverse_velocity_acceleration, 3, 3, 1);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1044,7 +1037,7 @@ WG_BLOCK(ambler_rrp_leg_inverse_dynamics) {
 WG_ALONE(ambler_rrp_leg_inverse_dynamics) {
     ambler_rrp_leg_inverse_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_inverse_dynamics, 4, 1);
+WG_LANED(ambler_rrp_leg_inverse_dynamics, 4, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1069,7 +1062,7 @@ WG_BLOCK(ambler_rrp_leg_forward_dynamics) {
 WG_ALONE(ambler_rrp_leg_forward_dynamics) {
     ambler_rrp_leg_forward_dynamics(&given[0], &given[3], &given[6], &given[9], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_forward_dynamics, 4, 1);
+WG_LANED(ambler_rrp_leg_forward_dynamics, 4, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1088,7 +1081,7 @@ WG_BLOCK(ambler_rrp_leg_mass_matrix) {
 WG_ALONE(ambler_rrp_leg_mass_matrix) {
     ambler_rrp_leg_mass_matrix(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_mass_matrix, 1, 1);
+WG_LANED(ambler_rrp_leg_mass_matrix, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1109,7 +1102,7 @@ WG_BLOCK(ambler_rrp_leg_bias) {
 WG_ALONE(ambler_rrp_leg_bias) {
     ambler_rrp_leg_bias(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_bias, 2, 1);
+WG_LANED(ambler_rrp_leg_bias, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1128,7 +1121,7 @@ WG_BLOCK(ambler_rrp_leg_gravity_torque) {
 WG_ALONE(ambler_rrp_leg_gravity_torque) {
     ambler_rrp_leg_gravity_torque(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_gravity_torque, 1, 1);
+WG_LANED(ambler_rrp_leg_gravity_torque, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1149,7 +1142,7 @@ WG_BLOCK(ambler_rrp_leg_coriolis_matrix) {
 WG_ALONE(ambler_rrp_leg_coriolis_matrix) {
     ambler_rrp_leg_coriolis_matrix(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_coriolis_matrix, 2, 1);
+WG_LANED(ambler_rrp_leg_coriolis_matrix, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1170,7 +1163,7 @@ WG_BLOCK(ambler_rrp_leg_kinetic_energy) {
 WG_ALONE(ambler_rrp_leg_kinetic_energy) {
     ambler_rrp_leg_kinetic_energy(&given[0], &given[3], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_kinetic_energy, 2, 1);
+WG_LANED(ambler_rrp_leg_kinetic_energy, 2, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1189,7 +1182,7 @@ WG_BLOCK(ambler_rrp_leg_potential_energy) {
 WG_ALONE(ambler_rrp_leg_potential_energy) {
     ambler_rrp_leg_potential_energy(&given[0], &found[0]);
 }
-WG_LANED(ambler_rrp_leg_potential_energy, 1, 1);
+WG_LANED(ambler_rrp_leg_potential_energy, 1, 1, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1214,7 +1207,7 @@ WG_BLOCK(ambler_rrp_leg_inverse_dynamics_derivatives) {
 WG_ALONE(ambler_rrp_leg_inverse_dynamics_derivatives) {
     ambler_rrp_leg_inverse_dynamics_derivatives(&given[0], &given[3], &given[6], &found[0], &found[9]);
 }
-WG_LANED(ambler_rrp_leg_inverse_dynamics_derivatives, 3, 2);
+WG_LANED(ambler_rrp_leg_inverse_dynamics_derivatives, 3, 2, 0);
 #endif
 
 #if defined(WALKGEN_BLOCKS)
@@ -1239,7 +1232,7 @@ WG_BLOCK(ambler_rrp_leg_base_parameters) {
 WG_ALONE(ambler_rrp_leg_base_parameters) {
     ambler_rrp_leg_base_parameters(&given[0], &given[3], &given[6], &found[0], &found[15]);
 }
-WG_LANED(ambler_rrp_leg_base_parameters, 3, 2);
+WG_LANED(ambler_rrp_leg_base_parameters, 3, 2, 0);
 #endif
 
 #endif
@@ -1367,6 +1360,52 @@ WG_INLINE void ambler_rrp_leg_acceleration_jacobian_kernel(const double *WG_REST
     rest[1] = wanted_y;
 }
 
+WG_INLINE void ambler_rrp_leg_regular_rates_kernel(const double *WG_RESTRICT q, const double *WG_RESTRICT v,
+    const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
+    qd[2] = -v[2];
+    qdd[2] = -a[2];
+    double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
+    WG_SINCOS_2(q[1], sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    const double shoulder_to_tip_x = cos_shoulder_elbow + 1.5;
+    const double t1 = sin_shoulder_elbow*shoulder_to_tip_x;
+    const double det = WG_FMA(-cos_shoulder_elbow, sin_shoulder_elbow, t1);
+    const double inverse_det = 1.0/det;
+    const double v_along = WG_FMA(v[1], sin_shoulder, v[0]*cos_shoulder);
+    const double v_across = WG_FMA(-v[0], sin_shoulder, v[1]*cos_shoulder);
+    const double t2 = sin_shoulder_elbow*v_across;
+    const double solution = WG_FMA(cos_shoulder_elbow, v_along, t2);
+    const double solution_2 = WG_FMA(shoulder_to_tip_x, v_along, t2);
+    const double rate = inverse_det*solution;
+    qd[0] = rate;
+    const double rate_2 = inverse_det*solution_2;
+    qd[1] = -rate_2;
+    const double a_along = WG_FMA(a[1], sin_shoulder, a[0]*cos_shoulder);
+    const double a_across = WG_FMA(-a[0], sin_shoulder, a[1]*cos_shoulder);
+    const double flow_shoulder_x = sin_shoulder_elbow*rate;
+    const double flow_shoulder_y = shoulder_to_tip_x*rate;
+    const double bias_shoulder_x = WG_FMA(rate, flow_shoulder_y, a_along);
+    const double bias_shoulder_y = WG_FMA(rate, flow_shoulder_x, a_across);
+    const double flow_elbow_x = sin_shoulder_elbow*rate_2;
+    const double flow_elbow_y = cos_shoulder_elbow*rate_2;
+    const double rate_elbow_z = rate - rate_2;
+    const double rates_elbow_z = rate + rate_elbow_z;
+    const double bias_elbow_x = WG_FMA(flow_elbow_y, rates_elbow_z, -bias_shoulder_x);
+    const double bias_elbow_y = WG_FMA(flow_elbow_x, rates_elbow_z, -bias_shoulder_y);
+    const double t3 = sin_shoulder_elbow*bias_elbow_y;
+    const double solution_3 = WG_FMA(cos_shoulder_elbow, bias_elbow_x, t3);
+    const double solution_4 = WG_FMA(shoulder_to_tip_x, bias_elbow_x, t3);
+    const double rate_3 = inverse_det*solution_3;
+    qdd[0] = -rate_3;
+    const double rate_4 = inverse_det*solution_4;
+    qdd[1] = rate_4;
+    const double t4 = WG_FMA(cos_shoulder_elbow, cos_shoulder_elbow, 1.0);
+    const double t5 = WG_FMA(2.0, sin_shoulder_elbow*sin_shoulder_elbow, t4);
+    const double square = WG_FMA(shoulder_to_tip_x, shoulder_to_tip_x, t5);
+    const double t6 = rate_4 - (rate_3 + (rate_2 + (v[2] + a[2])) - rate);
+    const double least = WG_FMA(square, WG_FMA(1.0 + square, 16.0*WG_EPSILON, 0.01), t6 - t6);
+    *status = (int32_t)(WG_SELECT(least < 2.0*fabs(det), 0.0, 1.0));
+}
+
 WG_INLINE void ambler_rrp_leg_rates_wanted_kernel(const double *WG_RESTRICT a, const double *WG_RESTRICT bias,
     double *WG_RESTRICT rest) {
     rest[0] = a[0] - bias[0];
@@ -1400,7 +1439,7 @@ WG_CALLED int32_t ambler_rrp_leg_inverse_admissible_rest(const double *WG_RESTRI
 WG_CALLED int32_t ambler_rrp_leg_inverse_velocity_acceleration_rest(const double *WG_RESTRICT q,
     const double *WG_RESTRICT v, const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd) {
     int32_t status = WALKGEN_OK;
-    ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 0);
+    ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status);
     if (status == WALKGEN_UNREACHABLE) {
 #if defined(WALKGEN_NO_DAMPING)
         status = wg_undamped(qd, 3);
@@ -1584,9 +1623,9 @@ int32_t ambler_rrp_leg_inverse_velocity_acceleration(const double *WG_RESTRICT q
     if (WG_SIZE_COUNTS) {
         return ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
-    ambler_rrp_leg_regular_rates_kernel(q, v, a, qd, qdd, &status, 1);
+    ambler_rrp_leg_regular_rates_usual(q, v, a, qd, qdd, &status);
     if (status == WALKGEN_UNREACHABLE) {
-        status = ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
+        return ambler_rrp_leg_inverse_velocity_acceleration_rest(q, v, a, qd, qdd);
     }
     return status;
 }
@@ -3157,7 +3196,7 @@ void ambler_rrp_floating_inverse_dynamics_batch(size_t rows, const double *WG_RE
 #undef WALKGEN_ROWS
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 static void ambler_rrp_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
-    int32_t status[1];
+    int32_t status[1] = {0};
     status[0] = ambler_rrp_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
     for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
 }

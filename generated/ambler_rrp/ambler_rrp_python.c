@@ -17,7 +17,7 @@ extern const struct walkgen_wide ambler_rrp_avx2, ambler_rrp_avx512;
 static const struct walkgen_wide *const ambler_rrp_wide[] = {&ambler_rrp_avx2, &ambler_rrp_avx512};
 WALKGEN_LEVEL(ambler_rrp)
 static void ambler_rrp_leg_inverse_velocity_acceleration_closest(const double *given, double *found) {
-    int32_t status[1];
+    int32_t status[1] = {0};
     status[0] = ambler_rrp_leg_inverse_velocity_acceleration(&given[0], &given[3], &given[6], &found[0], &found[3]);
     for (int at = 0; at < 1; ++at) { found[6 + at] = (double)status[at]; }
 }

@@ -39,7 +39,8 @@
  * side by side. */
 #define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_lost) *WG_RESTRICT lost)
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
-#define WG_LANED(name, inputs, outputs) static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs}
+#define WG_LANED(name, inputs, outputs, statuses) \
+    static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs, statuses}
 #define WG_PLACE(real, port, which) \
     real *const WG_RESTRICT wg_##port = ports[which].at; \
     const ptrdiff_t wg_##port##_step = ports[which].step; \
@@ -86,12 +87,15 @@
 #define WG_TAKE_30(port) WG_TAKE_29(port) port[29] = wg_##port[29 * wg_##port##_step + lane];
 #define WG_TAKE_31(port) WG_TAKE_30(port) port[30] = wg_##port[30 * wg_##port##_step + lane];
 #define WG_TAKE_32(port) WG_TAKE_31(port) port[31] = wg_##port[31 * wg_##port##_step + lane];
-/* `telling` is NaN where an angle is beyond its range, or infinite. */
+/* `telling` is NaN where an angle is beyond its range, or infinite; `status` is 0 in lanes that are done. */
 #undef WG_DONE
+#undef WG_DONE_IF
 #if WG_MASKS
-#define WG_DONE(telling) lost[lane] = !((telling) - (telling) == WG_C(0.0));
+#define WG_DONE(telling) WG_DONE_IF(telling, WG_C(0.0))
+#define WG_DONE_IF(telling, status) lost[lane] = !((telling) - (telling) == (status));
 #else
 #define WG_DONE(telling) lost[lane] = (telling) - (telling);
+#define WG_DONE_IF(telling, status) lost[lane] = (telling) - (telling) + (status);
 #endif
 #define WG_KEEP_1(port) wg_##port[lane] = port[0];
 #define WG_KEEP_2(port) WG_KEEP_1(port) wg_##port[wg_##port##_step + lane] = port[1];

@@ -48,7 +48,7 @@ WG_BLOCK(terrain_demo_leg_foot_position) {
 WG_ALONE(terrain_demo_leg_foot_position) {
     terrain_demo_leg_foot_position(&given[0], &given[2], &found[0]);
 }
-WG_LANED(terrain_demo_leg_foot_position, 2, 1);
+WG_LANED(terrain_demo_leg_foot_position, 2, 1, 0);
 #endif
 
 #endif

@@ -159,7 +159,7 @@ def test_special_values_of_the_arctangent(trig, real):
     assert np.array_equal(np.signbit(found)[~np.isnan(expected)], np.signbit(y)[~np.isnan(expected)])
 
 
-LANE = SOURCE.replace("WG_SIN", "WG_NAME(wg_sin_lane)").replace("WG_COS", "WG_NAME(wg_cos_lane)").replace("WG_ATAN2", "WG_NAME(wg_atan2_lane)")
+LANE = re.sub(r"WG_(SIN|COS|ATAN2)\b", lambda found: f"WG_NAME(wg_{found[1].lower()}_lane)", SOURCE)
 
 
 @REALS

@@ -16,8 +16,9 @@ from walkgen.emit.c_files import c_sources
 from walkgen.toolchain import FLAGS
 
 SPEC = Path(__file__).parents[2] / "specs" / "mero_leg.toml"
-NAMES = ("inverse_branch", "inverse_velocity_acceleration", "foot_jacobian", "foot_bias_acceleration")
-LEAVING = [f"mero_leg_leg_{name}" for name in NAMES[:2]]
+NAMES = ("inverse_branch", "inverse_velocity_acceleration", "inverse", "foot_jacobian", "foot_bias_acceleration")
+LEAVING = [f"mero_leg_leg_{name}" for name in NAMES[:3]]
+BRANCHES = {LEAVING[2]: 4}
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 PLAIN = "-DWALKGEN_PLAIN"
 TARGETS = {"vectors": (*FLAGS, "-O2", "-mavx2", "-mfma"), "pairs": FLAGS, "size": ("-Os",)}
@@ -66,8 +67,8 @@ def answers(library, tag, name, given, branches):
     rows = len(given)
     arrays = [np.ascontiguousarray(given[:, at : at + 3], real) for at in range(0, given.shape[1], 3)]
     arrays += [branches] if "branch" in name else []
-    found = [np.full((rows, 3), 7, real) for _ in range(1 if "branch" in name else 2)]
-    status = np.full(rows, -1, np.int32)
+    found = [np.full((rows, 3 * BRANCHES.get(name, 1)), 7, real) for _ in range(1 if "inverse_velocity" not in name else 2)]
+    status = np.full(rows * BRANCHES.get(name, 1), -1, np.int32)
     call(ctypes.c_size_t(rows), *(ctypes.c_void_p(each.ctypes.data) for each in (*arrays, *found, status)))
     bits = np.uint32 if tag else np.uint64
     return status, *(np.where(np.isnan(each), bits(0), each.view(bits)) for each in found)
@@ -93,13 +94,14 @@ def far_points(random):
 def test_the_bits_are_those_of_plain_c(folder, tag, target):
     random = np.random.default_rng(5)
     with np.errstate(over="ignore"):
-        given = dict(zip(LEAVING, (far_points(random), far_motions(random)), strict=True))
+        points = far_points(random)
+        given = dict(zip(LEAVING, (points, far_motions(random), points), strict=True))
         flags = (*TARGETS[target], "-shared", "-fPIC")
         fast, plain = (ctypes.CDLL(str(compiled(folder, tag, f"{target}{tag}{len(more)}.so", *flags, *more))) for more in ((), (PLAIN,)))
         for name, rows in given.items():
             branches = np.arange(len(rows), dtype=np.int32) % 4
             found, expected = (answers(library, tag, name, rows, branches) for library in (fast, plain))
-            assert set(expected[0]) >= ({0, 1, 2} if "branch" in name else {0, 2, 3})
+            assert set(expected[0]) >= ({0, 2, 3} if "velocity" in name else {0, 1, 2})
             for ours, theirs in zip(found, expected, strict=True):
                 assert np.array_equal(ours, theirs), name
 
@@ -121,13 +123,15 @@ def test_huge_angles_have_the_rates_of_their_turns(folder):
 
 
 @PRECISIONS
-def test_one_branch_leaves_before_its_arctangents_unless_the_target_is_usual(folder, tag):
-    """So what decides is known before they are called, and nothing is kept over them for it."""
+@pytest.mark.parametrize("angles", ["one", "branches"])
+def test_inverses_leave_before_their_arctangents_unless_the_target_is_usual(folder, tag, angles):
+    """So what decides is known before they are called, and nothing is kept over them for it; nor is computed what only others need."""
     text = (folder / f"mero_leg{tag}.c").read_text()
-    kernel = re.search(r"inverse_one_kernel\w*\)\(.*?\n}", text, re.DOTALL)[0]
-    assert len(re.findall(r"= wg_near && ", kernel)) == 1
-    usual = re.search(r"WG_LEAVE_BEYOND\((\w+)\)", kernel)
-    assert usual.end() < kernel.index("WG_NEAR_ATAN2_3")
-    assert re.search(rf"state = WG_SELECT\({usual[1]}, 0\.0f?, ", kernel)
-    rates = re.search(r"regular_rates_kernel\w*\(.*?\n}", text, re.DOTALL)[0]
+    kernel, whole = (re.search(rf"inverse_{angles}_{part}\)?\(.*?\n}}", text, re.DOTALL)[0] for part in ("usual", "kernel"))
+    assert kernel.index("WG_LEAVE_BEYOND(usual)") < kernel.index("WG_NEAR_ATAN2_")
+    assert re.search(r"= \(WG_STATE\)\(WG_SELECT\(usual, 0\.0f?, 1\.0f?\)\)|state = WG_SELECT\(usual, 0\.0f?, 1\.0f?\)", kernel)
+    assert kernel.count("WG_SELECT") < whole.count("WG_SELECT") / 2
+    assert "isfinite" in whole
+    assert "isfinite" not in kernel
+    rates = re.search(r"regular_rates_usual\)?\(.*?\n}", text, re.DOTALL)[0]
     assert "WG_LEAVE_BEYOND" not in rates

@@ -5,10 +5,10 @@ from decimal import Decimal
 
 from walkgen.emit.c_declaration import INDENT, CFunction, callback_name, port_size, port_type
 from walkgen.emit.c_printer import CPrinter, Precision
-from walkgen.emit.c_rest import Rest, in_order, own_locals
+from walkgen.emit.c_rest import Rest, in_order, may_leave, own_locals
 from walkgen.graph.program import Call, Composite, Guard, Program
 from walkgen.graph.routines import ROUTINES
-from walkgen.signature import Argument, Port, Records
+from walkgen.signature import Argument, Port, Records, Signature
 
 
 def composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> list[str]:
@@ -23,16 +23,41 @@ def composite_lines(composite: Composite, kernels: Mapping[Program, CFunction], 
     listed = (argument for call in composite.calls for argument in call.arguments if isinstance(argument, Records))
     lines += [line for records in listed for line in _record_lines(records, composite, printer)]
     steps = in_order(composite, leaves=leaves)
-    lines += _small_lines(steps[-1], printer) if leaves else []
-    lines += [line for step in steps for line in _step_lines(step, composite, kernels, printer)]
-    lines += [f"{INDENT}return {returned.name};"] if returned else []
+    if leaves:
+        lines += _leaving_lines(steps, composite, kernels, printer)
+    else:
+        lines += [line for step in steps for line in _step_lines(step, composite, kernels, printer)]
+        lines += [f"{INDENT}return {returned.name};"] if returned else count_lines(signature)
     return lines
 
 
-def _small_lines(last: Call | Rest, printer: CPrinter) -> Iterator[str]:
-    """Where size counts the rest, which does all, is all there is."""
-    assert isinstance(last, Rest)
-    yield from (f"{INDENT}if (WG_SIZE_COUNTS) {{", f"{INDENT * 2}return {last.called(printer.precision)};", f"{INDENT}}}")
+def count_lines(signature: Signature) -> tuple[str, ...]:
+    """Of several statuses how many are OK, which C returns."""
+    status = signature.status
+    if status is None or not status.shape:
+        return ()
+    return (
+        f"{INDENT}int32_t ok = 0;",
+        f"{INDENT}for (int index = 0; index < {status.size}; ++index) {{",
+        f"{INDENT * 2}ok += {status.name}[index] == WALKGEN_OK;",
+        f"{INDENT}}}",
+        f"{INDENT}return ok;",
+    )
+
+
+def _leaving_lines(
+    steps: tuple[Call | Rest, ...], composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter
+) -> Iterator[str]:
+    """The first step for usual inputs, and the rest, which does all, for others; where size counts it is all there is."""
+    first, rest = steps
+    assert isinstance(first, Call)
+    assert isinstance(rest, Rest)
+    status, anew = composite.signature.status, f"{INDENT * 2}return {rest.called(printer.precision)};"
+    assert status is not None
+    yield from (f"{INDENT}if (WG_SIZE_COUNTS) {{", anew, f"{INDENT}}}")
+    yield from _call_lines(first, composite, kernels, printer, usual=True)
+    yield f"{INDENT}if ({status.name}{'[0]' if status.shape else ''} == WALKGEN_UNREACHABLE) {{"
+    yield from (anew, f"{INDENT}}}", f"{INDENT}return {status.size if status.shape else status.name};")
 
 
 def rest_functions(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[CFunction]:
@@ -43,13 +68,14 @@ def rest_functions(composite: Composite, kernels: Mapping[Program, CFunction], p
             lines = [_local(port, rest.body, printer.precision) for port in rest.body.locals if port not in inner]
             lines += _anew_lines(rest, kernels, printer) if rest.anew else _rest_lines(rest, rest.body.calls, kernels, printer)
             lines += [f"{INDENT}return {port.name};" for port in rest.returned]
+            lines += count_lines(rest.body.signature) if rest.counts else []
             yield CFunction(rest.name(printer.precision), rest.head(printer.precision), tuple(lines))
 
 
 def _leaves(composite: Composite, kernels: Mapping[Program, CFunction]) -> bool:
-    """Whether its first kernel gives up beyond the range of sines."""
-    first = composite.calls[0].callee if composite.calls else ""
-    return isinstance(first, Program) and kernels[first].leaves
+    """Whether it begins with what serves usual inputs alone."""
+    first = may_leave(composite)
+    return first is not None and kernels[first].usual is not None
 
 
 def _rest_lines(rest: Rest, calls: Iterable[Call], kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
@@ -60,9 +86,8 @@ def _rest_lines(rest: Rest, calls: Iterable[Call], kernels: Mapping[Program, CFu
 def _anew_lines(rest: Rest, kernels: Mapping[Program, CFunction], printer: CPrinter) -> Iterator[str]:
     """The first call as far as it goes, then the others under their guard."""
     first, *others = rest.body.calls
-    (status,) = rest.returned
-    yield f"{INDENT}int32_t {status.name} = WALKGEN_OK;"
-    yield from _call_lines(first, rest.body, kernels, printer, near=0)
+    yield from (f"{INDENT}int32_t {status.name} = WALKGEN_OK;" for status in rest.returned)
+    yield from _call_lines(first, rest.body, kernels, printer)
     yield _opened(rest.guard, rest.body, printer)
     lines = [_local(port, rest.body, printer.precision) for port in _inner(rest)] + list(_rest_lines(rest, others, kernels, printer))
     yield from _damped_lines(rest, [INDENT + line for line in lines], printer) if _damps(rest) else (INDENT + line for line in lines)
@@ -136,14 +161,16 @@ def _opened(guard: Guard, composite: Composite, printer: CPrinter) -> str:
     return f"{INDENT}if ({_routine_name(guard[0], printer.precision)}({', '.join(asked)})) {{"
 
 
-def _call_lines(call: Call, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter, near: int = 1) -> Iterator[str]:
-    """The call; a kernel that leaves may do so where `near` is 1."""
+def _call_lines(
+    call: Call, composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter, *, usual: bool = False
+) -> Iterator[str]:
+    """The call; of what serves usual inputs alone where only they are meant."""
     if isinstance(call.callee, Program):
-        name, inputs = kernels[call.callee].name, len(call.callee.signature.inputs)
+        whole = kernels[call.callee]
+        name, inputs = (whole.usual if usual and whole.usual else whole).name, len(call.callee.signature.inputs)
     else:
         name, inputs = _routine_name(call.callee, printer.precision), ROUTINES[call.callee].inputs
     arguments = [_argument(argument, composite, printer, by_address=place >= inputs) for place, argument in enumerate(call.arguments)]
-    arguments += [str(near)] if isinstance(call.callee, Program) and kernels[call.callee].leaves else []
     step = f"{name}({', '.join(arguments)});"
     if call.repeat > 1 or _copied(call, composite):
         yield from _repeated_lines(call, composite, name, printer)

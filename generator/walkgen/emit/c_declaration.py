@@ -15,8 +15,8 @@ COLUMNS = 116
 class CFunction:
     """One function, ready to be laid out: `head` is its declaration without `;`, `lines` its body, indented, `small` that of small builds.
 
-    `locals_size` bounds the bytes of its named locals: temporaries live in registers or share their slots. One that `leaves` takes at last
-    whether it may give up with the status UNREACHABLE.
+    `locals_size` bounds the bytes of its named locals: temporaries live in registers or share their slots. `usual` does the same for usual
+    inputs, and gives up with the status UNREACHABLE where others come.
     """
 
     name: str
@@ -24,7 +24,7 @@ class CFunction:
     lines: tuple[str, ...]
     doc: tuple[str, ...] = ()
     locals_size: int = 0
-    leaves: bool = False
+    usual: "CFunction | None" = None
     small: tuple[str, ...] = ()
 
 

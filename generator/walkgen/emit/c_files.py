@@ -4,6 +4,7 @@ import re
 from bisect import bisect
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import accumulate
 from pathlib import Path, PurePosixPath
@@ -22,6 +23,7 @@ from walkgen.emit.c_function import (
     program_function,
     repeating_function,
     table_lines,
+    usual_kernel,
 )
 from walkgen.emit.c_lanes import Laned, laned
 from walkgen.emit.c_planar import HEADER as PLANAR
@@ -55,7 +57,7 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     """The header and the source in one precision."""
     lanes = {each.body: each for each in laned(code)}
     printer = CPrinter(precision, code.fma)
-    kernels = _kernels(code, printer, {each.program for each in lanes.values()})
+    kernels = _kernels(code, printer, {each.program for each in lanes.values() if not each.leaves})
     programs = {body: program_function(body, printer) for body in code.functions if isinstance(body, Program)}
     small = Small(code, frozenset(kernels), precision)
     known = {program: small.answered(program, function) for program, function in (kernels | programs).items()}
@@ -66,7 +68,7 @@ def _pair(code: RobotCode, precision: Precision) -> tuple[Artifact, Artifact]:
     own = (body for body in code.functions if isinstance(body, Composite) and body not in code.repeated)
     rests = [rest for body in own for rest in rest_functions(body, known, printer)]
     return _header(code, precision, functions), _source(
-        code, precision, [*(known[each] for each in kernels), *callbacks, *rests], functions, rows
+        code, precision, [*(each for program in kernels for each in _both(known[program])), *callbacks, *rests], functions, rows
     )
 
 
@@ -202,7 +204,8 @@ def _public(code: RobotCode, body: Program | Composite, known: Mapping[Program, 
 
 
 def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -> dict[Program, CFunction]:
-    """Every Program that Composites alone call, once each, as `<function>_kernel`, numbered where two share the name.
+    """Every Program that Composites alone call, once each, as `<function>_kernel`, numbered where two share the name; for usual inputs as
+    `<function>_usual` too.
 
     What is called at one place becomes part of it, or a batch that takes up its caller would leave it behind.
     """
@@ -213,12 +216,16 @@ def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -
     kernels: dict[Program, CFunction] = {}
     taken: set[str] = set()
     for program, count in uses.items():
-        name = _free(f"{function_name(program.signature, printer.precision)}_kernel", taken)
-        leaves = count == 1 and program in leaving
-        inlined = leaves or (count == 1 and program not in in_lanes)
-        storage = "WG_INLINE" if inlined else "static" if program in in_lanes else "WG_REPEATED"
-        kernels[program] = kernel(program, name, printer, storage, leaves=leaves)
+        name = function_name(program.signature, printer.precision)
+        usual = usual_kernel(program, _free(f"{name}_usual", taken), printer) if program in leaving else None
+        storage = "static" if program in in_lanes else "WG_INLINE" if count == 1 else "WG_REPEATED"
+        kernels[program] = replace(kernel(program, _free(f"{name}_kernel", taken), printer, storage), usual=usual)
     return kernels
+
+
+def _both(function: CFunction) -> Iterator[CFunction]:
+    """The function, and what serves usual inputs alone."""
+    yield from (function.usual, function) if function.usual else (function,)
 
 
 def _free(wanted: str, taken: set[str]) -> str:

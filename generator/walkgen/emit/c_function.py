@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import accumulate
 from math import prod
 
-from walkgen.emit.c_composite import composite_lines, stack_of
+from walkgen.emit.c_composite import composite_lines, count_lines, stack_of
 from walkgen.emit.c_declaration import (
     COLUMNS,
     INDENT,
@@ -29,37 +29,37 @@ from walkgen.emit.c_text import comment
 from walkgen.emit.manifest import operations
 from walkgen.emit.walker import Body, Statement, Text, live, walk
 from walkgen.graph.program import Code, Composite, Program
-from walkgen.signature import STATUSES, Port, Signature, Table
+from walkgen.graph.usual import usual, usual_truth
+from walkgen.signature import Port, Signature, Table
 
 _KEPT = "\0"
 
 
-def kernel(program: Program, name: str, printer: CPrinter, storage: str = "static", *, leaves: bool = False) -> CFunction:
-    """A Program as a static function that writes every output through a pointer."""
+def kernel(program: Program, name: str, printer: CPrinter, storage: str = "static") -> CFunction:
+    """A Program as a static function that writes every output through a pointer; a printer that leaves makes it leave what is unusual."""
     signature = program.signature
-    near = ["int wg_near"] if leaves else []
-    head = declared(f"{storage} void {name}", [*parameters(signature.inputs, signature.outputs, printer.precision), *near])
-    body = walk(program, replace(printer, leaves=leaves))
-    usual = _usual(program, body) if leaves else None
-    lines = (
-        *(f"{INDENT}(void){parameter.split()[-1]};" for parameter in near),
-        *_program_lines(program, _asked_near(body, usual) if usual else body, printer, None, usual),
-    )
-    return CFunction(name, head, lines, locals_size=_locals_size(body, printer.precision), leaves=leaves)
+    head = declared(f"{storage} void {name}", parameters(signature.inputs, signature.outputs, printer.precision))
+    body, truth = walk(program, printer), usual_truth(program) if printer.leaves else None
+    lines = tuple(_program_lines(program, body, printer, None, None if truth is None else body.written[truth]))
+    return CFunction(name, head, lines, locals_size=_locals_size(body, printer.precision))
+
+
+def usual_kernel(program: Program, name: str, printer: CPrinter) -> CFunction:
+    """The same for usual inputs, which a function begins with."""
+    return kernel(usual(program), name, replace(printer, leaves=True), "WG_INLINE")
 
 
 def program_function(program: Program, printer: CPrinter) -> CFunction:
     """A Program as a public function; its status is returned as the naming contract says."""
     signature = program.signature
     body = walk(program, printer)
-    lines = (*_program_lines(program, body, printer, signature.returned), *_count_lines(signature))
+    lines = (*_program_lines(program, body, printer, signature.returned), *count_lines(signature))
     return _public(program, printer.precision, lines, _locals_size(body, printer.precision))
 
 
 def composite_function(composite: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
     """A Composite as a public function: local arrays, the calls in order, the status."""
-    lines = (*composite_lines(composite, kernels, printer), *_count_lines(composite.signature))
-    return _public(composite, printer.precision, lines, stack_of(composite, kernels, printer))
+    return _public(composite, printer.precision, tuple(composite_lines(composite, kernels, printer)), stack_of(composite, kernels, printer))
 
 
 def callback_function(callback: Composite, kernels: Mapping[Program, CFunction], printer: CPrinter) -> CFunction:
@@ -162,44 +162,22 @@ def _described(port: Port) -> str:
     return f"{port.name}{shape}{'' if port.unit == '1' else ' ' + port.unit}"
 
 
-def _usual(program: Program, body: Body) -> Text | None:
-    """The truth that is enough for a status OK, where the status begins with one and angles come after it."""
-    ports = (port for port in program.signature.outputs for _ in range(port.size))
-    status = next((program.ops[index] for port, index in zip(ports, program.outputs, strict=True) if port.name == "status"), None)
-    if status is None or status.code is not Code.SELECT:
-        return None
-    truth, then, _ = status.arguments
-    constant, usual = program.ops[then], body.written[truth]
-    enough = constant.code is Code.CONSTANT and constant.value == STATUSES.index("OK")
-    bound = any(statement.name == usual.text for statement in body.statements)
-    return usual if enough and bound and any(statement.names for statement in body.statements[usual.after :]) else None
-
-
-def _asked_near(body: Body, usual: Text) -> Body:
-    """With a truth that holds only where the function may leave: elsewhere what decides for all inputs does for usual ones too."""
-    statements = (
-        replace(statement, text=f"wg_near && ({statement.text})") if statement.name == usual.text else statement
-        for statement in body.statements
-    )
-    return replace(body, statements=tuple(statements))
-
-
-def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None, usual: Text | None = None) -> Iterator[str]:
+def _program_lines(program: Program, body: Body, printer: CPrinter, returned: Port | None, decided: Text | None = None) -> Iterator[str]:
     used = {program.ops[index].element[0] for index in live(program) if program.ops[index].code is Code.INPUT}
     for number, port in enumerate(program.signature.inputs):
         if number not in used:
             yield f"{INDENT}(void){port.name};"
-    yield from _interleaved(program.signature, body, printer.precision, returned, usual)
+    yield from _interleaved(program.signature, body, printer.precision, returned, decided)
 
 
-def _interleaved(signature: Signature, body: Body, precision: Precision, returned: Port | None, usual: Text | None) -> Iterator[str]:
+def _interleaved(signature: Signature, body: Body, precision: Precision, returned: Port | None, decided: Text | None) -> Iterator[str]:
     """Statements, each output as soon as it can be written: fewer values stay alive, so fewer are spilled to the stack.
 
-    What is not `usual` is left as soon as that is known.
+    What is unusual is left as soon as that is `decided`.
     """
     due: dict[int, list[str]] = defaultdict(list)
-    if usual:
-        due[usual.after].append(f"{INDENT}WG_LEAVE_BEYOND({usual.text})")
+    if decided:
+        due[decided.after].append(f"{INDENT}WG_LEAVE_BEYOND({decided.text})")
     for after, line in _output_lines(signature, body, returned):
         due[after].append(line)
     for place, statement in enumerate(body.statements):
@@ -238,19 +216,6 @@ def _output_lines(signature: Signature, body: Body, returned: Port | None) -> It
 
 def _locals_size(body: Body, precision: Precision) -> int:
     return sum(4 if statement.truth else precision.size * max(1, len(statement.names)) for statement in body.statements)
-
-
-def _count_lines(signature: Signature) -> tuple[str, ...]:
-    status = signature.status
-    if status is None or not status.shape:
-        return ()
-    return (
-        f"{INDENT}int32_t ok = 0;",
-        f"{INDENT}for (int index = 0; index < {status.size}; ++index) {{",
-        f"{INDENT * 2}ok += {status.name}[index] == WALKGEN_OK;",
-        f"{INDENT}}}",
-        f"{INDENT}return ok;",
-    )
 
 
 def table_lines(table: Table, printer: CPrinter) -> tuple[str, ...]:

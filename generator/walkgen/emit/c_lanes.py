@@ -1,15 +1,18 @@
 """Functions that run many rows side by side, one a lane: which they are, and their blocks in C (walkgen_lanes.h)."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import accumulate
 
 from walkgen.emit.artifact import Body, RobotCode
 from walkgen.emit.c_declaration import INDENT, CFunction, function_name, wrapped
 from walkgen.emit.c_printer import Precision
+from walkgen.emit.c_rest import may_leave
 from walkgen.graph.lanes import telling
 from walkgen.graph.program import Code, Composite, Program
 from walkgen.graph.sharing import nameless
+from walkgen.graph.usual import usual
 from walkgen.signature import Port, Signature
 
 _MOST_OPERATIONS, _MOST_FOUND = 120, 32
@@ -27,9 +30,9 @@ _READ = {"static ": "WG_STATIC_ROW", "WG_INLINE ": "WG_INLINE_ROW", "": "WG_ROW"
 class Laned:
     """A function with lanes: `program` computes its outputs from `arguments`, names of the body's ports or of its locals.
 
-    Of a Composite the other steps are run only for rows with an UNREACHABLE target, one by one. `table` is the function whose block
-    serves: its own, or that of an earlier one with the same code, as of an equal leg. `telling` are the elements of the program's outputs
-    that tell of rows to be computed once more.
+    Rows with another status than OK are computed once more, one by one, of a Composite by all its steps. `table` is the function whose
+    block serves: its own, or that of an earlier one with the same code, as of an equal leg. `telling` are the elements of the program's
+    outputs that tell of lost angles.
     """
 
     body: Body
@@ -48,10 +51,20 @@ class Laned:
         """Whether the block is written for this function."""
         return self.table is self.body.signature
 
+    @cached_property
+    def leaves(self) -> bool:
+        """Whether lanes serve usual inputs alone, and all steps the others."""
+        return isinstance(self.body, Composite) and may_leave(self.body) == self.program
+
+    @cached_property
+    def computed(self) -> Program:
+        """What lanes do."""
+        return usual(self.program) if self.leaves else self.program
+
     @property
     def opening(self) -> str:
         """What stands before code of lanes: a program that chooses needs masks as wide as its numbers."""
-        chooses = any(op.code in (Code.SELECT, Code.INDICATOR) for op in self.program.ops)
+        chooses = any(op.code in (Code.SELECT, Code.INDICATOR) for op in self.computed.ops)
         return f"#if defined(WALKGEN_BLOCKS){' && WG_MASKS' if chooses else ''}"
 
 
@@ -59,9 +72,9 @@ def laned(code: RobotCode) -> tuple[Laned, ...]:
     """The robot's functions with lanes, in order."""
     owners = {owner.name for owner in (*code.mechanism.legs, *code.mechanism.chains)}
     bodies = [body for body in code.functions if body.signature.owner in owners and _fits(body.signature)]
-    found = [each for each in filter(None, map(_laned, bodies)) if each.program.operation_count <= _MOST_OPERATIONS]
+    found = [each for each in filter(None, map(_laned, bodies)) if each.computed.operation_count <= _MOST_OPERATIONS]
     first: dict[Hashable, Signature] = {}
-    sure = (replace(each, telling=places) for each in found if (places := telling(each.program)) is not None)
+    sure = (replace(each, telling=places) for each in found if (places := telling(each.computed)) is not None)
     return tuple(replace(each, table=first.setdefault(_code(each), each.signature)) for each in sure)
 
 
@@ -69,7 +82,7 @@ def _code(each: Laned) -> Hashable:
     """What a block is made of: the code, and which of its ports are the function's own."""
     ports = [port.name for port in (*each.signature.inputs, *each.signature.outputs)]
     places = tuple(ports.index(name) if name in ports else -1 for name in each.arguments)
-    return nameless(each.program), places, has_closest(each.body)
+    return nameless(each.computed), places, has_closest(each.body)
 
 
 def _fits(signature: Signature) -> bool:
@@ -115,8 +128,8 @@ def lane_lines(each: Laned, kernel: CFunction, precision: Precision) -> Iterator
     yield from (f"{INDENT * 2}{line}" for line in _block(each, kernel, precision))
     yield from (f"{INDENT}}}", "}", "", f"WG_ALONE({name}) {{")
     yield from (f"{INDENT}{line}" for line in _alone(each, kernel, precision))
-    inputs, outputs = len(each.signature.inputs), len(each.signature.outputs)
-    yield from ("}", f"WG_LANED({name}, {inputs}, {outputs});", "#endif")
+    inputs, outputs, status = len(each.signature.inputs), len(each.signature.outputs), each.signature.status
+    yield from ("}", f"WG_LANED({name}, {inputs}, {outputs}, {status.size if status else 0});", "#endif")
 
 
 def has_closest(body: Body) -> bool:
@@ -174,7 +187,7 @@ def _places(each: Laned) -> Iterator[str]:
     """Where the numbers of a block lie."""
     inputs = each.signature.inputs
     for place, port in enumerate((*inputs, *each.signature.outputs)):
-        if port.name in each.arguments:
+        if port.name in each.arguments and port is not each.signature.status:
             yield f"WG_{'FROM' if place < len(inputs) else 'INTO'}({port.name}, {place})"
 
 
@@ -187,16 +200,28 @@ def _block(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str
     yield from (f"WG_TAKE_{port.size}({port.name})" for port in signature.inputs if port.name in sizes)
     texts = {name: f"{name}[0]" for name, port in zip(each.arguments, own.inputs, strict=False) if not port.shape}
     yield _call(each, kernel, texts, lane=True)
-    yield from (f"WG_KEEP_{port.size}({port.name})" for port in signature.outputs)
-    yield f"WG_DONE({_telling(each)})"
+    yield from (f"WG_KEEP_{port.size}({port.name})" for port in signature.outputs if port is not signature.status)
+    yield f"WG_DONE_IF({_telling(each)}, {_status(each)})" if signature.status else f"WG_DONE({_telling(each)})"
 
 
 def _telling(each: Laned) -> str:
     """A sum that is NaN where an angle is."""
+    elements = _elements(each)
+    return " + ".join(elements[place] for place in each.telling) or "0"
+
+
+def _status(each: Laned) -> str:
+    """A sum that is 0 where all statuses are OK; of those that are one operation one is enough."""
+    found = zip(each.computed.outputs, _elements(each), strict=True)
+    start = f"{each.signature.status.name}[" if each.signature.status else ""
+    return " + ".join({number: element for number, element in found if element.startswith(start)}.values())
+
+
+def _elements(each: Laned) -> list[str]:
+    """Of the program's outputs, by the arguments' names."""
     own = each.program.signature
     names = zip(each.arguments[len(own.inputs) :], own.outputs, strict=True)
-    elements = [f"{name}[{element}]" for name, port in names for element in range(port.size)]
-    return " + ".join(elements[place] for place in each.telling) or "0"
+    return [f"{name}[{element}]" for name, port in names for element in range(port.size)]
 
 
 def _alone(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str]:
@@ -206,15 +231,7 @@ def _alone(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str
     kept = {port.name for port in (*signature.inputs, *signature.outputs)}
     scratch = [f"{name}[{port.size}]" for name, port in ports.items() if name not in kept]
     yield from [f"{precision.real} {', '.join(scratch)};"] if scratch else []
-    yield from _row(signature, precision, lambda texts: _kernel_calls(each, kernel, texts))
-
-
-def _kernel_calls(each: Laned, kernel: CFunction, texts: Mapping[str, str]) -> Iterator[str]:
-    """Of one row; where the kernel has left it, once more and to the end."""
-    yield _call(each, kernel, texts)
-    if kernel.leaves:
-        left = f"{each.signature.outputs[-1].name}[0] == WALKGEN_UNREACHABLE"
-        yield from (f"if ({left}) {{", f"{INDENT}{_call(each, kernel, texts, near=0)}", "}")
+    yield from _row(signature, precision, lambda texts: [_call(each, kernel, texts)])
 
 
 def _whole(signature: Signature, name: str, precision: Precision) -> Iterator[str]:
@@ -230,7 +247,7 @@ def _row(signature: Signature, precision: Precision, called: Callable[[dict[str,
     texts = {port.name: _number(port, f"given[{given[port.name]}]") for port in signature.inputs}
     texts |= {port.name: _number(port, f"found[{found[port.name]}]", written=True) for port in signature.outputs}
     whole = [port for port in signature.outputs if port.kind != "real"]
-    yield from (f"int32_t {port.name}[{port.size}];" for port in whole)
+    yield from (f"int32_t {port.name}[{port.size}] = {{0}};" for port in whole)
     yield from called(texts)
     for port in whole:
         start = found[port.name]
@@ -243,19 +260,17 @@ def _number(port: Port, place: str, *, written: bool = False) -> str:
     return f"&{place}" if port.shape or written else place
 
 
-def _call(each: Laned, kernel: CFunction, texts: Mapping[str, str], *, lane: bool = False, near: int = 1) -> str:
-    """`near` is 1 for a kernel to leave an unusual row, for the function to begin anew; lanes go on with it."""
-    name, last = f"{kernel.name}_lane" if lane else kernel.name, [str(near)] if kernel.leaves else []
+def _call(each: Laned, kernel: CFunction, texts: Mapping[str, str], *, lane: bool = False) -> str:
+    """Of the program; what leaves an unusual row goes on to the end in lanes."""
+    name = f"{kernel.name}_lane" if lane else kernel.name
     names = {name: name for name in each.arguments} | dict(texts)
-    return _call_text(each.program.signature, name, each.arguments, names, isinstance(each.body, Program), last)
+    return _call_text(each.program.signature, name, each.arguments, names, isinstance(each.body, Program))
 
 
-def _call_text(
-    signature: Signature, called: str, names: tuple[str, ...], texts: Mapping[str, str], returns: bool, last: Sequence[str] = ()
-) -> str:
+def _call_text(signature: Signature, called: str, names: tuple[str, ...], texts: Mapping[str, str], returns: bool) -> str:
     """With `returns` the status that C returns goes into its place, else it is written like every other output."""
     ports = (*signature.inputs, *signature.outputs)
     written = [(port, texts[name]) for name, port in zip(names, ports, strict=True)]
     returned = next((text for port, text in written if returns and port is signature.returned), "")
-    given = ", ".join([*(text for port, text in written if not (returns and port is signature.returned)), *last])
+    given = ", ".join(text for port, text in written if not (returns and port is signature.returned))
     return f"{f'{returned}[0] = ' if returned else ''}{called}({given});"

@@ -104,7 +104,7 @@ RESERVED = frozenset(_WORDS.split())
 class CPrinter:
     """Writes operations in one precision; `fma` fuses multiply-add where the target has it.
 
-    A function that is written to leave gives up beyond the range of sines and arctangents, if its caller says so.
+    A function that is written to leave gives up beyond the range of sines and arctangents.
     """
 
     precision: Precision

@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 
 from walkgen.emit.c_declaration import declared, function_name, parameters
 from walkgen.emit.c_printer import Precision
+from walkgen.graph.passes import ANGULAR
 from walkgen.graph.program import Call, Composite, Guard, Program
 from walkgen.graph.routines import ROUTINES
+from walkgen.graph.usual import usual_truth
 from walkgen.signature import Port
 
 
@@ -15,7 +17,7 @@ class Rest:
     """Calls that one guard lets through, as a Composite without guards whose outputs are all that they share with `whole`.
 
     A status that the whole returns is given by value and returned. One that is `anew` does all that the whole does, from its arguments
-    alone: called last, it leaves the whole nothing to keep over a call, and no registers to save.
+    alone, and returns what it returns: called last, it leaves the whole nothing to keep over a call, and no registers to save.
     """
 
     whole: Composite
@@ -33,7 +35,8 @@ class Rest:
         signature = self.body.signature
         given = parameters(signature.inputs, (), precision) + [f"int32_t {port.name}" for port in self._given]
         written = parameters((), tuple(port for port in signature.outputs if port not in self.returned), precision)
-        return declared(f"WG_CALLED {'int32_t' if self.returned else 'void'} {self.name(precision)}", [*given, *written])
+        kind = "int32_t" if self.returned or self.counts else "void"
+        return declared(f"WG_CALLED {kind} {self.name(precision)}", [*given, *written])
 
     def call(self, precision: Precision) -> str:
         """The statement that runs it."""
@@ -55,20 +58,29 @@ class Rest:
         return (returned,) if returned and returned in self.body.signature.outputs else ()
 
     @property
+    def counts(self) -> bool:
+        """Whether it returns how many statuses are OK."""
+        return self.anew and not self.returned
+
+    @property
     def _given(self) -> tuple[Port, ...]:
         return () if self.anew else self.returned
 
 
 def may_leave(composite: Composite) -> Program | None:
-    """The Program that is all the Composite does, unless its returned status is UNREACHABLE."""
+    """The Program with angles that is all the Composite does, unless a status is UNREACHABLE: the only one, or the first of those that the
+    Program tells by one truth.
+    """
     first, *others = in_order(composite)
-    status = composite.signature.returned
+    status = composite.signature.status
     if not (isinstance(first, Call) and isinstance(first.callee, Program) and first.repeat == 1 and first.guard is None and status):
         return None
-    if len(others) != 1 or not isinstance(others[0], Rest) or others[0].guard != ("wg_any_unreachable", (status.name, 1)):
+    if len(others) != 1 or not isinstance(others[0], Rest) or others[0].guard != ("wg_any_unreachable", (status.name, status.size)):
         return None
     told = dict(zip(first.arguments[len(first.callee.signature.inputs) :], first.callee.signature.outputs, strict=True)).get(status.name)
-    return first.callee if told and told.name == "status" else None
+    alike = not status.shape or usual_truth(first.callee) is not None
+    turns = any(op.code in ANGULAR for op in first.callee.ops)
+    return first.callee if told and told.name == "status" and alike and turns else None
 
 
 def in_order(composite: Composite, *, leaves: bool = False) -> tuple[Call | Rest, ...]:

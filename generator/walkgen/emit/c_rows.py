@@ -62,15 +62,25 @@ def read_rows(
     precision: Precision,
 ) -> Rows:
     """The robot's functions with lanes; `known` is how each Program is written, `functions` each function with those of many rows."""
-    used = {each.program: known[each.program] for each in lanes if each.owns_table}
+    own = [(each, _kernel(each, known)) for each in lanes if each.owns_table]
     bodies = {each.body for each in lanes}
+    public, kernels = (
+        tuple(map(read_twice, dict.fromkeys(kernel for each, kernel in own if (each.program in code.public) == wanted)))
+        for wanted in (True, False)
+    )
     return Rows(
-        public=tuple(read_twice(function) for program, function in used.items() if program in code.public),
-        kernels=tuple(read_twice(function) for program, function in used.items() if program not in code.public),
-        blocks=tuple(line for each in lanes if each.owns_table for line in lane_lines(each, used[each.program], precision)),
+        public,
+        kernels,
+        blocks=tuple(line for each, kernel in own for line in lane_lines(each, kernel, precision)),
         closest=tuple(line for each in lanes if each.body not in code.repeated for line in _closest(each, precision)),
         batches=tuple(each for body, (_, of_rows) in zip(code.functions, functions, strict=True) if body in bodies for each in of_rows),
     )
+
+
+def _kernel(each: Laned, known: Mapping[Program, CFunction]) -> CFunction:
+    """What a block calls."""
+    whole = known[each.program]
+    return whole.usual if each.leaves and whole.usual else whole
 
 
 def _closest(each: Laned, precision: Precision) -> Iterator[str]:

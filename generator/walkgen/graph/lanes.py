@@ -11,11 +11,11 @@ from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
+from walkgen.graph.passes import ANGULAR
 from walkgen.graph.program import Code, Op, Program
 
-_ANGULAR = frozenset({Code.SIN, Code.COS, Code.ATAN2})
 _COMPARISONS = frozenset({Code.LESS, Code.LESS_EQUAL, Code.EQUAL})
-_STRICT = frozenset({Code.NEG, Code.ADD, Code.SUB, Code.MUL, Code.DIV, Code.FMA, Code.FMS, Code.FNMA, Code.SQRT, Code.ABS}) | _ANGULAR
+_STRICT = frozenset({Code.NEG, Code.ADD, Code.SUB, Code.MUL, Code.DIV, Code.FMA, Code.FMS, Code.FNMA, Code.SQRT, Code.ABS}) | ANGULAR
 _KNOWN = _STRICT | _COMPARISONS | {
     Code.INPUT, Code.CONSTANT, Code.EPSILON, Code.MIN, Code.MAX, Code.FINITE, Code.AND, Code.OR, Code.NOT, Code.INDICATOR, Code.SELECT,
 }  # fmt: skip
@@ -68,7 +68,7 @@ def _covering(sets: Sequence[int], wanted: int) -> tuple[int, ...]:
 
 def _angle(op: Op, number: int) -> int:
     """The bit of what it may lose, if anything: an arctangent itself, a sine or cosine its angle."""
-    if op.code not in _ANGULAR:
+    if op.code not in ANGULAR:
         return 0
     return 1 << (2 * number if op.code is Code.ATAN2 else 2 * op.arguments[0] + 1)
 

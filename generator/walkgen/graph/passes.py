@@ -8,20 +8,31 @@ from walkgen.graph.program import Code, Op, Program
 
 TOGETHER = 4
 """Angles that one vector holds."""
-_ANGULAR = frozenset({Code.SIN, Code.COS, Code.ATAN2})
+ANGULAR = frozenset({Code.SIN, Code.COS, Code.ATAN2})
+"""What vectors evaluate together."""
 _NEGATED = {Code.FMA: Code.FMS, Code.FMS: Code.FNMA, Code.FNMA: Code.FMS}
 _FUSED = {Code.ADD: (Code.FMA, Code.FMA), Code.SUB: (Code.FMS, Code.FNMA)}
 
 
 def pruned(program: Program) -> Program:
     """Without the ops that no output needs; inputs stay."""
-    needed = set(program.outputs)
-    for number in reversed(range(len(program.ops))):
+    needed = needs(program.ops, program.outputs)
+    return reordered(program, [number for number, op in enumerate(program.ops) if number in needed or op.code is Code.INPUT])
+
+
+def needs(ops: Sequence[Op], wanted: Collection[int]) -> set[int]:
+    """These ops and all that they rest on."""
+    needed = set(wanted)
+    for number in reversed(range(len(ops))):
         if number in needed:
-            needed.update(program.ops[number].arguments)
-    kept = [number for number, op in enumerate(program.ops) if number in needed or op.code is Code.INPUT]
-    position = {number: index for index, number in enumerate(kept)}
-    ops = tuple(_renumbered(program.ops[number], position) for number in kept)
+            needed.update(ops[number].arguments)
+    return needed
+
+
+def reordered(program: Program, order: Sequence[int]) -> Program:
+    """With these ops in this order, each after what it rests on."""
+    position = {number: index for index, number in enumerate(order)}
+    ops = tuple(_renumbered(program.ops[number], position) for number in order)
     return Program(program.signature, ops, tuple(position[number] for number in program.outputs))
 
 
@@ -73,10 +84,10 @@ def groups(program: Program) -> tuple[Group, ...]:
     What waits for as many of their kind, one after another, waits for nothing of each other.
     """
     ops = program.ops
-    depth = _depths(ops, _ANGULAR)
+    depth = _depths(ops, ANGULAR)
     ranks: dict[tuple[bool, int], dict[tuple[int, ...], list[int]]] = {}
     for number, op in enumerate(ops):
-        if op.code in _ANGULAR:
+        if op.code in ANGULAR:
             ranks.setdefault((op.code is Code.ATAN2, depth[number]), {}).setdefault(op.arguments, []).append(number)
     return tuple(group for rank in ranks.values() for group in _parts([tuple(same) for same in rank.values()]))
 
@@ -125,10 +136,7 @@ def scheduled(program: Program) -> Program:
 
     Angles are the longest chains of dependent operations there are: side by side they overlap, or become one vector's.
     """
-    order = _ordered(program)
-    position = {number: index for index, number in enumerate(order)}
-    ops = tuple(_renumbered(program.ops[number], position) for number in order)
-    return Program(program.signature, ops, tuple(position[number] for number in program.outputs))
+    return reordered(program, _ordered(program))
 
 
 def _ordered(program: Program) -> list[int]:

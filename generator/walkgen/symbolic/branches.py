@@ -27,11 +27,14 @@ Row = tuple[tuple[sympy.Expr, sympy.Expr, sympy.Expr], sympy.Expr]
 
 @dataclass(frozen=True)
 class Knee:
-    """The knee triangle: 1 + cos, cos and sin (positive) of the knee angle, out of reach, foot on the hip with a folded knee."""
+    """The knee triangle: 1 + cos, cos and sin (positive) of the knee angle, whether 1 + cos had to be brought into [0, 2], out of reach,
+    foot on the hip with a folded knee.
+    """
 
     opening: sympy.Expr
     cosine: sympy.Expr
     sine: sympy.Expr
+    clamped: sympy.Basic
     outside: sympy.Expr
     collapsed: sympy.Expr
 
@@ -118,7 +121,7 @@ class Branches:
         """Whether the target is not finite, or the branch unknown."""
         return Opposite(Finite(self._taint))
 
-    def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str, usual: sympy.Basic = _FALSE) -> sympy.Expr:
+    def yaw(self, rho: sympy.Expr, sign: sympy.Expr, name: str, usual: sympy.Basic) -> sympy.Expr:
         """q1 of the sheet with this signed rho; the target turned back by the leg plane's own angle."""
         return self._yaw_of(Angle(*self._yaw_direction(rho, sign, name)), name, usual)
 
@@ -130,15 +133,15 @@ class Branches:
         sine = self.tape.let(f"yaw_{name}_sin", y * rho + x * w)
         return turn * sine, self.tape.let(f"yaw_{name}_cos", x * rho - y * w)
 
-    def _yaw_of(self, angle: sympy.Expr, name: str, usual: sympy.Basic = _FALSE) -> sympy.Expr:
+    def _yaw_of(self, angle: sympy.Expr, name: str, usual: sympy.Basic) -> sympy.Expr:
         """Any yaw will do where the target lies on the axis."""
         name = f"yaw_{name}"
         return self._poisoned(Select(self.on_axis, 0, self.half_open(angle, name)), name, usual)
 
-    def _opposite_yaw(self) -> sympy.Expr:
+    def _opposite_yaw(self, usual: sympy.Basic) -> sympy.Expr:
         """The other sheet's yaw where w = 0: half a turn away."""
         ahead = self.tape.let("yaw_plus_angle", Angle(*self._yaw_direction(self.rho, sympy.S.One, "plus")))
-        return self._yaw_of(ahead + Select(LessEqual(ahead, 0), _PI, -_PI), "minus")
+        return self._yaw_of(ahead + Select(LessEqual(ahead, 0), _PI, -_PI), "minus", usual)
 
     def half_open(self, angle: sympy.Expr, name: str) -> sympy.Expr:
         """-pi becomes pi: angles live in (-pi, pi]."""
@@ -165,10 +168,11 @@ class Branches:
         outside = Either(Less(outer2, hypotenuse2), Less(hypotenuse2, inner2))
         collapsed = _FALSE if bones.is_number and bones != 0 else LessEqual(hypotenuse2, self._touching2)
         versine = self.tape.let(f"knee_{name}", (hypotenuse2 - bones**2) * self._knee_scale)
-        folded = Either(Less(versine, 0), collapsed)
-        opening = self.tape.let(f"knee_{name}_clamped", Select(Less(2, versine), 2, Select(folded, 0, versine)))
+        stretched, folded = Less(2, versine), Either(Less(versine, 0), collapsed)
+        opening = self.tape.let(f"knee_{name}_clamped", Select(stretched, 2, Select(folded, 0, versine)))
         sine = self.tape.let(f"knee_sin_{name}", sympy.sqrt(opening * (2 - opening)))
-        return Knee(opening, self.tape.let(f"knee_cos_{name}", opening - 1), sine, outside, collapsed)
+        cosine = self.tape.let(f"knee_cos_{name}", opening - 1)
+        return Knee(opening, cosine, sine, Either(stretched, folded), outside, collapsed)
 
     def _from_zero(self, sine: sympy.Expr, cosine: sympy.Expr, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         zero, turn = self._geometry.zero2, self._geometry.sign2
@@ -177,26 +181,26 @@ class Branches:
         c, s = (self.tape.let(f"thigh_zero_{word}", function(zero)) for word, function in (("cos", sympy.cos), ("sin", sympy.sin)))
         return turn * self.tape.let(f"lift_{name}_sin", sine * c - cosine * s), self.tape.let(f"lift_{name}_cos", cosine * c + sine * s)
 
-    def thigh(self, X: sympy.Expr, knee: Knee, sign: int, name: str) -> sympy.Expr:
+    def thigh(self, X: sympy.Expr, knee: Knee, sign: int, name: str, usual: sympy.Basic) -> sympy.Expr:
         """q2 in [-pi, pi]: the hip-foot vector's direction less the thigh's angle to it, on the knee's side."""
         along, across = self._shank(knee, knee.sine)
         z = self.target[2]
         sine = self.tape.let(f"thigh_{name}_sin", z * along - sign * (X * across))
         cosine = self.tape.let(f"thigh_{name}_cos", X * along + sign * (z * across))
-        return self._poisoned(Angle(*self._from_zero(sine, cosine, f"lift_{name}")), f"thigh_{name}")
+        return self._poisoned(Angle(*self._from_zero(sine, cosine, f"lift_{name}")), f"thigh_{name}", usual)
 
     def _shank(self, knee: Knee, sine: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
         """The foot seen from the hip: along the thigh and across it."""
         g = self._geometry
         return self.tape.let("along", g.a2 + g.l3 * knee.cosine), self.tape.let("across", g.l3 * sine)
 
-    def knee_value(self, gamma: sympy.Expr, name: str, *, reaches_minus_pi: bool) -> sympy.Expr:
-        """q3 of a knee angle within [-pi, pi]."""
+    def knee_value(self, gamma: sympy.Expr, name: str, reaches_minus_pi: bool, usual: sympy.Basic) -> sympy.Expr:
+        """q3 of a knee angle within [-pi, pi]; that of a usual one, which is bent, is not -pi."""
         g = self._geometry
         value = g.sign3 * (gamma - g.zero3)
         if g.zero3 != 0:
             return self.wrapped(value, f"q3_{name}")
-        return self.half_open(value, f"q3_{name}") if reaches_minus_pi else value
+        return Select(usual, value, self.half_open(value, f"q3_{name}")) if reaches_minus_pi else value
 
     def status(self, outside: sympy.Expr, duplicate: sympy.Expr, singular: sympy.Expr, bad: sympy.Expr) -> sympy.Expr:
         """The first that applies: BAD_INPUT, UNREACHABLE, DUPLICATE, SINGULAR, OK."""
@@ -209,39 +213,44 @@ class Branches:
         X, X_minus = self._ahead(rho, "X_plus"), self._ahead(-rho, "X_minus")
         knee = self.knee(X, "plus")
         far = knee if g.a1 == 0 else self.knee(X_minus, "minus")
-        thighs = [self.thigh(X, knee, sign, f"plus_{word}") for sign, word in _KNEES]
+        usual = self._usual(knee) if g.a1 == 0 else _FALSE  # with a shoulder ordinary targets are out of the other sheet's reach
+        thighs = [self.thigh(X, knee, sign, f"plus_{word}", usual) for sign, word in _KNEES]
         if g.a1 == 0 and g.zero2 == 0:  # mirror images, of the other knee
             others = [Select(Less(thigh, 0), -_PI, _PI) - thigh for thigh in reversed(thighs)]
         else:
-            others = [self.thigh(X_minus, far, sign, f"minus_{word}") for sign, word in _KNEES]
-        yaw = self.yaw(rho, sympy.S.One, "plus")
-        other = self._opposite_yaw() if g.w == 0 else self.yaw(-rho, -sympy.S.One, "minus")
-        return [*self._sheet(yaw, thighs, knee, "plus", _FALSE), *self._sheet(other, others, far, "minus", Same(rho, 0))]
+            others = [self.thigh(X_minus, far, sign, f"minus_{word}", usual) for sign, word in _KNEES]
+        yaw = self.yaw(rho, sympy.S.One, "plus", usual)
+        other = self._opposite_yaw(usual) if g.w == 0 else self.yaw(-rho, -sympy.S.One, "minus", usual)
+        near = self._sheet(yaw, thighs, knee, "plus", _FALSE, usual)
+        return [*near, *self._sheet(other, others, far, "minus", Same(rho, 0), usual)]
 
     def _ahead(self, rho: sympy.Expr, name: str) -> sympy.Expr:
         """The foot's place seen from the hip, along the leg plane."""
         return self.tape.let(name, rho - self._geometry.a1)
 
-    def _sheet(self, yaw: sympy.Expr, thighs: Sequence[sympy.Expr], knee: Knee, name: str, repeated: sympy.Expr) -> list[Row]:
-        gamma = self._poisoned(Angle(knee.sine, knee.cosine), f"gamma_{name}")
+    def _sheet(
+        self, yaw: sympy.Expr, thighs: Sequence[sympy.Expr], knee: Knee, name: str, repeated: sympy.Expr, usual: sympy.Basic
+    ) -> list[Row]:
+        gamma = self._poisoned(Angle(knee.sine, knee.cosine), f"gamma_{name}", usual)
         singular = Either(self.on_axis, knee.collapsed)
         straight = Either(repeated, Same(knee.sine, 0))
         missed = self.tape.let("missed", Select(self.bad, BAD_INPUT, Select(Either(self.inside_cylinder, knee.outside), UNREACHABLE, OK)))
         rows: list[Row] = []
         for (sign, word), thigh, duplicate in zip(_KNEES, thighs, (repeated, straight), strict=True):
-            bent = self.knee_value(sign * gamma, f"{name}_{word}", reaches_minus_pi=sign != self._geometry.sign3)
+            bent = self.knee_value(sign * gamma, f"{name}_{word}", sign != self._geometry.sign3, usual)
             values = (yaw, self._free(thigh, knee, f"{name}_{word}"), bent)
             reached = Select(duplicate, DUPLICATE, Select(singular, SINGULAR, OK))
-            rows.append((values, Select(Same(missed, OK), reached, missed)))
+            rows.append((values, Select(usual, OK, Select(Same(missed, OK), reached, missed))))
         return rows
 
     def _free(self, thigh: sympy.Expr, knee: Knee, name: str) -> sympy.Expr:
         """q2 in (-pi, pi]; 0 where any thigh will do."""
         return Select(knee.collapsed, self._taint, self.half_open(thigh, f"q2_{name}"))
 
-    def _poisoned(self, angle: sympy.Expr, name: str, usual: sympy.Basic = _FALSE) -> sympy.Expr:
+    def _poisoned(self, angle: sympy.Expr, name: str, usual: sympy.Basic) -> sympy.Expr:
         """The angle, NaN for a bad input, which no usual one is."""
-        return self.tape.let(f"{name}_checked", self.tape.let(name, angle) + Select(usual, 0, self._taint))
+        angle = self.tape.let(name, angle)
+        return self.tape.let(f"{name}_checked", Select(usual, angle, angle + self._taint))
 
     def one_row(self) -> Row:
         """The branch with this index, by signs instead of choices; what decides for usual targets comes first and is enough."""
@@ -264,19 +273,19 @@ class Branches:
         folded = Both(Opposite(usual), Same(knee.opening, 0))
         half = Angle(Select(folded, g.sign3, sine), sympy.Abs(knee.opening))  # at most a right angle: no half planes to tell
         gamma = self.tape.let("gamma", 2 * half)
-        thigh = self.tape.let("thigh", Angle(*self._from_zero(opposite, adjacent, "thigh")))
-        thigh = self._free(Select(usual, thigh, self._poisoned(thigh, "thigh")), knee, "one")
-        last = self.knee_value(self._poisoned(gamma, "gamma"), "one", reaches_minus_pi=False)
-        last = Select(usual, g.sign3 * gamma, last) if g.zero3 == 0 else last  # a bent knee's angle is neither -pi nor -0
-        return (yaw, thigh, last), status
+        thigh = self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh", usual)
+        last = self.knee_value(self._poisoned(gamma, "gamma", usual), "one", False, usual)
+        return (yaw, self._free(thigh, knee, "one"), last), status
 
     def _usual(self, knee: Knee) -> sympy.Basic:
         """Enough for OK: a known branch, a knee neither straight nor folded by the tolerance, and a foot away from axis 1.
 
         What is not finite leaves no such knee; nor, but for a runtime parameter, does what is out of reach.
         """
-        parts = [Both(LessEqual(0, self._index), LessEqual(self._index, 3)), Less(self._tolerance, knee.sine)]
-        parts += [Opposite(self.on_axis)] if self.on_axis != _FALSE else []
-        parts += [Opposite(self.inside_cylinder), Less(0, self.rho)] if self.inside_cylinder != _FALSE else []
+        parts = [] if self._index == 0 else [Both(LessEqual(0, self._index), LessEqual(self._index, 3))]
+        parts += [Less(self._tolerance, knee.sine)]
+        parts += [Opposite(truth) for truth in (knee.clamped, self.on_axis) if truth != _FALSE]
+        if self.inside_cylinder != _FALSE:
+            parts += [Opposite(self.inside_cylinder), Opposite(Less(self._rho2, 0)), Less(0, self.rho)]
         parts += [] if self._knee_scale.is_number else [Opposite(knee.outside), Finite(self._taint)]
         return reduce(Both, parts)

@@ -2,7 +2,7 @@
  *
  * A block's numbers are gathered so that those of one element lie side by side (walkgen_ports.h), computed (walkgen_lanes.h), and scattered;
  * where an array has them so, they are read and written there. The last rows, where they are few, and rows with an angle beyond its range
- * are computed alone: with the same bits.
+ * or a status other than OK are computed alone: with the same bits.
  */
 #include <string.h>
 
@@ -79,31 +79,31 @@ typedef int16_t wg_lost_f32;
 typedef void (*WG_NAME(wg_alone))(const WG_REAL *given, WG_REAL *found);
 
 /* Where a port's numbers of one block lie: like ones side by side, `step` from one element to the next, and `ahead` those of the next block
- * but one. */
+ * that these lanes serve. */
 struct WG_NAME(wg_lanes) {
     WG_REAL *at;
     ptrdiff_t step, ahead;
 };
 
-/* A function of rows in both forms; how many arrays are its inputs and its outputs. */
+/* A function of rows in both forms; how many arrays are its inputs and its outputs, and how many statuses the last one has. */
 struct WG_NAME(wg_laned) {
     void (*block)(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_lost) *lost);
     WG_NAME(wg_alone) alone;
-    int32_t inputs, outputs;
+    int32_t inputs, outputs, statuses;
 };
 
 #include "walkgen_ports.h"
 
-/* Every other block: what is gathered for it, and where all its numbers lie. */
+/* Every other block, or every one where nothing is to be gathered: what is gathered for it, and where all its numbers lie. */
 struct WG_NAME(wg_gathered) {
     WG_ALIGNED WG_REAL given[WG_MOST_GIVEN + 1][WG_LANES]; /* of three numbers a fourth is written too */
     struct WG_NAME(wg_lanes) lanes[WG_MOST_GIVEN + WG_MOST_FOUND];
 };
 
 /* A batch on its way. The next block's numbers are gathered before one is computed: numbers that are read as wider vectors than they were
- * written have then long arrived, and what waits for memory goes beside what waits for sums and products. `calm` is a block without any
- * status but OK; where nothing of all inputs, or of all outputs, is to be moved, there is nothing it `takes`, or `gives`, and their ports
- * stand where the last block begins.
+ * written have then long arrived, and what waits for memory goes beside what waits for sums and products. `calm` is a block of which no lane
+ * was left over: all its statuses are OK. Where nothing of all inputs, or of all outputs, is to be moved, there is nothing it `takes`, or
+ * `gives`, and their ports stand where the last block begins.
  */
 struct WG_NAME(wg_course) {
     WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES]; /* of three numbers a fourth is read too */
@@ -118,7 +118,7 @@ struct WG_NAME(wg_course) {
 
 #include "walkgen_left_over.h"
 
-/* The lanes of every other block, of which the first is `block`; of one of too few rows all lie in between. */
+/* The lanes of blocks of which the first is `block`; of one of too few rows all lie in between. */
 WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, size_t block, int few) {
     struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     WG_REAL(*between)[WG_LANES] = gathered->given;
@@ -127,7 +127,7 @@ WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_
         lanes->at = *between, lanes->step = WG_LANES, lanes->ahead = 0;
         if (port->direct && !few) {
             lanes->at = (WG_REAL *)(void *)port->at + WG_LANES * block;
-            lanes->step = port->element / (ptrdiff_t)sizeof(WG_REAL), lanes->ahead = 2 * WG_LANES;
+            lanes->step = port->element / (ptrdiff_t)sizeof(WG_REAL), lanes->ahead = (1 + course->takes) * WG_LANES;
         }
     }
 }
@@ -135,18 +135,22 @@ WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_
 static inline void WG_NAME(wg_begin)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_laned) *laned, size_t whole,
                                      const struct wg_array *array) {
     struct WG_NAME(wg_port) *port = course->ports;
-    course->laned = laned, course->bad = 0, course->inputs = course->outputs = course->states = course->takes = course->gives = 0;
+    course->laned = laned, course->states = laned->statuses, course->bad = 0;
+    course->inputs = course->outputs = course->takes = course->gives = 0;
     course->results = port + laned->inputs, course->end = course->results + laned->outputs;
     for (; port < course->end; ++port, ++array) {
         const int written = port >= course->results;
         port->at = array->data, port->row = array->row, port->element = array->element, port->size = array->size, port->kind = array->kind;
-        course->states = port->kind == WG_STATUS ? port->size : 0; /* a status is the last output */
         *(written ? &course->outputs : &course->inputs) += port->size;
         WG_NAME(wg_choose)(port, written);
+        port->filled &= course->states > 0;
         *(written ? &course->gives : &course->takes) |= !port->direct;
     }
     WG_NAME(wg_prepare)(course, &course->blocks[0], 0, whole < 1);
-    WG_NAME(wg_prepare)(course, &course->blocks[1], 1, whole < 2);
+    if (course->takes) {
+        WG_NAME(wg_prepare)(course, &course->blocks[1], 1, whole < 2);
+    }
+    WG_NAME(wg_all_ok)(course);
     for (port = course->ports; port < course->end; ++port) {
         if (!(port < course->results ? course->takes : course->gives)) {
             port->at += (ptrdiff_t)(WG_LANES * whole) * port->row;
@@ -198,6 +202,9 @@ static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course) {
         }
         port->at += WG_LANES * port->row;
     }
+    if (!course->calm) {
+        WG_NAME(wg_all_ok)(course);
+    }
 }
 
 static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int count) {
@@ -205,6 +212,8 @@ static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int 
     for (struct WG_NAME(wg_port) *port = course->results; port < course->end; found += port->size, ++port) {
         if (count < WG_LANES || port->beyond) {
             WG_NAME(wg_scatter)(port, count, found);
+        } else if (course->calm && port->filled) {
+            WG_NAME(wg_scatter_ok)(port);
         } else if (!port->direct) {
             port->move(port, found);
         }
@@ -215,7 +224,10 @@ static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int 
 static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, int again) {
     const struct WG_NAME(wg_lanes) *const end = gathered->lanes + (course->end - course->ports);
     course->laned->block(gathered->lanes, course->lost);
-    WG_NAME(wg_finish)(course, WG_LANES, gathered);
+    course->calm = !WG_NAME(wg_any_lost)(course->lost);
+    if (!course->calm) {
+        WG_NAME(wg_mend)(course, WG_LANES, 0, gathered);
+    }
     for (struct WG_NAME(wg_lanes) *lanes = gathered->lanes; again && lanes < end; ++lanes) {
         lanes->at += lanes->ahead;
     }
@@ -225,18 +237,20 @@ static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct
 static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
     WG_NAME(wg_prepare)(course, gathered, 0, count < WG_LANES);
     if (count <= WG_FEW_ROWS) {
-        for (int lane = 0; lane < count; ++lane) {
-            WG_NAME(wg_lane_alone)(course, gathered, course->laned->alone, lane);
-        }
-    } else {
-        for (int element = 0; element < course->inputs; ++element) {
-            for (int lane = count; lane < WG_LANES; ++lane) {
-                gathered->given[element][lane] = gathered->given[element][0];
-            }
-        }
-        course->laned->block(gathered->lanes, course->lost);
+        course->calm = 0;
+        WG_NAME(wg_mend)(course, count, 1, gathered);
+        return;
     }
-    WG_NAME(wg_finish)(course, count, gathered);
+    for (int element = 0; element < course->inputs; ++element) {
+        for (int lane = count; lane < WG_LANES; ++lane) {
+            gathered->given[element][lane] = gathered->given[element][0];
+        }
+    }
+    course->laned->block(gathered->lanes, course->lost);
+    course->calm = !WG_NAME(wg_any_lost)(course->lost);
+    if (!course->calm) {
+        WG_NAME(wg_mend)(course, count, 0, gathered);
+    }
 }
 
 /* All rows of the inputs' arrays and the outputs', which follow. With `closest`, which computes a row by other means, the rows that have a
@@ -245,11 +259,12 @@ static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, i
 WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t rows, const struct wg_array *arrays,
                                    WG_NAME(wg_alone) closest) {
     struct WG_NAME(wg_course) course;
-    struct WG_NAME(wg_gathered) *now = &course.blocks[0], *next = &course.blocks[1], *swap;
+    struct WG_NAME(wg_gathered) *now = &course.blocks[0], *next, *swap;
     const size_t whole = rows > 0 ? (rows - 1) / WG_LANES : 0; /* the last is another matter */
     const int count = (int)(rows - whole * WG_LANES);
     WG_NAME(wg_begin)(&course, laned, whole, arrays);
     course.closest = closest;
+    next = &course.blocks[course.takes];
     if (whole > 0) {
         WG_NAME(wg_take)(&course, now);
     } else {
@@ -261,7 +276,7 @@ WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t
         } else {
             WG_NAME(wg_take_last)(&course, count, next);
         }
-        WG_NAME(wg_compute)(&course, now, block + 2 < whole);
+        WG_NAME(wg_compute)(&course, now, block + 1 + (size_t)course.takes < whole);
         WG_NAME(wg_give)(&course);
         swap = now, now = next, next = swap;
     }

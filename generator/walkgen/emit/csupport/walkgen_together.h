@@ -161,8 +161,8 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
     } while (0)
 #endif
 
-/* The same in a function with `wg_near`: where it is 1 and an angle or a point is beyond the range, *status becomes UNREACHABLE and the
- * function ends; its caller begins anew elsewhere, with 0. With no call on its way a function has no registers to save. */
+/* The same in a function of usual inputs alone: where an angle or a point is beyond the range, *status becomes UNREACHABLE and the function
+ * ends; its caller begins anew elsewhere. With no call on its way a function has no registers to save. */
 #undef WG_ANGLES_WITHIN_2
 #undef WG_ANGLES_WITHIN_3
 #undef WG_ANGLES_WITHIN_4
@@ -191,7 +191,7 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #define WG_LEAVE_BEYOND(within)
 #else
 #define WG_LEAVE_BEYOND(within) \
-    if (wg_near && !WG_LIKELY(within)) { \
+    if (!WG_LIKELY(within)) { \
         *status = WALKGEN_UNREACHABLE; \
         return; \
     }
