@@ -35,17 +35,18 @@
 #define WG_SCHEDULED
 #endif
 
-/* How a block of rows is computed: where each port's numbers lie, and for each lane whether an angle was lost; and how one row is, its numbers
+/* How a block of rows is computed: where each port's numbers lie, and for each lane whether it is left over; and how one row is, its numbers
  * side by side. */
 #define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_lost) *WG_RESTRICT lost)
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
 #define WG_LANED(name, inputs, outputs, statuses) \
     static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs, statuses}
 #define WG_PLACE(real, port, which) \
-    real *const WG_RESTRICT wg_##port = ports[which].at; \
+    real *const WG_RESTRICT wg_##port = (real *)ports[which].at; \
     const ptrdiff_t wg_##port##_step = ports[which].step; \
     (void)wg_##port##_step;
 #define WG_FROM(port, which) WG_PLACE(const WG_REAL, port, which)
+#define WG_FROM_INTEGER(port, which) WG_PLACE(const int32_t, port, which)
 #define WG_INTO(port, which) WG_PLACE(WG_REAL, port, which)
 /* Arrays of one call lie apart. */
 #if defined(__clang__)
@@ -55,6 +56,7 @@
 #else
 #define WG_EACH_LANE for (int lane = 0; lane < WG_LANES; ++lane)
 #endif
+#define WG_TAKE_INTEGER(port) port[0] = (WG_STATE)wg_##port[lane];
 #define WG_TAKE_1(port) port[0] = wg_##port[lane];
 #define WG_TAKE_2(port) WG_TAKE_1(port) port[1] = wg_##port[wg_##port##_step + lane];
 #define WG_TAKE_3(port) WG_TAKE_2(port) port[2] = wg_##port[2 * wg_##port##_step + lane];

@@ -1169,13 +1169,13 @@ WG_LANED(mero_leg_leg_inverse, 1, 2, 4);
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_leg_inverse_branch) {
     WG_FROM(p, 0)
-    WG_FROM(branch, 1)
+    WG_FROM_INTEGER(branch, 1)
     WG_INTO(q, 2)
     WG_EACH_LANE {
         double p[3], q[3], target[3];
         WG_STATE branch[1], status[1];
         WG_TAKE_3(p)
-        WG_TAKE_1(branch)
+        WG_TAKE_INTEGER(branch)
         mero_leg_leg_inverse_one_usual_lane(p, branch[0], q, status, target);
         WG_KEEP_3(q)
         WG_DONE_IF(q[0] + q[1] + q[2], status[0])

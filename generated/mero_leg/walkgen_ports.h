@@ -15,7 +15,7 @@
  */
 struct WG_NAME(wg_port) {
     char *at;
-    void (*move)(const struct WG_NAME(wg_port) *port, WG_REAL (*lanes)[WG_LANES]);
+    void (*move)(const struct WG_NAME(wg_port) *port, void *lanes);
     ptrdiff_t row, element;
     int32_t size, kind, rows, beyond, direct, filled;
 };
@@ -40,9 +40,6 @@ static inline void WG_NAME(wg_gather)(const struct WG_NAME(wg_port) *port, int f
     for (int element = 0; element < port->size; ++element, at += port->element) {
         const char *from = at;
         int lane = first;
-        for (; lane < count && port->kind != WG_NUMBER; ++lane, from += port->row) {
-            given[element][lane] = WG_NAME(wg_integer)(port->kind, from);
-        }
         for (; lane + 4 <= count; lane += 4, from += 4 * port->row) {
             WG_REAL four[4]; /* all are read before any is written: nothing says that they are apart */
             memcpy(&four[0], from, sizeof(WG_REAL)), memcpy(&four[1], from + port->row, sizeof(WG_REAL));
@@ -51,6 +48,28 @@ static inline void WG_NAME(wg_gather)(const struct WG_NAME(wg_port) *port, int f
         }
         for (; lane < count; ++lane, from += port->row) {
             memcpy(&given[element][lane], from, sizeof(WG_REAL));
+        }
+    }
+}
+
+/* Integers, of which a port has one. */
+static inline void WG_NAME(wg_gather_integers)(const struct WG_NAME(wg_port) *port, int count, int32_t *given) {
+    const char *from = port->at;
+    for (int lane = 0; lane < count; ++lane, from += port->row) {
+        given[lane] = (int32_t)WG_NAME(wg_integer)(port->kind, from);
+    }
+}
+
+/* The first row's once more in all lanes from this one on. */
+static inline void WG_NAME(wg_repeat)(const struct WG_NAME(wg_port) *port, int from, void *lanes) {
+    WG_REAL(*const given)[WG_LANES] = (WG_REAL(*)[WG_LANES])lanes;
+    int32_t *const integers = (int32_t *)lanes;
+    for (int lane = from; lane < WG_LANES; ++lane) {
+        if (port->kind != WG_NUMBER) {
+            integers[lane] = integers[0];
+        }
+        for (int element = 0; port->kind == WG_NUMBER && element < port->size; ++element) {
+            given[element][lane] = given[element][0];
         }
     }
 }
@@ -77,12 +96,16 @@ static inline void WG_NAME(wg_scatter)(const struct WG_NAME(wg_port) *port, int 
 }
 
 /* Whole blocks so; a number of rows that is known would be written out, row after row. */
-WG_CALLED void WG_NAME(wg_gather_any)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
-    WG_NAME(wg_gather)(port, 0, port->rows, given);
+WG_CALLED void WG_NAME(wg_gather_any)(const struct WG_NAME(wg_port) *port, void *lanes) {
+    WG_NAME(wg_gather)(port, 0, port->rows, (WG_REAL(*)[WG_LANES])lanes);
 }
 
-WG_CALLED void WG_NAME(wg_scatter_any)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
-    WG_NAME(wg_scatter)(port, port->rows, found);
+WG_CALLED void WG_NAME(wg_gather_any_integers)(const struct WG_NAME(wg_port) *port, void *lanes) {
+    WG_NAME(wg_gather_integers)(port, port->rows, (int32_t *)lanes);
+}
+
+WG_CALLED void WG_NAME(wg_scatter_any)(const struct WG_NAME(wg_port) *port, void *lanes) {
+    WG_NAME(wg_scatter)(port, port->rows, (WG_REAL(*)[WG_LANES])lanes);
 }
 
 /* Statuses as integers. */
@@ -92,17 +115,9 @@ static inline void WG_NAME(wg_integers)(const WG_REAL *WG_RESTRICT found, int32_
     }
 }
 
-/* Where an element's rows lie together; of numbers such are lanes as they are. */
-WG_CALLED void WG_NAME(wg_gather_integer_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
-    const char *from = port->at;
-    for (int element = 0; element < port->size; ++element, from += port->element) {
-        for (int lane = 0; lane < WG_LANES; ++lane) {
-            given[element][lane] = WG_NAME(wg_integer)(WG_STATUS, from + lane * (ptrdiff_t)sizeof(int32_t));
-        }
-    }
-}
-
-WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+/* Where an element's rows lie together; of numbers, and of integers that are inputs, such are lanes as they are. */
+WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *port, void *lanes) {
+    WG_REAL(*const found)[WG_LANES] = (WG_REAL(*)[WG_LANES])lanes;
     char *to = port->at;
     for (int element = 0; element < port->size; ++element, to += port->element) {
         int32_t states[WG_LANES];
@@ -123,19 +138,20 @@ static inline void WG_NAME(wg_scatter_ok)(const struct WG_NAME(wg_port) *port) {
 
 #if defined(WALKGEN_TURNED)
 /* Where a row's elements do. */
-WG_CALLED void WG_NAME(wg_gather_rows)(const struct WG_NAME(wg_port) *port, WG_REAL (*given)[WG_LANES]) {
-    wg_rows_to_planes(port->at, port->row, port->size, sizeof(WG_REAL), WG_LANES, (char *)given, sizeof *given);
+WG_CALLED void WG_NAME(wg_gather_rows)(const struct WG_NAME(wg_port) *port, void *lanes) {
+    wg_rows_to_planes(port->at, port->row, port->size, sizeof(WG_REAL), WG_LANES, (char *)lanes, sizeof(WG_REAL[WG_LANES]));
 }
 
-WG_CALLED void WG_NAME(wg_scatter_rows)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+WG_CALLED void WG_NAME(wg_scatter_rows)(const struct WG_NAME(wg_port) *port, void *lanes) {
     const ptrdiff_t beyond = port->row > WG_WIDE_ROW ? port->rows * port->row : 0;
     for (ptrdiff_t ahead = 0; ahead < beyond; ahead += WG_LINE) {
         __builtin_prefetch(port->at + port->rows * port->row + ahead, 1); /* the next block's */
     }
-    wg_planes_to_rows((const char *)found, sizeof *found, port->size, sizeof(WG_REAL), WG_LANES, port->at, port->row);
+    wg_planes_to_rows((const char *)lanes, sizeof(WG_REAL[WG_LANES]), port->size, sizeof(WG_REAL), WG_LANES, port->at, port->row);
 }
 
-WG_CALLED void WG_NAME(wg_scatter_status_rows)(const struct WG_NAME(wg_port) *port, WG_REAL (*found)[WG_LANES]) {
+WG_CALLED void WG_NAME(wg_scatter_status_rows)(const struct WG_NAME(wg_port) *port, void *lanes) {
+    WG_REAL(*const found)[WG_LANES] = (WG_REAL(*)[WG_LANES])lanes;
     WG_ALIGNED int32_t states[WG_MOST_STATUSES][WG_LANES];
     for (int element = 0; element < port->size; ++element) {
         WG_NAME(wg_integers)(found[element], states[element]);
@@ -150,10 +166,11 @@ static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written
     const ptrdiff_t bytes = integer ? (ptrdiff_t)sizeof(int32_t) : (ptrdiff_t)sizeof(WG_REAL);
     port->rows = WG_LANES, port->beyond = 0;
     port->filled = integer && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
-    port->direct = !integer && port->row == bytes && (uintptr_t)port->at % sizeof(WG_REAL) == 0 && port->element % bytes == 0;
-    port->move = written ? WG_NAME(wg_scatter_any) : WG_NAME(wg_gather_any);
-    if (port->kind == WG_STATUS && port->row == bytes) {
-        port->move = written ? WG_NAME(wg_scatter_status_planes) : WG_NAME(wg_gather_integer_planes);
+    port->direct = port->kind != WG_LONG && !(integer && written) && port->row == bytes && (uintptr_t)port->at % (uintptr_t)bytes == 0 &&
+                   port->element % bytes == 0;
+    port->move = written ? WG_NAME(wg_scatter_any) : integer ? WG_NAME(wg_gather_any_integers) : WG_NAME(wg_gather_any);
+    if (integer && written && port->row == bytes) {
+        port->move = WG_NAME(wg_scatter_status_planes);
     }
 #if defined(WALKGEN_TURNED)
     const int turns = written ? port->size > 3 || port->row == 3 * bytes : !integer;

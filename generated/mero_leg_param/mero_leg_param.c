@@ -2040,14 +2040,14 @@ WG_LANED(mero_leg_param_leg_inverse, 2, 2, 4);
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(mero_leg_param_leg_inverse_branch) {
     WG_FROM(p, 0)
-    WG_FROM(branch, 1)
+    WG_FROM_INTEGER(branch, 1)
     WG_FROM(param, 2)
     WG_INTO(q, 3)
     WG_EACH_LANE {
         double p[3], param[2], q[3], target[3];
         WG_STATE branch[1], status[1];
         WG_TAKE_3(p)
-        WG_TAKE_1(branch)
+        WG_TAKE_INTEGER(branch)
         WG_TAKE_2(param)
         mero_leg_param_leg_inverse_one_usual_lane(p, branch[0], param, q, status, target);
         WG_KEEP_3(q)

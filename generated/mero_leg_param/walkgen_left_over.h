@@ -36,8 +36,11 @@ WG_CALLED void WG_NAME(wg_lane_alone)(struct WG_NAME(wg_course) *course, const s
     const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     const struct WG_NAME(wg_port) *port = course->ports;
     for (; port < course->results; ++port, ++lanes) {
-        for (int element = 0; element < port->size; ++element) {
-            *number++ = lanes->at[element * lanes->step + lane];
+        if (port->kind != WG_NUMBER) {
+            *number++ = WG_NAME(wg_integer)(WG_STATUS, (const char *)((const int32_t *)lanes->at + lane));
+        }
+        for (int element = 0; port->kind == WG_NUMBER && element < port->size; ++element) {
+            *number++ = ((const WG_REAL *)lanes->at)[element * lanes->step + lane];
         }
     }
     course->laned->alone(in, out);
@@ -48,7 +51,7 @@ WG_CALLED void WG_NAME(wg_lane_alone)(struct WG_NAME(wg_course) *course, const s
     number = out;
     for (; port < course->end; ++port, ++lanes) {
         for (int element = 0; element < port->size; ++element) {
-            lanes->at[element * lanes->step + lane] = *number++;
+            ((WG_REAL *)lanes->at)[element * lanes->step + lane] = *number++;
         }
     }
 }

@@ -1145,13 +1145,13 @@ WG_LANED(phantomx_leg_right_front_foot_torque, 2, 1, 0);
 #if defined(WALKGEN_BLOCKS) && WG_MASKS
 WG_BLOCK(phantomx_leg_right_front_inverse_branch) {
     WG_FROM(p, 0)
-    WG_FROM(branch, 1)
+    WG_FROM_INTEGER(branch, 1)
     WG_INTO(q, 2)
     WG_EACH_LANE {
         double p[3], q[3], target[3];
         WG_STATE branch[1], status[1];
         WG_TAKE_3(p)
-        WG_TAKE_1(branch)
+        WG_TAKE_INTEGER(branch)
         phantomx_leg_right_front_inverse_one_usual_lane(p, branch[0], q, status, target);
         WG_KEEP_3(q)
         WG_DONE_IF(q[0] + q[1] + q[2], status[0])

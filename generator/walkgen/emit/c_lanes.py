@@ -17,7 +17,7 @@ from walkgen.signature import Port, Signature
 
 _MOST_OPERATIONS, _MOST_FOUND = 120, 32
 """What compilers turn into vectors in little time; a longer function gains less."""
-_WIDEST_PORT, _MOST_GIVEN, _MOST_STATUSES = 32, 48, 8
+_WIDEST_PORT, _MOST_GIVEN, _MOST_STATUSES, _MOST_INTEGERS = 32, 48, 8, 4
 """What walkgen_lanes.h and walkgen_batch.h have room for."""
 
 
@@ -95,6 +95,7 @@ def _fits(signature: Signature) -> bool:
         and all(0 < port.size <= _WIDEST_PORT for port in ports)
         and all(port.kind == "real" or (port.kind == "integer" and not port.shape) for port in signature.inputs)
         and sum(port.size for port in signature.inputs) <= _MOST_GIVEN
+        and sum(port.kind == "integer" for port in signature.inputs) <= _MOST_INTEGERS
         and sum(port.size for port in signature.outputs) <= _MOST_FOUND
         and (not whole or (whole == [signature.outputs[-1]] and whole[0].size <= _MOST_STATUSES))
     )
@@ -188,7 +189,8 @@ def _places(each: Laned) -> Iterator[str]:
     inputs = each.signature.inputs
     for place, port in enumerate((*inputs, *each.signature.outputs)):
         if port.name in each.arguments and port is not each.signature.status:
-            yield f"WG_{'FROM' if place < len(inputs) else 'INTO'}({port.name}, {place})"
+            way = ("FROM" if port.kind == "real" else "FROM_INTEGER") if place < len(inputs) else "INTO"
+            yield f"WG_{way}({port.name}, {place})"
 
 
 def _block(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str]:
@@ -197,7 +199,8 @@ def _block(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str
     reals, whole = ([f"{name}[{port.size}]" for name, port in sizes.items() if (port.kind == "real") == real] for real in (True, False))
     yield f"{precision.real} {', '.join(reals)};"
     yield from [f"WG_STATE {', '.join(whole)};"] if whole else []
-    yield from (f"WG_TAKE_{port.size}({port.name})" for port in signature.inputs if port.name in sizes)
+    given = [port for port in signature.inputs if port.name in sizes]
+    yield from (f"WG_TAKE_{port.size if port.kind == 'real' else 'INTEGER'}({port.name})" for port in given)
     texts = {name: f"{name}[0]" for name, port in zip(each.arguments, own.inputs, strict=False) if not port.shape}
     yield _call(each, kernel, texts, lane=True)
     yield from (f"WG_KEEP_{port.size}({port.name})" for port in signature.outputs if port is not signature.status)

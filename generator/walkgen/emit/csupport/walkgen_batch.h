@@ -26,6 +26,7 @@
 #define WG_MOST_GIVEN 48
 #define WG_MOST_FOUND 32
 #define WG_MOST_STATUSES 8
+#define WG_MOST_INTEGERS 4
 #define WG_LINE 64 /* bytes of the cache's lines */
 
 /* clang, asked for vectors, would tell of square roots that set errno, of which it makes none. */
@@ -78,10 +79,10 @@ typedef int16_t wg_lost_f32;
 /* One row, its numbers side by side. */
 typedef void (*WG_NAME(wg_alone))(const WG_REAL *given, WG_REAL *found);
 
-/* Where a port's numbers of one block lie: like ones side by side, `step` from one element to the next, and `ahead` those of the next block
- * that these lanes serve. */
+/* Where a port's numbers of one block lie, or its integers: like ones side by side, `step` from one element to the next, and `ahead` bytes from
+ * those of the next block but one. */
 struct WG_NAME(wg_lanes) {
-    WG_REAL *at;
+    void *at;
     ptrdiff_t step, ahead;
 };
 
@@ -94,16 +95,17 @@ struct WG_NAME(wg_laned) {
 
 #include "walkgen_ports.h"
 
-/* Every other block, or every one where nothing is to be gathered: what is gathered for it, and where all its numbers lie. */
+/* Every other block: what is gathered for it, and where all its numbers lie. */
 struct WG_NAME(wg_gathered) {
     WG_ALIGNED WG_REAL given[WG_MOST_GIVEN + 1][WG_LANES]; /* of three numbers a fourth is written too */
+    WG_ALIGNED int32_t integers[WG_MOST_INTEGERS][WG_LANES];
     struct WG_NAME(wg_lanes) lanes[WG_MOST_GIVEN + WG_MOST_FOUND];
 };
 
 /* A batch on its way. The next block's numbers are gathered before one is computed: numbers that are read as wider vectors than they were
  * written have then long arrived, and what waits for memory goes beside what waits for sums and products. `calm` is a block of which no lane
- * was left over: all its statuses are OK. Where nothing of all inputs, or of all outputs, is to be moved, there is nothing it `takes`, or
- * `gives`, and their ports stand where the last block begins.
+ * was left over: all its statuses are OK. It `takes` where inputs are to be gathered, and `gives` where outputs are to be scattered: those of
+ * the next block each time; other ports stand where the last block begins.
  */
 struct WG_NAME(wg_course) {
     WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES]; /* of three numbers a fourth is read too */
@@ -113,22 +115,25 @@ struct WG_NAME(wg_course) {
     const struct WG_NAME(wg_laned) *laned;
     WG_NAME(wg_alone) closest;
     size_t bad;
-    int inputs, outputs, states, calm, takes, gives;
+    int outputs, states, calm, takes, gives;
 };
 
 #include "walkgen_left_over.h"
 
-/* The lanes of blocks of which the first is `block`; of one of too few rows all lie in between. */
-WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, size_t block, int few) {
+/* The lanes of every other block, of which the first is `block`; of one of too `few` rows all lie in between. */
+WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, int block, int few) {
     struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     WG_REAL(*between)[WG_LANES] = gathered->given;
-    for (const struct WG_NAME(wg_port) *port = course->ports; port < course->end; between += port->size, ++port, ++lanes) {
+    int32_t(*integers)[WG_LANES] = gathered->integers;
+    for (const struct WG_NAME(wg_port) *port = course->ports; port < course->end; ++port, ++lanes) {
+        const int integer = port < course->results && port->kind != WG_NUMBER;
         between = port == course->results ? course->found : between;
-        lanes->at = *between, lanes->step = WG_LANES, lanes->ahead = 0;
+        lanes->at = integer ? (void *)integers : (void *)between, lanes->step = WG_LANES, lanes->ahead = 0;
         if (port->direct && !few) {
-            lanes->at = (WG_REAL *)(void *)port->at + WG_LANES * block;
-            lanes->step = port->element / (ptrdiff_t)sizeof(WG_REAL), lanes->ahead = (1 + course->takes) * WG_LANES;
+            lanes->at = port->at + block * WG_LANES * port->row, lanes->ahead = 2 * WG_LANES * port->row;
+            lanes->step = port->element / (ptrdiff_t)sizeof(WG_REAL);
         }
+        integers += integer, between += integer ? 0 : port->size;
     }
 }
 
@@ -136,121 +141,126 @@ static inline void WG_NAME(wg_begin)(struct WG_NAME(wg_course) *course, const st
                                      const struct wg_array *array) {
     struct WG_NAME(wg_port) *port = course->ports;
     course->laned = laned, course->states = laned->statuses, course->bad = 0;
-    course->inputs = course->outputs = course->takes = course->gives = 0;
+    course->outputs = course->takes = course->gives = 0;
     course->results = port + laned->inputs, course->end = course->results + laned->outputs;
     for (; port < course->end; ++port, ++array) {
         const int written = port >= course->results;
         port->at = array->data, port->row = array->row, port->element = array->element, port->size = array->size, port->kind = array->kind;
-        *(written ? &course->outputs : &course->inputs) += port->size;
         WG_NAME(wg_choose)(port, written);
         port->filled &= course->states > 0;
+        course->outputs += written ? port->size : 0;
         *(written ? &course->gives : &course->takes) |= !port->direct;
     }
-    WG_NAME(wg_prepare)(course, &course->blocks[0], 0, whole < 1);
-    if (course->takes) {
-        WG_NAME(wg_prepare)(course, &course->blocks[1], 1, whole < 2);
-    }
+    WG_NAME(wg_prepare)(course, &course->blocks[0], 0, 0);
+    WG_NAME(wg_prepare)(course, &course->blocks[1], 1, whole < 1);
     WG_NAME(wg_all_ok)(course);
     for (port = course->ports; port < course->end; ++port) {
-        if (!(port < course->results ? course->takes : course->gives)) {
-            port->at += (ptrdiff_t)(WG_LANES * whole) * port->row;
-        }
+        port->at += port->direct ? (ptrdiff_t)(WG_LANES * whole) * port->row : 0;
     }
 }
 
 /* The numbers of a block that has another one after it, and of the last one. */
-static inline void WG_NAME(wg_take)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered) {
-    WG_REAL(*given)[WG_LANES] = gathered->given;
-    for (struct WG_NAME(wg_port) *port = course->ports; course->takes && port < course->results; given += port->size, ++port) {
+static inline void WG_NAME(wg_take)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_gathered) *gathered) {
+    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
+    for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; ++port, ++lanes) {
         if (!port->direct) {
-            port->move(port, given);
+            port->move(port, lanes->at);
+            port->at += WG_LANES * port->row;
         }
-        port->at += WG_LANES * port->row;
     }
 }
 
-static inline void WG_NAME(wg_gather_last)(const struct WG_NAME(wg_port) *port, int count, WG_REAL (*given)[WG_LANES]) {
+static inline void WG_NAME(wg_gather_last)(const struct WG_NAME(wg_port) *port, int count, void *lanes) {
     int first = 0;
 #if defined(WALKGEN_TURNED)
     if (port->beyond) {
         first = (count - 1) / 4 * 4;
-        wg_rows_to_planes(port->at, port->row, port->size, sizeof(WG_REAL), first, (char *)given, sizeof *given);
+        wg_rows_to_planes(port->at, port->row, port->size, sizeof(WG_REAL), first, (char *)lanes, sizeof(WG_REAL[WG_LANES]));
     }
 #endif
-    WG_NAME(wg_gather)(port, first, count, given);
+    if (port->kind == WG_NUMBER) {
+        WG_NAME(wg_gather)(port, first, count, (WG_REAL(*)[WG_LANES])lanes);
+    } else {
+        WG_NAME(wg_gather_integers)(port, count, (int32_t *)lanes);
+    }
 }
 
 WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
-    WG_REAL(*given)[WG_LANES] = gathered->given;
-    for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; given += port->size, ++port) {
+    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
+    if (count < WG_LANES) {
+        WG_NAME(wg_prepare)(course, gathered, 0, 1);
+    }
+    for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; ++port, ++lanes) {
         if (count < WG_LANES || port->beyond) {
-            WG_NAME(wg_gather_last)(port, count, given);
+            WG_NAME(wg_gather_last)(port, count, lanes->at);
         } else if (!port->direct) {
-            port->move(port, given);
+            port->move(port, lanes->at);
         }
     }
 }
 
 /* And its results. */
-static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course) {
-    WG_REAL(*found)[WG_LANES] = course->found;
-    for (struct WG_NAME(wg_port) *port = course->results; course->gives && port < course->end; found += port->size, ++port) {
-        if (course->calm && port->filled) {
-            WG_NAME(wg_scatter_ok)(port);
-        } else if (!port->direct) {
-            port->move(port, found);
+static inline void WG_NAME(wg_give_port)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_port) *port, void *lanes) {
+    if (course->calm && port->filled) {
+        WG_NAME(wg_scatter_ok)(port);
+    } else {
+        port->move(port, lanes);
+    }
+}
+
+static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_gathered) *gathered) {
+    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes + (course->results - course->ports);
+    for (struct WG_NAME(wg_port) *port = course->results; course->gives && port < course->end; ++port, ++lanes) {
+        if (!port->direct) {
+            WG_NAME(wg_give_port)(course, port, lanes->at);
+            port->at += WG_LANES * port->row;
         }
-        port->at += WG_LANES * port->row;
     }
     if (!course->calm) {
         WG_NAME(wg_all_ok)(course);
     }
 }
 
-static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int count) {
-    WG_REAL(*found)[WG_LANES] = course->found;
-    for (struct WG_NAME(wg_port) *port = course->results; port < course->end; found += port->size, ++port) {
+static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered) {
+    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes + (course->results - course->ports);
+    for (struct WG_NAME(wg_port) *port = course->results; port < course->end; ++port, ++lanes) {
         if (count < WG_LANES || port->beyond) {
-            WG_NAME(wg_scatter)(port, count, found);
-        } else if (course->calm && port->filled) {
-            WG_NAME(wg_scatter_ok)(port);
+            WG_NAME(wg_scatter)(port, count, (WG_REAL(*)[WG_LANES])lanes->at);
         } else if (!port->direct) {
-            port->move(port, found);
+            WG_NAME(wg_give_port)(course, port, lanes->at);
         }
     }
 }
 
-/* A whole block; `again` where its lanes serve another. */
-static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, int again) {
-    const struct WG_NAME(wg_lanes) *const end = gathered->lanes + (course->end - course->ports);
-    course->laned->block(gathered->lanes, course->lost);
-    course->calm = !WG_NAME(wg_any_lost)(course->lost);
-    if (!course->calm) {
-        WG_NAME(wg_mend)(course, WG_LANES, 0, gathered);
-    }
-    for (struct WG_NAME(wg_lanes) *lanes = gathered->lanes; again && lanes < end; ++lanes) {
-        lanes->at += lanes->ahead;
-    }
-}
-
-/* The last block, which may be of few rows. */
-static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
-    WG_NAME(wg_prepare)(course, gathered, 0, count < WG_LANES);
-    if (count <= WG_FEW_ROWS) {
-        course->calm = 0;
-        WG_NAME(wg_mend)(course, count, 1, gathered);
-        return;
-    }
-    for (int element = 0; element < course->inputs; ++element) {
-        for (int lane = count; lane < WG_LANES; ++lane) {
-            gathered->given[element][lane] = gathered->given[element][0];
-        }
-    }
+/* A block of so many rows. */
+static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered) {
     course->laned->block(gathered->lanes, course->lost);
     course->calm = !WG_NAME(wg_any_lost)(course->lost);
     if (!course->calm) {
         WG_NAME(wg_mend)(course, count, 0, gathered);
     }
+}
+
+/* The lanes are to serve another block. */
+static inline void WG_NAME(wg_advance)(const struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered) {
+    struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
+    for (const struct WG_NAME(wg_port) *port = course->ports; port < course->end; ++port, ++lanes) {
+        lanes->at = (char *)lanes->at + lanes->ahead;
+    }
+}
+
+/* The last block: of few rows each alone, and where lanes are more than rows the others are as the first. */
+static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
+    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
+    if (count <= WG_FEW_ROWS) {
+        course->calm = 0;
+        WG_NAME(wg_mend)(course, count, 1, gathered);
+        return;
+    }
+    for (const struct WG_NAME(wg_port) *port = course->ports; count < WG_LANES && port < course->results; ++port, ++lanes) {
+        WG_NAME(wg_repeat)(port, count, lanes->at);
+    }
+    WG_NAME(wg_compute)(course, count, gathered);
 }
 
 /* All rows of the inputs' arrays and the outputs', which follow. With `closest`, which computes a row by other means, the rows that have a
@@ -259,29 +269,32 @@ static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, i
 WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t rows, const struct wg_array *arrays,
                                    WG_NAME(wg_alone) closest) {
     struct WG_NAME(wg_course) course;
-    struct WG_NAME(wg_gathered) *now = &course.blocks[0], *next, *swap;
+    struct WG_NAME(wg_gathered) *now = &course.blocks[0], *next = &course.blocks[1], *swap;
     const size_t whole = rows > 0 ? (rows - 1) / WG_LANES : 0; /* the last is another matter */
     const int count = (int)(rows - whole * WG_LANES);
     WG_NAME(wg_begin)(&course, laned, whole, arrays);
     course.closest = closest;
-    next = &course.blocks[course.takes];
-    if (whole > 0) {
+    if (course.takes && whole > 0) {
         WG_NAME(wg_take)(&course, now);
-    } else {
-        WG_NAME(wg_take_last)(&course, count, now);
     }
-    for (size_t block = 0; block < whole; ++block) {
-        if (block + 1 < whole) {
+    for (size_t block = 1; block <= whole; ++block) {
+        if (course.takes && block < whole) {
             WG_NAME(wg_take)(&course, next);
-        } else {
+        } else if (course.takes) {
             WG_NAME(wg_take_last)(&course, count, next);
         }
-        WG_NAME(wg_compute)(&course, now, block + 1 + (size_t)course.takes < whole);
-        WG_NAME(wg_give)(&course);
+        WG_NAME(wg_compute)(&course, WG_LANES, now);
+        WG_NAME(wg_give)(&course, now);
+        if (block < whole) {
+            WG_NAME(wg_advance)(&course, now);
+        }
         swap = now, now = next, next = swap;
     }
+    if (!course.takes || whole == 0) {
+        WG_NAME(wg_take_last)(&course, count, now);
+    }
     WG_NAME(wg_compute_last)(&course, count, now);
-    WG_NAME(wg_give_last)(&course, count);
+    WG_NAME(wg_give_last)(&course, count, now);
     return course.bad;
 }
 #endif
