@@ -7,8 +7,9 @@ import pytest
 
 from mechanisms.hand_programs import constant, inputs, made
 from walkgen.graph.interpret import interpret
+from walkgen.graph.passes import pruned
 from walkgen.graph.program import Code, Op
-from walkgen.graph.usual import usual, usual_truth
+from walkgen.graph.usual import unusual, usual, usual_truth
 from walkgen.signature import Port
 
 OK, UNREACHABLE, SINGULAR = 0, 1, 3
@@ -101,3 +102,20 @@ def test_no_truth_that_is_enough_leaves_the_program_as_it_is(ops, outputs):
     whole = program(*ops, outputs=outputs, statuses=2)
     assert usual_truth(whole) is None
     assert usual(whole) is whole
+
+
+DOUBTED = (*CLAMPED[:-1], Op(Code.SELECT, (8, 3, 5)), Op(Code.SELECT, (10, 3, 15)))  # 15: OK for usual inputs too
+
+
+def test_what_is_right_for_all_does_without_the_truth():
+    whole = program(*DOUBTED, outputs=(13, 16))
+    found = unusual(whole)
+    assert found.counts()["select"] == pruned(whole).counts()["select"] - 1
+    assert Code.AND not in [op.code for op in found.ops]
+    for x in ([0.5, 1.0, 0.0], [-0.5, 1.0, 0.25], [0.5, 0.25, 2.0]):
+        assert interpret(found, {"x": x}, Numbers()) == interpret(whole, {"x": x}, Numbers())
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_truth_that_alone_finds_inputs_ok_stays(name):
+    assert unusual(PROGRAMS[name]) is PROGRAMS[name]

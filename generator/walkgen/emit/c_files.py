@@ -35,6 +35,7 @@ from walkgen.emit.c_small import Small
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
+from walkgen.graph.usual import unusual
 
 Functions = Sequence[tuple[CFunction, tuple[CFunction, ...]]]
 """Each with those of many rows."""
@@ -219,7 +220,8 @@ def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -
         name = function_name(program.signature, printer.precision)
         usual = usual_kernel(program, _free(f"{name}_usual", taken), printer) if program in leaving else None
         storage = "static" if program in in_lanes else "WG_INLINE" if count == 1 else "WG_REPEATED"
-        kernels[program] = replace(kernel(program, _free(f"{name}_kernel", taken), printer, storage), usual=usual)
+        whole = kernel(unusual(program) if usual else program, _free(f"{name}_kernel", taken), printer, storage)
+        kernels[program] = replace(whole, usual=usual)
     return kernels
 
 

@@ -1,7 +1,7 @@
 """Of a Program that tells by one truth which inputs are usual: what it computes of those, without what it would choose for others.
 
-A derivation may decide by a few comparisons that nothing can go wrong (status OK), and choose by many others what is right where something
-does. Where the first hold many of those are settled, and what they would choose need not be computed.
+A derivation may decide by a few comparisons that nothing can go wrong (status OK), and choose by many others what is right everywhere.
+Where the first hold many of those are settled, and what they would choose need not be computed; elsewhere the first are of no use.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,15 +19,28 @@ _BOTH = {Code.AND: False, Code.OR: True}
 def usual_truth(program: Program) -> int | None:
     """The operation whose truth is enough for every status to be OK, if all of them are chosen by it and it waits for no angle."""
     ops = program.ops
-    told = [ops[number] for number, name in zip(program.outputs, _names(program), strict=True) if name == "status"]
+    told = _told(program)
     truths = {op.arguments[0] for op in told if op.code is Code.SELECT}
     if len(truths) != 1 or not all(op.code is Code.SELECT and _is_ok(ops[op.arguments[1]]) for op in told):
         return None
     return None if any(ops[number].code in ANGULAR for number in needs(ops, truths)) else truths.pop()
 
 
+def _told(program: Program) -> list[Op]:
+    """What tells its statuses."""
+    return [program.ops[number] for number, name in zip(program.outputs, _names(program), strict=True) if name == "status"]
+
+
 def _is_ok(op: Op) -> bool:
     return op.code is Code.CONSTANT and op.value == _OK
+
+
+def _may_be_ok(ops: Sequence[Op], number: int) -> bool:
+    """Whether a status can be OK, as far as its choices tell."""
+    op = ops[number]
+    if op.code is Code.SELECT:
+        return any(_may_be_ok(ops, choice) for choice in op.arguments[1:])
+    return op.code is not Code.CONSTANT or _is_ok(op)
 
 
 def usual(program: Program) -> Program:
@@ -63,6 +76,15 @@ def _chosen(program: Program, known: Mapping[int, bool]) -> tuple[list[Op], list
         place.append(met.setdefault(own._replace(name=""), len(ops)))
         ops += [own] if place[-1] == len(ops) else []
     return ops, place
+
+
+def unusual(program: Program) -> Program:
+    """The Program without what serves usual inputs alone: what may find others OK too finds them all. Itself if nothing does."""
+    truth = usual_truth(program)
+    if truth is None or not all(_may_be_ok(program.ops, op.arguments[2]) for op in _told(program)):
+        return program
+    ops, place = _chosen(program, {truth: False})
+    return pruned(Program(program.signature, tuple(ops), tuple(place[number] for number in program.outputs)))
 
 
 def _names(program: Program) -> list[str]:

@@ -270,8 +270,8 @@ class Branches:
         unusual = self.tape.let("unusual_state", self.status(knee.outside, duplicate, singular, self.bad))
         status = self.tape.let("state", Select(usual, OK, unusual))
         yaw = self.yaw(rho, rho_sign, "one", usual)
-        folded = Both(Opposite(usual), Same(knee.opening, 0))
-        half = Angle(Select(folded, g.sign3, sine), sympy.Abs(knee.opening))  # at most a right angle: no half planes to tell
+        side = Select(usual, sine, Select(Same(knee.opening, 0), g.sign3, sine))  # of a folded knee, which has none
+        half = Angle(side, sympy.Abs(knee.opening))  # at most a right angle: no half planes to tell
         gamma = self.tape.let("gamma", 2 * half)
         thigh = self._poisoned(Angle(*self._from_zero(opposite, adjacent, "thigh")), "thigh", usual)
         last = self.knee_value(self._poisoned(gamma, "gamma", usual), "one", False, usual)
