@@ -28,8 +28,9 @@
  *     WG_ATAN2_CALLED              the same by a call, where it is not worth the room it takes
  *     WG_SINCOS_2 .. 4, WG_ATAN2_2 .. 4   several at once: WG_SINCOS_2(x, sin_x, cos_x, y, sin_y, cos_y)
  *     WG_MANY_SINCOS_2 .. 4        the same in functions of more than four angles
+ *     WG_REST_SINCOS_2 .. 4, WG_REST_ATAN2_2 .. 4   the same in functions that few inputs need
  *     WG_PART(angle, part) WG_TURN(s, c, sine, cosine)   for such an angle that is another of them and a part: walkgen_together.h
- *     WG_NEAR_SINCOS_2 .. 4, WG_NEAR_ATAN2_2 .. 4   the same in functions that may leave what is beyond the range to a copy of their own
+ *     WG_NEAR_SINCOS_2 .. 4, WG_NEAR_ATAN2_2 .. 4   the same in functions that leave what is beyond the range to others
  *     WG_TAN WG_SQRT WG_ABS WG_HYPOT
  *     WG_FMA(a, b, c)              a*b + c, rounded once where the target has the instruction, else a product and a sum
  *     WG_MIN(a, b) WG_MAX(a, b)    a < b ? a : b and a > b ? a : b: the second operand where either is NaN

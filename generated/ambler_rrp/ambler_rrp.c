@@ -1365,7 +1365,7 @@ WG_INLINE void ambler_rrp_leg_regular_rates_kernel(const double *WG_RESTRICT q, 
     qd[2] = -v[2];
     qdd[2] = -a[2];
     double sin_shoulder_elbow, cos_shoulder_elbow, sin_shoulder, cos_shoulder;
-    WG_SINCOS_2(q[1], sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
+    WG_REST_SINCOS_2(q[1], sin_shoulder_elbow, cos_shoulder_elbow, q[0], sin_shoulder, cos_shoulder);
     const double shoulder_to_tip_x = cos_shoulder_elbow + 1.5;
     const double t1 = sin_shoulder_elbow*shoulder_to_tip_x;
     const double det = WG_FMA(-cos_shoulder_elbow, sin_shoulder_elbow, t1);

@@ -1447,7 +1447,7 @@ WG_REPEATED void mero_leg_leg_inverse_branches_kernel(const double *WG_RESTRICT 
     const double thigh_plus_minus_sin = t3 + t4;
     const double thigh_plus_minus_cos = t6 - t5;
     double thigh_plus_plus, thigh_plus_minus, yaw_plus_angle, gamma_plus;
-    WG_ATAN2_4(thigh_plus_plus_sin, thigh_plus_plus_cos, thigh_plus_plus, thigh_plus_minus_sin,
+    WG_REST_ATAN2_4(thigh_plus_plus_sin, thigh_plus_plus_cos, thigh_plus_plus, thigh_plus_minus_sin,
         thigh_plus_minus_cos, thigh_plus_minus, p[1], p[0], yaw_plus_angle, knee_sin_plus, knee_cos_plus,
         gamma_plus);
     const double taint = p[2] - p[2] + (p[0] - p[0] + (p[1] - p[1]));
@@ -1548,7 +1548,7 @@ WG_INLINE void mero_leg_leg_inverse_one_kernel(const double *WG_RESTRICT p, int3
     const double unusual_state = WG_SELECT(!isfinite(taint), 2.0, t7);
     *status = (int32_t)(unusual_state);
     double yaw_one_angle, t8, thigh;
-    WG_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, WG_SELECT(knee_plus_clamped == 0.0, 1.0, knee_sin),
+    WG_REST_ATAN2_3(p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle, WG_SELECT(knee_plus_clamped == 0.0, 1.0, knee_sin),
         fabs(knee_plus_clamped), t8, thigh_sin, thigh_cos, thigh);
     const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
     const double yaw_one = WG_SELECT(t2, 0.0, yaw_one_half_open);
@@ -1717,7 +1717,7 @@ WG_INLINE void mero_leg_leg_regular_rates_kernel(const double *WG_RESTRICT q, co
     const double *WG_RESTRICT a, double *WG_RESTRICT qd, double *WG_RESTRICT qdd, int32_t *WG_RESTRICT status) {
     const double angle_thigh_shank = q[1] + q[2];
     double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
-    WG_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
+    WG_REST_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
         q[0], sin_yaw, cos_yaw);
     WG_TURN(sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh);
     const double shank_to_tip_x = cos_thigh_shank*0.4;

@@ -2525,7 +2525,7 @@ WG_REPEATED void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RES
     const double t7 = rho*along;
     const double thigh_plus_plus_cos = t6 + t7;
     double shank_angle, thigh_plus_plus;
-    WG_ATAN2_2(-param[1], shank_x, shank_angle, thigh_plus_plus_sin, thigh_plus_plus_cos, thigh_plus_plus);
+    WG_REST_ATAN2_2(-param[1], shank_x, shank_angle, thigh_plus_plus_sin, thigh_plus_plus_cos, thigh_plus_plus);
     const double slack = tolerance*(longest*2.0);
     const double outer2 = longest*(longest + slack);
     const double inner2 = bones*(bones - slack);
@@ -2534,7 +2534,7 @@ WG_REPEATED void mero_leg_param_leg_inverse_branches_kernel(const double *WG_RES
     const double thigh_plus_minus_sin = t3 + t5;
     const double thigh_plus_minus_cos = t7 - t6;
     double thigh_plus_minus, yaw_plus_angle, gamma_plus;
-    WG_ATAN2_3(thigh_plus_minus_sin, thigh_plus_minus_cos, thigh_plus_minus, p[1], p[0], yaw_plus_angle,
+    WG_REST_ATAN2_3(thigh_plus_minus_sin, thigh_plus_minus_cos, thigh_plus_minus, p[1], p[0], yaw_plus_angle,
         knee_sin_plus, knee_cos_plus, gamma_plus);
     const double t9 = WG_SELECT(outer2 < distance2_plus || distance2_plus < inner2, 1.0, 0.0);
     const double missed = WG_SELECT(!isfinite(taint), 2.0, t9);
@@ -2647,7 +2647,7 @@ WG_INLINE void mero_leg_param_leg_inverse_one_kernel(const double *WG_RESTRICT p
     const double outer2 = longest*(longest + slack);
     const double inner2 = bones*(bones - slack);
     double shank_angle, yaw_one_angle, t7, thigh;
-    WG_ATAN2_4(-param[1], shank_x, shank_angle, p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle,
+    WG_REST_ATAN2_4(-param[1], shank_x, shank_angle, p[1]*rho_sign, p[0]*rho_sign, yaw_one_angle,
         WG_SELECT(knee_plus_clamped == 0.0, 1.0, knee_sin), fabs(knee_plus_clamped), t7, thigh_sin, thigh_cos,
         thigh);
     const int t8 = (knee_sin_plus == 0.0 && knee_sign < 0.0) || (rho == 0.0 && rho_sign < 0.0);
@@ -2830,7 +2830,7 @@ WG_INLINE void mero_leg_param_leg_regular_rates_kernel(const double *WG_RESTRICT
     int32_t *WG_RESTRICT status) {
     const double angle_thigh_shank = q[1] + q[2];
     double sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh, sin_yaw, cos_yaw;
-    WG_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
+    WG_REST_SINCOS_3(WG_PART(angle_thigh_shank, q[2]), sin_thigh_shank, cos_thigh_shank, q[1], sin_thigh, cos_thigh,
         q[0], sin_yaw, cos_yaw);
     WG_TURN(sin_thigh_shank, cos_thigh_shank, sin_thigh, cos_thigh);
     const double shank_to_tip_x = WG_FMA(param[1], sin_thigh_shank, param[0]*cos_thigh_shank);

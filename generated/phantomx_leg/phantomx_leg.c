@@ -1592,7 +1592,7 @@ WG_INLINE void phantomx_leg_right_front_inverse_one_kernel(const double *WG_REST
     *status = (int32_t)(unusual_state);
     const double lift_thigh_sin = WG_FMA(-thigh_sin, 0.9756502324316491, thigh_cos*0.21933222279471182);
     double yaw_one_angle, t10, thigh;
-    WG_ATAN2_3(-(target_y*rho_sign), target_x*rho_sign, yaw_one_angle,
+    WG_REST_ATAN2_3(-(target_y*rho_sign), target_x*rho_sign, yaw_one_angle,
         WG_SELECT(knee_plus_clamped == 0.0, -1.0, knee_sin), fabs(knee_plus_clamped), t10, lift_thigh_sin,
         WG_FMA(-thigh_cos, 0.9756502324316491, -(thigh_sin*0.21933222279471182)), thigh);
     const double yaw_one_half_open = WG_SELECT(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle);
@@ -1790,8 +1790,8 @@ WG_INLINE void phantomx_leg_right_front_regular_rates_kernel(const double *WG_RE
     int32_t *WG_RESTRICT status) {
     const double angle_thigh_tibia = q[1] - q[2];
     double sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh, sin_coxa, cos_coxa;
-    WG_SINCOS_3(WG_PART(angle_thigh_tibia, -q[2]), sin_thigh_tibia, cos_thigh_tibia, q[1], sin_thigh, cos_thigh,
-        q[0], sin_coxa, cos_coxa);
+    WG_REST_SINCOS_3(WG_PART(angle_thigh_tibia, -q[2]), sin_thigh_tibia, cos_thigh_tibia, q[1], sin_thigh,
+        cos_thigh, q[0], sin_coxa, cos_coxa);
     WG_TURN(sin_thigh_tibia, cos_thigh_tibia, sin_thigh, cos_thigh);
     const double tibia_to_tip_x = cos_thigh_tibia*0.13;
     const double tibia_to_tip_y = sin_thigh_tibia*0.13;

@@ -62,7 +62,7 @@ struct wg_array {
 #endif
 
 #if (WG_REAL_BITS == 64 && !defined(WALKGEN_BATCH_F64)) || (WG_REAL_BITS == 32 && !defined(WALKGEN_BATCH_F32))
-/* Whether a lane's angle was lost. Of half as many bits as a number, for whose sake gcc computes two vectors of numbers beside each other; a
+/* Whether a lane is left over. Of half as many bits as a number, for whose sake gcc computes two vectors of numbers beside each other; a
  * number where vectors have no masks. */
 #if WG_REAL_BITS == 64
 #define WALKGEN_BATCH_F64

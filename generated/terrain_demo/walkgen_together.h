@@ -8,6 +8,12 @@
 #undef WG_MANY_SINCOS_2
 #undef WG_MANY_SINCOS_3
 #undef WG_MANY_SINCOS_4
+#undef WG_REST_SINCOS_2
+#undef WG_REST_SINCOS_3
+#undef WG_REST_SINCOS_4
+#undef WG_REST_ATAN2_2
+#undef WG_REST_ATAN2_3
+#undef WG_REST_ATAN2_4
 #undef WG_ATAN2_2
 #undef WG_ATAN2_3
 #undef WG_ATAN2_4
@@ -135,30 +141,63 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #endif
 #endif
 
-/* The same for a function of many angles: where each comes alone, it is called, or such functions would be little but sines. */
-#if defined(WALKGEN_LIBM) || WG_TOGETHER == 4 || defined(WALKGEN_ROWS)
-#define WG_MANY_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_2(a0, s0, c0, a1, s1, c1)
-#define WG_MANY_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
-#define WG_MANY_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
-#else
-#define WG_MANY_SINCOS_2(a0, s0, c0, a1, s1, c1) \
+/* The same by calls. */
+#if !defined(WG_CALLED_SINCOS_2)
+#define WG_CALLED_SINCOS(a, s, c) \
+    { \
+        const struct WG_NAME(wg_sine_cosine) wg_found = WG_NAME(wg_sincos_called)(a); \
+        s = wg_found.sine, c = wg_found.cosine; \
+    }
+#define WG_CALLED_SINCOS_2(a0, s0, c0, a1, s1, c1) \
     do { \
         WG_CALLED_SINCOS(a0, s0, c0) \
         WG_CALLED_SINCOS(a1, s1, c1) \
     } while (0)
-#define WG_MANY_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
+#define WG_CALLED_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) \
     do { \
         WG_CALLED_SINCOS(a0, s0, c0) \
         WG_CALLED_SINCOS(a1, s1, c1) \
         WG_CALLED_SINCOS(a2, s2, c2) \
     } while (0)
-#define WG_MANY_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
+#define WG_CALLED_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) \
     do { \
         WG_CALLED_SINCOS(a0, s0, c0) \
         WG_CALLED_SINCOS(a1, s1, c1) \
         WG_CALLED_SINCOS(a2, s2, c2) \
         WG_CALLED_SINCOS(a3, s3, c3) \
     } while (0)
+#define WG_CALLED_ATAN2_2(y0, x0, r0, y1, x1, r1) r0 = WG_ATAN2_CALLED(y0, x0), r1 = WG_ATAN2_CALLED(y1, x1)
+#define WG_CALLED_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_CALLED_ATAN2_2(y0, x0, r0, y1, x1, r1), r2 = WG_ATAN2_CALLED(y2, x2)
+#define WG_CALLED_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
+    WG_CALLED_ATAN2_2(y0, x0, r0, y1, x1, r1), WG_CALLED_ATAN2_2(y2, x2, r2, y3, x3, r3)
+#endif
+
+/* The same for a function of many angles: where each comes alone, it is called, or such functions would be little but sines. */
+#if defined(WALKGEN_LIBM) || WG_TOGETHER == 4 || defined(WALKGEN_ROWS)
+#define WG_MANY_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_2(a0, s0, c0, a1, s1, c1)
+#define WG_MANY_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
+#define WG_MANY_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#else
+#define WG_MANY_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_CALLED_SINCOS_2(a0, s0, c0, a1, s1, c1)
+#define WG_MANY_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_CALLED_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
+#define WG_MANY_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_CALLED_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#endif
+
+/* The same for what few inputs need, which is not worth the room; where size counts all inputs go there. */
+#if defined(WALKGEN_LIBM) || WG_SIZE_COUNTS || defined(WALKGEN_ROWS)
+#define WG_REST_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_SINCOS_2(a0, s0, c0, a1, s1, c1)
+#define WG_REST_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
+#define WG_REST_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#define WG_REST_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_ATAN2_2(y0, x0, r0, y1, x1, r1)
+#define WG_REST_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
+#define WG_REST_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
+#else
+#define WG_REST_SINCOS_2(a0, s0, c0, a1, s1, c1) WG_CALLED_SINCOS_2(a0, s0, c0, a1, s1, c1)
+#define WG_REST_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2) WG_CALLED_SINCOS_3(a0, s0, c0, a1, s1, c1, a2, s2, c2)
+#define WG_REST_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3) WG_CALLED_SINCOS_4(a0, s0, c0, a1, s1, c1, a2, s2, c2, a3, s3, c3)
+#define WG_REST_ATAN2_2(y0, x0, r0, y1, x1, r1) WG_CALLED_ATAN2_2(y0, x0, r0, y1, x1, r1)
+#define WG_REST_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2) WG_CALLED_ATAN2_3(y0, x0, r0, y1, x1, r1, y2, x2, r2)
+#define WG_REST_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) WG_CALLED_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
 #endif
 
 /* The same in a function of usual inputs alone: where an angle or a point is beyond the range, *status becomes UNREACHABLE and the function
@@ -215,12 +254,4 @@ WG_CALLED void WG_NAME(wg_sines_4)(WG_REAL a0, WG_REAL a1, WG_REAL a2, WG_REAL a
 #define WG_NEAR_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3) \
     WG_LEAVE_BEYOND(WG_POINTS_WITHIN_4(y0, x0, y1, x1, y2, x2, y3, x3)) \
     WG_ATAN2_4(y0, x0, r0, y1, x1, r1, y2, x2, r2, y3, x3, r3)
-#endif
-
-#if !defined(WG_CALLED_SINCOS)
-#define WG_CALLED_SINCOS(a, s, c) \
-    { \
-        const struct WG_NAME(wg_sine_cosine) wg_found = WG_NAME(wg_sincos_called)(a); \
-        s = wg_found.sine, c = wg_found.cosine; \
-    }
 #endif

@@ -218,10 +218,13 @@ def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -
     taken: set[str] = set()
     for program, count in uses.items():
         name = function_name(program.signature, printer.precision)
-        usual = usual_kernel(program, _free(f"{name}_usual", taken), printer) if program in leaving else None
         storage = "static" if program in in_lanes else "WG_INLINE" if count == 1 else "WG_REPEATED"
-        whole = kernel(unusual(program) if usual else program, _free(f"{name}_kernel", taken), printer, storage)
-        kernels[program] = replace(whole, usual=usual)
+        whole = _free(f"{name}_kernel", taken)
+        if program in leaving:
+            rest = kernel(unusual(program), whole, replace(printer, inputs="rest"), storage)
+            kernels[program] = replace(rest, usual=usual_kernel(program, _free(f"{name}_usual", taken), printer))
+        else:
+            kernels[program] = kernel(program, whole, printer, storage)
     return kernels
 
 

@@ -36,17 +36,17 @@ _KEPT = "\0"
 
 
 def kernel(program: Program, name: str, printer: CPrinter, storage: str = "static") -> CFunction:
-    """A Program as a static function that writes every output through a pointer; a printer that leaves makes it leave what is unusual."""
+    """A Program as a static function that writes every output through a pointer; one for usual inputs leaves the others."""
     signature = program.signature
     head = declared(f"{storage} void {name}", parameters(signature.inputs, signature.outputs, printer.precision))
-    body, truth = walk(program, printer), usual_truth(program) if printer.leaves else None
+    body, truth = walk(program, printer), usual_truth(program) if printer.inputs == "usual" else None
     lines = tuple(_program_lines(program, body, printer, None, None if truth is None else body.written[truth]))
     return CFunction(name, head, lines, locals_size=_locals_size(body, printer.precision))
 
 
 def usual_kernel(program: Program, name: str, printer: CPrinter) -> CFunction:
     """The same for usual inputs, which a function begins with."""
-    return kernel(usual(program), name, replace(printer, leaves=True), "WG_INLINE")
+    return kernel(usual(program), name, replace(printer, inputs="usual"), "WG_INLINE")
 
 
 def program_function(program: Program, printer: CPrinter) -> CFunction:

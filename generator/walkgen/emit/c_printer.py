@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import cached_property
+from typing import Literal
 
 from walkgen.emit.walker import Form, Level, Text
 from walkgen.graph.passes import TOGETHER
@@ -104,12 +105,12 @@ RESERVED = frozenset(_WORDS.split())
 class CPrinter:
     """Writes operations in one precision; `fma` fuses multiply-add where the target has it.
 
-    A function that is written to leave gives up beyond the range of sines and arctangents.
+    A function for `usual` inputs gives up beyond the range of sines and arctangents; one for the `rest` calls them.
     """
 
     precision: Precision
     fma: bool
-    leaves: bool = False
+    inputs: Literal["all", "usual", "rest"] = "all"
 
     @cached_property
     def forms(self) -> Mapping[Code, Form]:
@@ -120,7 +121,7 @@ class CPrinter:
 
     def together(self, angles: int) -> Mapping[Code, str]:
         """Macros of walkgen_together.h."""
-        start = "WG_NEAR" if self.leaves else "WG"
+        start = {"all": "WG", "usual": "WG_NEAR", "rest": "WG_REST"}[self.inputs]
         return {Code.SIN: f"{start}_SINCOS_{{0}}" if angles <= TOGETHER else "WG_MANY_SINCOS_{0}", Code.ATAN2: f"{start}_ATAN2_{{0}}"}
 
     @property
