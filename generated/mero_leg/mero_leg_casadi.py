@@ -78,18 +78,18 @@ def _leg_inverse_closed():
     t11 = ca.if_else(t2, 3.0, 0.0)
     t12 = knee_sin_plus == 0.0
     t13 = rho == 0.0
-    t14 = thigh_plus_plus + taint
-    t15 = taint + thigh_plus_minus
+    t14 = thigh_plus_plus - taint
+    t15 = thigh_plus_minus - taint
     yaw_plus_half_open = ca.if_else(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle)
     yaw_plus = ca.if_else(t2, 0.0, yaw_plus_half_open)
-    t16 = taint + yaw_plus
+    t16 = yaw_plus - taint
     t17 = ca.if_else(yaw_plus_angle <= 0.0, 3.141592653589793, -3.141592653589793)
     yaw_minus_angle = yaw_plus_angle + t17
     t18 = yaw_minus_angle <= -3.141592653589793
     yaw_minus_half_open = ca.if_else(t18, 3.141592653589793, yaw_minus_angle)
     yaw_minus = ca.if_else(t2, 0.0, yaw_minus_half_open)
-    t19 = taint + yaw_minus
-    t20 = taint + gamma_plus
+    t19 = yaw_minus - taint
+    t20 = gamma_plus - taint
     q2_plus_plus_half_open = ca.if_else(t14 <= -3.141592653589793, 3.141592653589793, t14)
     t21 = -t20
     q3_plus_minus_half_open = ca.if_else(t21 <= -3.141592653589793, 3.141592653589793, t21)
@@ -794,9 +794,9 @@ def leg_inverse_branch():
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = ca.if_else(t2, 0.0, yaw_one_half_open)
     gamma = 2.0 * ca.atan2(t11, ca.fabs(knee_plus_clamped))
-    t12 = taint + thigh
+    t12 = thigh - taint
     q2_one_half_open = ca.if_else(t12 <= -3.141592653589793, 3.141592653589793, t12)
-    q = _column([taint + yaw_one, q2_one_half_open, taint + gamma])
+    q = _column([yaw_one - taint, q2_one_half_open, gamma - taint])
     status = _column([unusual_state])
     return ca.Function(
         "mero_leg_leg_inverse_branch", [p, branch], [q, status], ["p", "branch"], ["q", "status"],

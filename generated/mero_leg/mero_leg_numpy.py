@@ -177,17 +177,17 @@ def _leg_inverse_branches(p):
     t9 = np.where(t2, 3.0, 0.0)
     t10 = knee_sin_plus == 0.0
     t11 = rho == 0.0
-    t12 = thigh_plus_plus + taint
-    t13 = taint + thigh_plus_minus
+    t12 = thigh_plus_plus - taint
+    t13 = thigh_plus_minus - taint
     yaw_plus_half_open = np.where(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle)
     yaw_plus = np.where(t2, 0.0, yaw_plus_half_open)
-    t14 = taint + yaw_plus
+    t14 = yaw_plus - taint
     t15 = np.where(yaw_plus_angle <= 0.0, 3.141592653589793, -3.141592653589793)
     yaw_minus_angle = yaw_plus_angle + t15
     yaw_minus_half_open = np.where(yaw_minus_angle <= -3.141592653589793, 3.141592653589793, yaw_minus_angle)
     yaw_minus = np.where(t2, 0.0, yaw_minus_half_open)
-    t16 = taint + yaw_minus
-    t17 = taint + gamma_plus
+    t16 = yaw_minus - taint
+    t17 = gamma_plus - taint
     q2_plus_plus_half_open = np.where(t12 <= -3.141592653589793, 3.141592653589793, t12)
     t18 = -t17
     q3_plus_minus_half_open = np.where(t18 <= -3.141592653589793, 3.141592653589793, t18)
@@ -268,9 +268,9 @@ def _leg_inverse_one(p, branch):
     yaw_one_half_open = np.where(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = np.where(t2, 0.0, yaw_one_half_open)
     gamma = 2.0 * np.arctan2(t9, np.abs(knee_plus_clamped))
-    t10 = taint + thigh
+    t10 = thigh - taint
     q2_one_half_open = np.where(t10 <= -3.141592653589793, 3.141592653589793, t10)
-    q = _array(lead, (3,), np.float64, [taint + yaw_one, q2_one_half_open, taint + gamma])
+    q = _array(lead, (3,), np.float64, [yaw_one - taint, q2_one_half_open, gamma - taint])
     status = _array(lead, (), np.int32, [unusual_state])
     target = _array(lead, (3,), np.float64, [p_0, p_1, offset_z])
     return q, status, target

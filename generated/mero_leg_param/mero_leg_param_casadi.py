@@ -91,18 +91,18 @@ def _leg_inverse_closed():
     t16 = ca.if_else(ca.logic_or(t5, t2), 3.0, 0.0)
     t17 = knee_sin_plus == 0.0
     t18 = rho == 0.0
-    t19 = taint + thigh_plus_plus
-    t20 = taint + thigh_plus_minus
+    t19 = thigh_plus_plus - taint
+    t20 = thigh_plus_minus - taint
     yaw_plus_half_open = ca.if_else(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle)
     yaw_plus = ca.if_else(t5, 0.0, yaw_plus_half_open)
-    t21 = taint + yaw_plus
+    t21 = yaw_plus - taint
     t22 = ca.if_else(yaw_plus_angle <= 0.0, 3.141592653589793, -3.141592653589793)
     yaw_minus_angle = yaw_plus_angle + t22
     t23 = yaw_minus_angle <= -3.141592653589793
     yaw_minus_half_open = ca.if_else(t23, 3.141592653589793, yaw_minus_angle)
     yaw_minus = ca.if_else(t5, 0.0, yaw_minus_half_open)
-    t24 = taint + yaw_minus
-    t25 = taint + gamma_plus
+    t24 = yaw_minus - taint
+    t25 = gamma_plus - taint
     q3_plus_plus_sum = t25 - shank_angle
     t26 = ca.if_else(q3_plus_plus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_plus_plus_turns = ca.if_else(3.141592653589793 < q3_plus_plus_sum, 1.0, 0.0) - t26
@@ -1237,13 +1237,13 @@ def leg_inverse_branch():
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = ca.if_else(t2, 0.0, yaw_one_half_open)
     gamma = 2.0 * ca.atan2(t12, ca.fabs(knee_plus_clamped))
-    t17 = taint + thigh
-    q3_one_sum = taint + gamma - shank_angle
+    t17 = thigh - taint
+    q3_one_sum = gamma - taint - shank_angle
     t18 = ca.if_else(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
     q3_one_turns = ca.if_else(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t18
     q3_one_wrapped = q3_one_sum - q3_one_turns * 6.283185307179586
     q2_one_half_open = ca.if_else(t17 <= -3.141592653589793, 3.141592653589793, t17)
-    q = _column([taint + yaw_one, ca.if_else(t3, taint, q2_one_half_open), q3_one_wrapped])
+    q = _column([yaw_one - taint, ca.if_else(t3, taint, q2_one_half_open), q3_one_wrapped])
     status = _column([unusual_state])
     return ca.Function(
         "mero_leg_param_leg_inverse_branch", [p, branch, param], [q, status], ["p", "branch", "param"],

@@ -223,17 +223,17 @@ def _leg_inverse_branches(p, param):
     t12 = np.where(np.logical_or(t5, t2), 3.0, 0.0)
     t13 = knee_sin_plus == 0.0
     t14 = rho == 0.0
-    t15 = taint + thigh_plus_plus
-    t16 = taint + thigh_plus_minus
+    t15 = thigh_plus_plus - taint
+    t16 = thigh_plus_minus - taint
     yaw_plus_half_open = np.where(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle)
     yaw_plus = np.where(t5, 0.0, yaw_plus_half_open)
-    t17 = taint + yaw_plus
+    t17 = yaw_plus - taint
     t18 = np.where(yaw_plus_angle <= 0.0, 3.141592653589793, -3.141592653589793)
     yaw_minus_angle = yaw_plus_angle + t18
     yaw_minus_half_open = np.where(yaw_minus_angle <= -3.141592653589793, 3.141592653589793, yaw_minus_angle)
     yaw_minus = np.where(t5, 0.0, yaw_minus_half_open)
-    t19 = taint + yaw_minus
-    t20 = taint + gamma_plus
+    t19 = yaw_minus - taint
+    t20 = gamma_plus - taint
     q3_plus_plus_sum = t20 - shank_angle
     t21 = np.where(q3_plus_plus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_plus_plus_turns = np.where(3.141592653589793 < q3_plus_plus_sum, 1.0, 0.0) - t21
@@ -340,14 +340,14 @@ def _leg_inverse_one(p, branch, param):
     yaw_one_half_open = np.where(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = np.where(t2, 0.0, yaw_one_half_open)
     gamma = 2.0 * np.arctan2(t8, np.abs(knee_plus_clamped))
-    t13 = taint + thigh
-    q3_one_sum = taint + gamma - shank_angle
+    t13 = thigh - taint
+    q3_one_sum = gamma - taint - shank_angle
     t14 = np.where(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
     q3_one_turns = np.where(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t14
     q3_one_wrapped = q3_one_sum - q3_one_turns * 6.283185307179586
     q2_one_half_open = np.where(t13 <= -3.141592653589793, 3.141592653589793, t13)
     q = _array(lead, (3,), np.float64, [
-        taint + yaw_one, np.where(t3, taint, q2_one_half_open), q3_one_wrapped,
+        yaw_one - taint, np.where(t3, taint, q2_one_half_open), q3_one_wrapped,
     ])
     status = _array(lead, (), np.int32, [unusual_state])
     target = _array(lead, (3,), np.float64, [p_0, p_1, offset_z])

@@ -121,20 +121,20 @@ def _right_front_inverse_closed():
     t29 = missed_2 == 0.0
     t30 = rho == 0.0
     t31 = ca.if_else(ca.logic_or(t30, knee_sin_minus == 0.0), 6.0, t28)
-    thigh_plus_plus_checked = thigh_plus_plus + taint
-    thigh_plus_minus_checked = taint + thigh_plus_minus
-    thigh_minus_plus_checked = taint + thigh_minus_plus
-    thigh_minus_minus_checked = taint + thigh_minus_minus
+    thigh_plus_plus_checked = thigh_plus_plus - taint
+    thigh_plus_minus_checked = thigh_plus_minus - taint
+    thigh_minus_plus_checked = thigh_minus_plus - taint
+    thigh_minus_minus_checked = thigh_minus_minus - taint
     yaw_plus_half_open = ca.if_else(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle)
     yaw_plus = ca.if_else(t4, 0.0, yaw_plus_half_open)
-    yaw_plus_checked = taint + yaw_plus
+    yaw_plus_checked = yaw_plus - taint
     t32 = ca.if_else(yaw_plus_angle <= 0.0, 3.141592653589793, -3.141592653589793)
     yaw_minus_angle = yaw_plus_angle + t32
     t33 = yaw_minus_angle <= -3.141592653589793
     yaw_minus_half_open = ca.if_else(t33, 3.141592653589793, yaw_minus_angle)
     yaw_minus = ca.if_else(t4, 0.0, yaw_minus_half_open)
-    yaw_minus_checked = taint + yaw_minus
-    gamma_plus_checked = taint + gamma_plus
+    yaw_minus_checked = yaw_minus - taint
+    gamma_plus_checked = gamma_plus - taint
     q3_plus_plus_sum = 4.491259005845174 - gamma_plus_checked
     t34 = ca.if_else(q3_plus_plus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_plus_plus_turns = ca.if_else(3.141592653589793 < q3_plus_plus_sum, 1.0, 0.0) - t34
@@ -147,7 +147,7 @@ def _right_front_inverse_closed():
     q3_plus_minus_wrapped = q3_plus_minus_sum - 6.283185307179586 * q3_plus_minus_turns
     t37 = thigh_plus_minus_checked <= -3.141592653589793
     q2_plus_minus_half_open = ca.if_else(t37, 3.141592653589793, thigh_plus_minus_checked)
-    gamma_minus_checked = taint + gamma_minus
+    gamma_minus_checked = gamma_minus - taint
     q3_minus_plus_sum = 4.491259005845174 - gamma_minus_checked
     t38 = ca.if_else(q3_minus_plus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_minus_plus_turns = ca.if_else(3.141592653589793 < q3_minus_plus_sum, 1.0, 0.0) - t38
@@ -922,13 +922,13 @@ def right_front_inverse_branch():
     yaw_one_half_open = ca.if_else(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = ca.if_else(t4, 0.0, yaw_one_half_open)
     gamma = 2.0 * ca.atan2(t13, ca.fabs(knee_plus_clamped))
-    t15 = taint + thigh
-    q3_one_sum = 4.491259005845174 - (taint + gamma)
+    t15 = thigh - taint
+    q3_one_sum = 4.491259005845174 - (gamma - taint)
     t16 = ca.if_else(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
     q3_one_turns = ca.if_else(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t16
     q3_one_wrapped = q3_one_sum - q3_one_turns * 6.283185307179586
     q2_one_half_open = ca.if_else(t15 <= -3.141592653589793, 3.141592653589793, t15)
-    q = _column([taint + yaw_one, q2_one_half_open, q3_one_wrapped])
+    q = _column([yaw_one - taint, q2_one_half_open, q3_one_wrapped])
     status = _column([unusual_state])
     return ca.Function(
         "phantomx_leg_right_front_inverse_branch", [p, branch], [q, status], ["p", "branch"], ["q", "status"],

@@ -223,19 +223,19 @@ def _right_front_inverse_branches(p):
     t30 = missed_2 == 0.0
     t31 = rho == 0.0
     t32 = np.where(np.logical_or(t31, knee_sin_minus == 0.0), 6.0, t29)
-    thigh_plus_plus_checked = thigh_plus_plus + taint
-    thigh_plus_minus_checked = taint + thigh_plus_minus
-    thigh_minus_plus_checked = taint + thigh_minus_plus
-    thigh_minus_minus_checked = taint + thigh_minus_minus
+    thigh_plus_plus_checked = thigh_plus_plus - taint
+    thigh_plus_minus_checked = thigh_plus_minus - taint
+    thigh_minus_plus_checked = thigh_minus_plus - taint
+    thigh_minus_minus_checked = thigh_minus_minus - taint
     yaw_plus_half_open = np.where(yaw_plus_angle <= -3.141592653589793, 3.141592653589793, yaw_plus_angle)
     yaw_plus = np.where(t4, 0.0, yaw_plus_half_open)
-    yaw_plus_checked = taint + yaw_plus
+    yaw_plus_checked = yaw_plus - taint
     t33 = np.where(yaw_plus_angle <= 0.0, 3.141592653589793, -3.141592653589793)
     yaw_minus_angle = yaw_plus_angle + t33
     yaw_minus_half_open = np.where(yaw_minus_angle <= -3.141592653589793, 3.141592653589793, yaw_minus_angle)
     yaw_minus = np.where(t4, 0.0, yaw_minus_half_open)
-    yaw_minus_checked = taint + yaw_minus
-    gamma_plus_checked = taint + gamma_plus
+    yaw_minus_checked = yaw_minus - taint
+    gamma_plus_checked = gamma_plus - taint
     q3_plus_plus_sum = 4.491259005845174 - gamma_plus_checked
     t34 = np.where(q3_plus_plus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_plus_plus_turns = np.where(3.141592653589793 < q3_plus_plus_sum, 1.0, 0.0) - t34
@@ -248,7 +248,7 @@ def _right_front_inverse_branches(p):
     q3_plus_minus_wrapped = q3_plus_minus_sum - 6.283185307179586 * q3_plus_minus_turns
     t37 = thigh_plus_minus_checked <= -3.141592653589793
     q2_plus_minus_half_open = np.where(t37, 3.141592653589793, thigh_plus_minus_checked)
-    gamma_minus_checked = taint + gamma_minus
+    gamma_minus_checked = gamma_minus - taint
     q3_minus_plus_sum = 4.491259005845174 - gamma_minus_checked
     t38 = np.where(q3_minus_plus_sum <= -3.141592653589793, 1.0, 0.0)
     q3_minus_plus_turns = np.where(3.141592653589793 < q3_minus_plus_sum, 1.0, 0.0) - t38
@@ -341,13 +341,13 @@ def _right_front_inverse_one(p, branch):
     yaw_one_half_open = np.where(yaw_one_angle <= -3.141592653589793, 3.141592653589793, yaw_one_angle)
     yaw_one = np.where(t4, 0.0, yaw_one_half_open)
     gamma = 2.0 * np.arctan2(t11, np.abs(knee_plus_clamped))
-    t13 = taint + thigh
-    q3_one_sum = 4.491259005845174 - (taint + gamma)
+    t13 = thigh - taint
+    q3_one_sum = 4.491259005845174 - (gamma - taint)
     t14 = np.where(q3_one_sum <= -3.141592653589793, 1.0, 0.0)
     q3_one_turns = np.where(3.141592653589793 < q3_one_sum, 1.0, 0.0) - t14
     q3_one_wrapped = q3_one_sum - q3_one_turns * 6.283185307179586
     q2_one_half_open = np.where(t13 <= -3.141592653589793, 3.141592653589793, t13)
-    q = _array(lead, (3,), np.float64, [taint + yaw_one, q2_one_half_open, q3_one_wrapped])
+    q = _array(lead, (3,), np.float64, [yaw_one - taint, q2_one_half_open, q3_one_wrapped])
     status = _array(lead, (), np.int32, [unusual_state])
     target = _array(lead, (3,), np.float64, [target_x, -target_y, offset_z])
     return q, status, target

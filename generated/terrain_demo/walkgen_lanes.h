@@ -2,7 +2,8 @@
  *
  * The same text is a function of one row, and within a loop over WG_LANES rows, whose like numbers lie side by side, what compilers turn
  * into vectors of any width: it has no branch, and here sine, cosine and arctangent have none either. Beyond their range (walkgen_trig.h)
- * they give NaN, and a row with a NaN among the results that tell of it is computed once more, alone. Lane by lane the bits of one row.
+ * they give NaN, and a row with a NaN among the results that tell of it, or with a status other than OK, is left over: it is computed once
+ * more, alone. Lane by lane the bits of one row.
  */
 #if defined(WALKGEN_ROWS)
 #undef WG_ROW

@@ -107,6 +107,24 @@ def test_the_bits_are_those_of_plain_c(folder, tag, target):
 
 
 @needs_avx2
+@PRECISIONS
+def test_the_rest_has_the_bits_of_what_it_is_the_rest_of(folder, tag):
+    """Where size counts it serves all inputs; the signs of zeros among them."""
+    vectors = TARGETS["vectors"]
+    fast, small = (
+        ctypes.CDLL(str(compiled(folder, tag, f"rest{tag}{level}.so", *vectors, level, "-shared", "-fPIC"))) for level in ("-O2", "-Os")
+    )
+    points = far_points(np.random.default_rng(6))
+    branches = np.arange(len(points), dtype=np.int32) % 4
+    for name in (LEAVING[0], LEAVING[2]):
+        with np.errstate(over="ignore"):
+            found, expected = (answers(library, tag, name, points, branches) for library in (fast, small))
+        assert set(found[0]) >= {0, 1, 2}
+        for ours, theirs in zip(found, expected, strict=True):
+            assert np.array_equal(ours, theirs), name
+
+
+@needs_avx2
 def test_huge_angles_have_the_rates_of_their_turns(folder):
     """Not left unanswered: 2 pi times a power of 2 more, as near as such an angle comes, is the same pose."""
     library = ctypes.CDLL(str(compiled(folder, "", "huge.so", *TARGETS["vectors"], "-shared", "-fPIC")))

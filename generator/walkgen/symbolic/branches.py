@@ -248,9 +248,9 @@ class Branches:
         return Select(knee.collapsed, self._taint, self.half_open(thigh, f"q2_{name}"))
 
     def _poisoned(self, angle: sympy.Expr, name: str, usual: sympy.Basic) -> sympy.Expr:
-        """The angle, NaN for a bad input, which no usual one is."""
+        """The angle, NaN for a bad input, which no usual one is; a difference keeps the sign of -0."""
         angle = self.tape.let(name, angle)
-        return self.tape.let(f"{name}_checked", Select(usual, angle, angle + self._taint))
+        return self.tape.let(f"{name}_checked", Select(usual, angle, angle - self._taint))
 
     def one_row(self) -> Row:
         """The branch with this index, by signs instead of choices; what decides for usual targets comes first and is enough."""
