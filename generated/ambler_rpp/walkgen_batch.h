@@ -67,13 +67,13 @@ struct wg_array {
 #if WG_REAL_BITS == 64
 #define WALKGEN_BATCH_F64
 #if WG_MASKS
-typedef int32_t wg_lost;
+typedef int32_t wg_left;
 #else
-typedef double wg_lost;
+typedef double wg_left;
 #endif
 #else
 #define WALKGEN_BATCH_F32
-typedef int16_t wg_lost_f32;
+typedef int16_t wg_left_f32;
 #endif
 
 /* One row, its numbers side by side. */
@@ -88,7 +88,7 @@ struct WG_NAME(wg_lanes) {
 
 /* A function of rows in both forms; how many arrays are its inputs and its outputs, and how many statuses the last one has. */
 struct WG_NAME(wg_laned) {
-    void (*block)(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_lost) *lost);
+    void (*block)(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_left) *left);
     WG_NAME(wg_alone) alone;
     int32_t inputs, outputs, statuses;
 };
@@ -109,7 +109,7 @@ struct WG_NAME(wg_gathered) {
  */
 struct WG_NAME(wg_course) {
     WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES]; /* of three numbers a fourth is read too */
-    WG_ALIGNED WG_NAME(wg_lost) lost[WG_LANES];
+    WG_ALIGNED WG_NAME(wg_left) left[WG_LANES];
     struct WG_NAME(wg_gathered) blocks[2];
     struct WG_NAME(wg_port) ports[WG_MOST_GIVEN + WG_MOST_FOUND], *results, *end;
     const struct WG_NAME(wg_laned) *laned;
@@ -234,8 +234,8 @@ static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int 
 
 /* A block of so many rows. */
 static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered) {
-    course->laned->block(gathered->lanes, course->lost);
-    course->calm = !WG_NAME(wg_any_lost)(course->lost);
+    course->laned->block(gathered->lanes, course->left);
+    course->calm = !WG_NAME(wg_any_left)(course->left);
     if (!course->calm) {
         WG_NAME(wg_mend)(course, count, 0, gathered);
     }

@@ -38,7 +38,7 @@
 
 /* How a block of rows is computed: where each port's numbers lie, and for each lane whether it is left over; and how one row is, its numbers
  * side by side. */
-#define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_lost) *WG_RESTRICT lost)
+#define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_left) *WG_RESTRICT left)
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
 #define WG_LANED(name, inputs, outputs, statuses) \
     static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs, statuses}
@@ -95,10 +95,10 @@
 #undef WG_DONE_IF
 #if WG_MASKS
 #define WG_DONE(telling) WG_DONE_IF(telling, WG_C(0.0))
-#define WG_DONE_IF(telling, status) lost[lane] = !((telling) - (telling) == (status));
+#define WG_DONE_IF(telling, status) left[lane] = !((telling) - (telling) == (status));
 #else
-#define WG_DONE(telling) lost[lane] = (telling) - (telling);
-#define WG_DONE_IF(telling, status) lost[lane] = (telling) - (telling) + (status);
+#define WG_DONE(telling) left[lane] = (telling) - (telling);
+#define WG_DONE_IF(telling, status) left[lane] = (telling) - (telling) + (status);
 #endif
 #define WG_KEEP_1(port) wg_##port[lane] = port[0];
 #define WG_KEEP_2(port) WG_KEEP_1(port) wg_##port[wg_##port##_step + lane] = port[1];

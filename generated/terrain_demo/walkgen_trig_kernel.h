@@ -108,8 +108,8 @@ WG_INLINE WG_T WG_TN(wg_where)(WG_TBITS mask, WG_T x) { return WG_TN(walkgen_of_
 
 /* The angle of (x, y). The direction (along, across) it is seen from is (1, 0), (1, 1) or (0, 1), mirrored where x < 0: the one that
  * keeps the tangent within 1/2, where the difference in it is exact (Sterbenz). The answer holds where the extent is neither 0 nor infinite;
- * of `lost` ones it is NaN elsewhere: 0 divides, and a difference that is free is no number. */
-WG_INLINE WG_T WG_TN(wg_atan2_near)(WG_T y, WG_T x, WG_T *extent, int lost) {
+ * in a `lane` it is NaN elsewhere: 0 divides, and a difference that is free is no number. */
+WG_INLINE WG_T WG_TN(wg_atan2_near)(WG_T y, WG_T x, WG_T *extent, int lane) {
     const WG_T ax = WG_TABS(x), ay = WG_TABS(y);
     const WG_TBITS along = WG_TLESS(ay, ax + ax), across = WG_TLESS(ax, ay + ay), side = WG_TN(walkgen_to_bits)(x) & WG_SIGN;
     const WG_T beside = WG_TN(wg_where)(along, ay) - WG_TN(wg_where)(across, ax);
@@ -118,7 +118,7 @@ WG_INLINE WG_T WG_TN(wg_atan2_near)(WG_T y, WG_T x, WG_T *extent, int lost) {
     *extent = WG_TN(wg_where)(along, ax) + WG_TN(wg_where)(across, ay);
     {
         const WG_T tangent = WG_TN(walkgen_of_bits)(WG_TN(walkgen_to_bits)(beside / *extent) ^ side), z = tangent * tangent;
-        const WG_T rest = lost ? WG_TFMA(eighths, WG_TK(WG_EIGHTH_REST), *extent - *extent) : eighths * WG_TK(WG_EIGHTH_REST);
+        const WG_T rest = lane ? WG_TFMA(eighths, WG_TK(WG_EIGHTH_REST), *extent - *extent) : eighths * WG_TK(WG_EIGHTH_REST);
         const WG_T bend = WG_TFMA(-(tangent * z), WG_TN(wg_arctangent_series)(z), rest);
         return WG_TCOPYSIGN(WG_TFMA(eighths, WG_TK(WG_EIGHTH), tangent + bend), y);
     }

@@ -9,7 +9,7 @@ from mechanisms.hand_programs import constant, inputs, made
 from walkgen.graph.interpret import interpret
 from walkgen.graph.passes import pruned
 from walkgen.graph.program import Code, Op
-from walkgen.graph.usual import unusual, usual, usual_truth
+from walkgen.graph.usual import for_all, usual, usual_truth
 from walkgen.signature import Port
 
 OK, UNREACHABLE, SINGULAR = 0, 1, 3
@@ -109,7 +109,7 @@ DOUBTED = (*CLAMPED[:-1], Op(Code.SELECT, (8, 3, 5)), Op(Code.SELECT, (10, 3, 15
 
 def test_what_is_right_for_all_does_without_the_truth():
     whole = program(*DOUBTED, outputs=(13, 16))
-    found = unusual(whole)
+    found = for_all(whole)
     assert found.counts()["select"] == pruned(whole).counts()["select"] - 1
     assert Code.AND not in [op.code for op in found.ops]
     for x in ([0.5, 1.0, 0.0], [-0.5, 1.0, 0.25], [0.5, 0.25, 2.0]):
@@ -118,4 +118,4 @@ def test_what_is_right_for_all_does_without_the_truth():
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_truth_that_alone_finds_inputs_ok_stays(name):
-    assert unusual(PROGRAMS[name]) is PROGRAMS[name]
+    assert for_all(PROGRAMS[name]) is PROGRAMS[name]

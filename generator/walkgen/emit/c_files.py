@@ -35,7 +35,7 @@ from walkgen.emit.c_small import Small
 from walkgen.emit.c_text import banner, comment_text, words
 from walkgen.emit.layout import lay_out
 from walkgen.graph.program import Composite, Program
-from walkgen.graph.usual import unusual
+from walkgen.graph.usual import for_all
 
 Functions = Sequence[tuple[CFunction, tuple[CFunction, ...]]]
 """Each with those of many rows."""
@@ -221,7 +221,7 @@ def _kernels(code: RobotCode, printer: CPrinter, in_lanes: Container[Program]) -
         storage = "static" if program in in_lanes else "WG_INLINE" if count == 1 else "WG_REPEATED"
         whole = _free(f"{name}_kernel", taken)
         if program in leaving:
-            rest = kernel(unusual(program), whole, replace(printer, inputs="rest"), storage)
+            rest = kernel(for_all(program), whole, replace(printer, inputs="rest"), storage)
             kernels[program] = replace(rest, usual=usual_kernel(program, _free(f"{name}_usual", taken), printer))
         else:
             kernels[program] = kernel(program, whole, printer, storage)

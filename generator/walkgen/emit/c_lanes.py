@@ -204,7 +204,8 @@ def _block(each: Laned, kernel: CFunction, precision: Precision) -> Iterator[str
     texts = {name: f"{name}[0]" for name, port in zip(each.arguments, own.inputs, strict=False) if not port.shape}
     yield _call(each, kernel, texts, lane=True)
     yield from (f"WG_KEEP_{port.size}({port.name})" for port in signature.outputs if port is not signature.status)
-    yield f"WG_DONE_IF({_telling(each)}, {_status(each)})" if signature.status else f"WG_DONE({_telling(each)})"
+    status = signature.status
+    yield f"WG_DONE_IF({_telling(each)}, {_left(each, status.name)})" if status else f"WG_DONE({_telling(each)})"
 
 
 def _telling(each: Laned) -> str:
@@ -213,11 +214,10 @@ def _telling(each: Laned) -> str:
     return " + ".join(elements[place] for place in each.telling) or "0"
 
 
-def _status(each: Laned) -> str:
+def _left(each: Laned, status: str) -> str:
     """A sum that is 0 where all statuses are OK; of those that are one operation one is enough."""
     found = zip(each.computed.outputs, _elements(each), strict=True)
-    start = f"{each.signature.status.name}[" if each.signature.status else ""
-    return " + ".join({number: element for number, element in found if element.startswith(start)}.values())
+    return " + ".join({number: element for number, element in found if element.startswith(f"{status}[")}.values())
 
 
 def _elements(each: Laned) -> list[str]:

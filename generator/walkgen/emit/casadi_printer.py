@@ -10,7 +10,7 @@ from walkgen.emit.layout import lay_out
 from walkgen.emit.python_text import OPERATORS, banner, listing, literal, printable, short_name, summary, title
 from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Op, Program
-from walkgen.graph.usual import unusual
+from walkgen.graph.usual import for_all
 from walkgen.signature import Port
 
 _FORMS: Mapping[Code, Form] = {
@@ -153,7 +153,7 @@ def _function(body: Body, form: Body, public: Collection[Program], prefix: str =
 
 
 def _program_lines(program: Program) -> Iterator[str]:
-    text = walk(residues_kept(unusual(program)), CasadiPrinter())
+    text = walk(residues_kept(for_all(program)), CasadiPrinter())
     yield from (f"    {statement.name} = {statement.text}" for statement in text.statements)
     outputs = iter(output.text for output in text.outputs)
     for port in program.signature.outputs:

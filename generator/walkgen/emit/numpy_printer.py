@@ -12,7 +12,7 @@ from walkgen.emit.python_text import OPERATORS, banner, listing, literal, shape_
 from walkgen.emit.walker import Form, Text, walk
 from walkgen.graph.program import Call, Code, Composite, Program
 from walkgen.graph.routines import ROUTINES, Routine
-from walkgen.graph.usual import unusual
+from walkgen.graph.usual import for_all
 from walkgen.signature import Argument, Port, Records, Signature, Table
 
 _FORMS: Mapping[Code, Form] = {
@@ -132,7 +132,7 @@ def _import(module: str, routines: set[Routine]) -> str:
 
 
 def _program(program: Program, prefix: str = "") -> PythonFunction:
-    signature, computed = program.signature, unusual(program)
+    signature, computed = program.signature, for_all(program)
     body = walk(computed, NumpyPrinter(computed))
     names = [name for port in signature.inputs for name in _element_names(port)]
     opening = listing(f"lead, {unpacked(names)} = _elements(", map(_given, signature.inputs), ")") if names else ("    lead = ()",)

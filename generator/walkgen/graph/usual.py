@@ -78,7 +78,7 @@ def _chosen(program: Program, known: Mapping[int, bool]) -> tuple[list[Op], list
     return ops, place
 
 
-def unusual(program: Program) -> Program:
+def for_all(program: Program) -> Program:
     """The Program without what serves usual inputs alone: what may find others OK too finds them all. Itself if nothing does."""
     truth = usual_truth(program)
     if truth is None or not all(_may_be_ok(program.ops, op.arguments[2]) for op in _told(program)):

@@ -11,9 +11,9 @@
 #endif
 
 /* Whether any lane is left over. By words: sums and products leave the units for them free. */
-static inline int WG_NAME(wg_any_lost)(const WG_NAME(wg_lost) *lost) {
-    uint64_t words[WG_LANES * sizeof *lost / 8], any = 0;
-    memcpy(words, lost, sizeof words);
+static inline int WG_NAME(wg_any_left)(const WG_NAME(wg_left) *left) {
+    uint64_t words[WG_LANES * sizeof *left / 8], any = 0;
+    memcpy(words, left, sizeof words);
     for (size_t word = 0; word < sizeof words / sizeof *words; ++word) {
         any |= words[word];
     }
@@ -67,7 +67,7 @@ static inline void WG_NAME(wg_all_ok)(struct WG_NAME(wg_course) *course) {
 /* A block of so many rows with some that are left over, or `all` of them. */
 WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, int all, const struct WG_NAME(wg_gathered) *gathered) {
     for (int lane = 0; lane < count; ++lane) {
-        if (all || course->lost[lane]) {
+        if (all || course->left[lane]) {
             WG_NAME(wg_lane_alone)(course, gathered, lane);
         }
     }
