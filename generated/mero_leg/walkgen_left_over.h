@@ -29,18 +29,22 @@ static inline int WG_NAME(wg_row_has)(int32_t status, int states, const WG_REAL 
     return has;
 }
 
+/* Where a lane of a block is: what lies in between is of one block. */
+static inline ptrdiff_t WG_NAME(wg_place)(const struct WG_NAME(wg_port) *port, ptrdiff_t first, int lane) {
+    return (port->direct ? first : 0) + lane;
+}
+
 /* One lane of a block by itself. */
-WG_CALLED void WG_NAME(wg_lane_alone)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_gathered) *gathered, int lane) {
+WG_CALLED void WG_NAME(wg_lane_alone)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_lanes) *lanes, ptrdiff_t first, int lane) {
     WG_REAL in[WG_MOST_GIVEN] = {0}, out[WG_MOST_FOUND] = {0}, *number = in;
     const WG_REAL *const told = out + course->outputs - course->states;
-    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     const struct WG_NAME(wg_port) *port = course->ports;
     for (; port < course->results; ++port, ++lanes) {
         if (port->kind != WG_NUMBER) {
-            *number++ = WG_NAME(wg_integer)(WG_STATUS, (const char *)((const int32_t *)lanes->at + lane));
+            *number++ = WG_NAME(wg_integer)(WG_STATUS, (const char *)((const int32_t *)lanes->at + WG_NAME(wg_place)(port, first, lane)));
         }
         for (int element = 0; port->kind == WG_NUMBER && element < port->size; ++element) {
-            *number++ = ((const WG_REAL *)lanes->at)[element * lanes->step + lane];
+            *number++ = ((const WG_REAL *)lanes->at)[element * lanes->step + WG_NAME(wg_place)(port, first, lane)];
         }
     }
     course->laned->alone(in, out);
@@ -51,7 +55,7 @@ WG_CALLED void WG_NAME(wg_lane_alone)(struct WG_NAME(wg_course) *course, const s
     number = out;
     for (; port < course->end; ++port, ++lanes) {
         for (int element = 0; element < port->size; ++element) {
-            ((WG_REAL *)lanes->at)[element * lanes->step + lane] = *number++;
+            ((WG_REAL *)lanes->at)[element * lanes->step + WG_NAME(wg_place)(port, first, lane)] = *number++;
         }
     }
 }
@@ -65,10 +69,10 @@ static inline void WG_NAME(wg_all_ok)(struct WG_NAME(wg_course) *course) {
 }
 
 /* A block of so many rows with some that are left over, or `all` of them. */
-WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, int count, int all, const struct WG_NAME(wg_gathered) *gathered) {
+WG_CALLED void WG_NAME(wg_mend)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_lanes) *lanes, ptrdiff_t first, int count, int all) {
     for (int lane = 0; lane < count; ++lane) {
         if (all || course->left[lane]) {
-            WG_NAME(wg_lane_alone)(course, gathered, lane);
+            WG_NAME(wg_lane_alone)(course, lanes, first, lane);
         }
     }
 }

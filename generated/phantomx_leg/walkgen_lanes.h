@@ -36,14 +36,15 @@
 #define WG_SCHEDULED
 #endif
 
-/* How a block of rows is computed: where each port's numbers lie, and for each lane whether it is left over; and how one row is, its numbers
- * side by side. */
-#define WG_BLOCK(name) WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_left) *WG_RESTRICT left)
+/* How a block of rows is computed, of which the `first` lies so far on from where each port's numbers do, and for each lane whether it is left
+ * over; and how one row is, its numbers side by side. */
+#define WG_BLOCK(name) \
+    WG_SCHEDULED static void name##_block(const struct WG_NAME(wg_lanes) *ports, ptrdiff_t first, WG_NAME(wg_left) *WG_RESTRICT left)
 #define WG_ALONE(name) static void name##_alone(const WG_REAL *WG_RESTRICT given, WG_REAL *WG_RESTRICT found)
 #define WG_LANED(name, inputs, outputs, statuses) \
     static const struct WG_NAME(wg_laned) name##_laned = {name##_block, name##_alone, inputs, outputs, statuses}
 #define WG_PLACE(real, port, which) \
-    real *const WG_RESTRICT wg_##port = (real *)ports[which].at; \
+    real *const WG_RESTRICT wg_##port = (real *)ports[which].at + first; \
     const ptrdiff_t wg_##port##_step = ports[which].step; \
     (void)wg_##port##_step;
 #define WG_FROM(port, which) WG_PLACE(const WG_REAL, port, which)

@@ -117,10 +117,11 @@ def test_planes_are_lanes_wherever_they_begin(made, padding):
     assert (planes[:, rows:] == -7).all()
 
 
-def test_statuses_are_written_where_all_feet_are_reached(made):
+@pytest.mark.parametrize("away", [1, 33, 47, 99])
+def test_statuses_are_written_where_all_feet_are_reached(made, away):
     """Of blocks without another status than OK, and of the one that a foot out of reach is in."""
     code, folder = made
-    loaded, rows, away = library(folder, code.mechanism.name, "lanes"), 100, 40
+    loaded, rows = library(folder, code.mechanism.name, "lanes"), 100
     forward, inverse = (signature_of(code, name) for name in ("foot_position", "inverse"))
     q, *param = given_rows(forward, np.float64, rows)
     q[:] = np.random.default_rng(5).uniform([-1, -0.6, -1.4], [1, 0.6, -0.4], (rows, 3))

@@ -88,24 +88,25 @@ struct WG_NAME(wg_lanes) {
 
 /* A function of rows in both forms; how many arrays are its inputs and its outputs, and how many statuses the last one has. */
 struct WG_NAME(wg_laned) {
-    void (*block)(const struct WG_NAME(wg_lanes) *ports, WG_NAME(wg_left) *left);
+    void (*block)(const struct WG_NAME(wg_lanes) *ports, ptrdiff_t first, WG_NAME(wg_left) *left);
     WG_NAME(wg_alone) alone;
     int32_t inputs, outputs, statuses;
 };
 
 #include "walkgen_ports.h"
 
-/* Every other block: what is gathered for it, and where all its numbers lie. */
+/* What is gathered for a block, and where all its numbers lie. */
 struct WG_NAME(wg_gathered) {
     WG_ALIGNED WG_REAL given[WG_MOST_GIVEN + 1][WG_LANES]; /* of three numbers a fourth is written too */
     WG_ALIGNED int32_t integers[WG_MOST_INTEGERS][WG_LANES];
     struct WG_NAME(wg_lanes) lanes[WG_MOST_GIVEN + WG_MOST_FOUND];
 };
 
-/* A batch on its way. The next block's numbers are gathered before one is computed: numbers that are read as wider vectors than they were
- * written have then long arrived, and what waits for memory goes beside what waits for sums and products. `calm` is a block of which no lane
- * was left over: all its statuses are OK. It `takes` where inputs are to be gathered, and `gives` where outputs are to be scattered: those of
- * the next block each time; other ports stand where the last block begins.
+/* A batch on its way. It `takes` where inputs are to be gathered: those of the next block before one is computed, since numbers that are read as
+ * wider vectors than they were written have then long arrived, and what waits for memory goes beside what waits for sums and products. It
+ * `gives` where outputs are to be scattered. It `stays` where all arrays are read and written where they lie, but for statuses, which can be set
+ * when those of many rows are known. `calm` is a block of which no lane was left over: all its statuses are OK. `whole` are the rows of all
+ * blocks but the last, if that is another matter. Ports of what is moved stand where their next block begins.
  */
 struct WG_NAME(wg_course) {
     WG_ALIGNED WG_REAL found[WG_MOST_FOUND + 1][WG_LANES]; /* of three numbers a fourth is read too */
@@ -115,13 +116,14 @@ struct WG_NAME(wg_course) {
     const struct WG_NAME(wg_laned) *laned;
     WG_NAME(wg_alone) closest;
     size_t bad;
-    int outputs, states, calm, takes, gives;
+    ptrdiff_t whole;
+    int outputs, states, takes, gives, stays, calm;
 };
 
 #include "walkgen_left_over.h"
 
 /* The lanes of every other block, of which the first is `block`; of one of too `few` rows all lie in between. */
-WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, int block, int few) {
+static inline void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_NAME(wg_gathered) *gathered, int block, int few) {
     struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     WG_REAL(*between)[WG_LANES] = gathered->given;
     int32_t(*integers)[WG_LANES] = gathered->integers;
@@ -137,108 +139,55 @@ WG_CALLED void WG_NAME(wg_prepare)(struct WG_NAME(wg_course) *course, struct WG_
     }
 }
 
-static inline void WG_NAME(wg_begin)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_laned) *laned, size_t whole,
+static inline void WG_NAME(wg_begin)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_laned) *laned, ptrdiff_t rows,
                                      const struct wg_array *array) {
     struct WG_NAME(wg_port) *port = course->ports;
     course->laned = laned, course->states = laned->statuses, course->bad = 0;
-    course->outputs = course->takes = course->gives = 0;
+    course->outputs = course->takes = course->gives = 0, course->stays = 1;
     course->results = port + laned->inputs, course->end = course->results + laned->outputs;
     for (; port < course->end; ++port, ++array) {
         const int written = port >= course->results;
         port->at = array->data, port->row = array->row, port->element = array->element, port->size = array->size, port->kind = array->kind;
-        WG_NAME(wg_choose)(port, written);
-        port->filled &= course->states > 0;
+        WG_NAME(wg_choose)(port, written, course->states > 0);
         course->outputs += written ? port->size : 0;
         *(written ? &course->gives : &course->takes) |= !port->direct;
+        course->stays &= port->direct || (port->filled && !port->beyond);
     }
+    course->whole = (course->stays || rows == 0 ? rows : rows - 1) / WG_LANES * WG_LANES;
     WG_NAME(wg_prepare)(course, &course->blocks[0], 0, 0);
-    WG_NAME(wg_prepare)(course, &course->blocks[1], 1, whole < 1);
+    if (!course->stays) {
+        WG_NAME(wg_prepare)(course, &course->blocks[1], 1, course->whole == 0);
+    }
     WG_NAME(wg_all_ok)(course);
-    for (port = course->ports; port < course->end; ++port) {
-        port->at += port->direct ? (ptrdiff_t)(WG_LANES * whole) * port->row : 0;
-    }
 }
 
-/* The numbers of a block that has another one after it, and of the last one. */
-static inline void WG_NAME(wg_take)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_gathered) *gathered) {
-    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
-    for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; ++port, ++lanes) {
-        if (!port->direct) {
-            port->move(port, lanes->at);
-            port->at += WG_LANES * port->row;
-        }
-    }
-}
+#include "walkgen_carry.h"
 
-static inline void WG_NAME(wg_gather_last)(const struct WG_NAME(wg_port) *port, int count, void *lanes) {
-    int first = 0;
-#if defined(WALKGEN_TURNED)
-    if (port->beyond) {
-        first = (count - 1) / 4 * 4;
-        wg_rows_to_planes(port->at, port->row, port->size, sizeof(WG_REAL), first, (char *)lanes, sizeof(WG_REAL[WG_LANES]));
-    }
-#endif
-    if (port->kind == WG_NUMBER) {
-        WG_NAME(wg_gather)(port, first, count, (WG_REAL(*)[WG_LANES])lanes);
-    } else {
-        WG_NAME(wg_gather_integers)(port, count, (int32_t *)lanes);
-    }
-}
-
-WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
-    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
-    if (count < WG_LANES) {
-        WG_NAME(wg_prepare)(course, gathered, 0, 1);
-    }
-    for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; ++port, ++lanes) {
-        if (count < WG_LANES || port->beyond) {
-            WG_NAME(wg_gather_last)(port, count, lanes->at);
-        } else if (!port->direct) {
-            port->move(port, lanes->at);
-        }
-    }
-}
-
-/* And its results. */
-static inline void WG_NAME(wg_give_port)(const struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_port) *port, void *lanes) {
-    if (course->calm && port->filled) {
-        WG_NAME(wg_scatter_ok)(port);
-    } else {
-        port->move(port, lanes);
-    }
-}
-
-static inline void WG_NAME(wg_give)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_gathered) *gathered) {
-    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes + (course->results - course->ports);
-    for (struct WG_NAME(wg_port) *port = course->results; course->gives && port < course->end; ++port, ++lanes) {
-        if (!port->direct) {
-            WG_NAME(wg_give_port)(course, port, lanes->at);
-            port->at += WG_LANES * port->row;
-        }
-    }
-    if (!course->calm) {
-        WG_NAME(wg_all_ok)(course);
-    }
-}
-
-static inline void WG_NAME(wg_give_last)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered) {
-    const struct WG_NAME(wg_lanes) *lanes = gathered->lanes + (course->results - course->ports);
-    for (struct WG_NAME(wg_port) *port = course->results; port < course->end; ++port, ++lanes) {
-        if (count < WG_LANES || port->beyond) {
-            WG_NAME(wg_scatter)(port, count, (WG_REAL(*)[WG_LANES])lanes->at);
-        } else if (!port->direct) {
-            WG_NAME(wg_give_port)(course, port, lanes->at);
-        }
-    }
-}
-
-/* A block of so many rows. */
-static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, int count, const struct WG_NAME(wg_gathered) *gathered) {
-    course->laned->block(gathered->lanes, course->left);
+/* A block, of which the first row lies so far on from where its lanes do. */
+static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_lanes) *lanes, ptrdiff_t first) {
+    course->laned->block(lanes, first, course->left);
     course->calm = !WG_NAME(wg_any_left)(course->left);
-    if (!course->calm) {
-        WG_NAME(wg_mend)(course, count, 0, gathered);
+}
+
+/* Of a batch that stays: rows that are calm before a row, and the block that begins there and is not. */
+WG_CALLED void WG_NAME(wg_pause)(struct WG_NAME(wg_course) *course, ptrdiff_t calm, ptrdiff_t row) {
+    WG_NAME(wg_give)(course, calm, 1, course->blocks);
+    WG_NAME(wg_mend)(course, course->blocks->lanes, row, WG_LANES, 0);
+    WG_NAME(wg_give)(course, WG_LANES, 0, course->blocks);
+}
+
+/* All its whole blocks. */
+static inline struct WG_NAME(wg_gathered) *WG_NAME(wg_stay)(struct WG_NAME(wg_course) *course) {
+    ptrdiff_t given = 0;
+    for (ptrdiff_t row = 0; row < course->whole; row += WG_LANES) {
+        WG_NAME(wg_compute)(course, course->blocks->lanes, row);
+        if (!course->calm) {
+            WG_NAME(wg_pause)(course, row - given, row);
+            given = row + WG_LANES;
+        }
     }
+    WG_NAME(wg_give)(course, course->whole - given, 1, course->blocks);
+    return course->blocks;
 }
 
 /* The lanes are to serve another block. */
@@ -249,18 +198,46 @@ static inline void WG_NAME(wg_advance)(const struct WG_NAME(wg_course) *course, 
     }
 }
 
+/* Blocks of one that moves, but the last. Returns the other one's. */
+static inline struct WG_NAME(wg_gathered) *WG_NAME(wg_move)(struct WG_NAME(wg_course) *course, int count) {
+    struct WG_NAME(wg_gathered) *now = &course->blocks[0], *next = &course->blocks[1], *swap;
+    if (course->takes && course->whole > 0) {
+        WG_NAME(wg_take)(course, now);
+    }
+    for (ptrdiff_t row = WG_LANES; row <= course->whole; row += WG_LANES) {
+        if (course->takes && row < course->whole) {
+            WG_NAME(wg_take)(course, next);
+        } else if (course->takes) {
+            WG_NAME(wg_take_last)(course, count, next);
+        }
+        WG_NAME(wg_compute)(course, now->lanes, 0);
+        if (!course->calm) {
+            WG_NAME(wg_mend)(course, now->lanes, 0, WG_LANES, 0);
+        }
+        WG_NAME(wg_give)(course, WG_LANES, course->calm, now);
+        if (row < course->whole) {
+            WG_NAME(wg_advance)(course, now);
+        }
+        swap = now, now = next, next = swap;
+    }
+    return now;
+}
+
 /* The last block: of few rows each alone, and where lanes are more than rows the others are as the first. */
 static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, int count, struct WG_NAME(wg_gathered) *gathered) {
     const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     if (count <= WG_FEW_ROWS) {
         course->calm = 0;
-        WG_NAME(wg_mend)(course, count, 1, gathered);
+        WG_NAME(wg_mend)(course, lanes, 0, count, 1);
         return;
     }
     for (const struct WG_NAME(wg_port) *port = course->ports; count < WG_LANES && port < course->results; ++port, ++lanes) {
         WG_NAME(wg_repeat)(port, count, lanes->at);
     }
-    WG_NAME(wg_compute)(course, count, gathered);
+    WG_NAME(wg_compute)(course, gathered->lanes, 0);
+    if (!course->calm) {
+        WG_NAME(wg_mend)(course, gathered->lanes, 0, count, 0);
+    }
 }
 
 /* All rows of the inputs' arrays and the outputs', which follow. With `closest`, which computes a row by other means, the rows that have a
@@ -269,32 +246,19 @@ static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, i
 WG_CALLED size_t WG_NAME(wg_batch)(const struct WG_NAME(wg_laned) *laned, size_t rows, const struct wg_array *arrays,
                                    WG_NAME(wg_alone) closest) {
     struct WG_NAME(wg_course) course;
-    struct WG_NAME(wg_gathered) *now = &course.blocks[0], *next = &course.blocks[1], *swap;
-    const size_t whole = rows > 0 ? (rows - 1) / WG_LANES : 0; /* the last is another matter */
-    const int count = (int)(rows - whole * WG_LANES);
-    WG_NAME(wg_begin)(&course, laned, whole, arrays);
+    struct WG_NAME(wg_gathered) *last;
+    int count;
+    WG_NAME(wg_begin)(&course, laned, (ptrdiff_t)rows, arrays);
     course.closest = closest;
-    if (course.takes && whole > 0) {
-        WG_NAME(wg_take)(&course, now);
-    }
-    for (size_t block = 1; block <= whole; ++block) {
-        if (course.takes && block < whole) {
-            WG_NAME(wg_take)(&course, next);
-        } else if (course.takes) {
-            WG_NAME(wg_take_last)(&course, count, next);
+    count = (int)((ptrdiff_t)rows - course.whole);
+    last = course.stays ? WG_NAME(wg_stay)(&course) : WG_NAME(wg_move)(&course, count);
+    if (count > 0) {
+        if (!course.takes || course.whole == 0) {
+            WG_NAME(wg_take_last)(&course, count, last);
         }
-        WG_NAME(wg_compute)(&course, WG_LANES, now);
-        WG_NAME(wg_give)(&course, now);
-        if (block < whole) {
-            WG_NAME(wg_advance)(&course, now);
-        }
-        swap = now, now = next, next = swap;
+        WG_NAME(wg_compute_last)(&course, count, last);
+        WG_NAME(wg_give_last)(&course, count, last);
     }
-    if (!course.takes || whole == 0) {
-        WG_NAME(wg_take_last)(&course, count, now);
-    }
-    WG_NAME(wg_compute_last)(&course, count, now);
-    WG_NAME(wg_give_last)(&course, count, now);
     return course.bad;
 }
 #endif

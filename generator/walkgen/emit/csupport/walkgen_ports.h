@@ -126,13 +126,15 @@ WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *
     }
 }
 
-/* A block without any status but OK, which is 0. */
-static inline void WG_NAME(wg_scatter_ok)(const struct WG_NAME(wg_port) *port) {
-    const int32_t ok[WG_LANES] = {0};
-    const ptrdiff_t step = port->row == (ptrdiff_t)sizeof ok[0] ? port->element : (ptrdiff_t)sizeof ok;
-    char *to = port->at;
-    for (int element = 0; element < port->size; ++element, to += step) {
-        memcpy(to, ok, sizeof ok);
+/* Rows of whole blocks without any status but OK, which is 0: of no bits as an integer and as the number that lanes have. */
+static inline void WG_NAME(wg_scatter_ok)(const struct WG_NAME(wg_port) *port, ptrdiff_t rows, const void *lanes) {
+    const int planes = port->row == (ptrdiff_t)sizeof(int32_t);
+    char *plane = port->at;
+    for (int element = 0; element < (planes ? port->size : 1); ++element, plane += port->element) {
+        char *to = plane;
+        for (ptrdiff_t row = 0; row < (planes ? rows : rows * port->size); row += WG_LANES, to += sizeof(int32_t[WG_LANES])) {
+            memcpy(to, lanes, sizeof(int32_t[WG_LANES]));
+        }
     }
 }
 
@@ -160,14 +162,17 @@ WG_CALLED void WG_NAME(wg_scatter_status_rows)(const struct WG_NAME(wg_port) *po
 }
 #endif
 
-/* How whole blocks of an array are read, or written. */
-static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written) {
+/* How whole blocks of an array are read, or written; integers of functions without `statuses` are results like others. */
+static inline void WG_NAME(wg_choose)(struct WG_NAME(wg_port) *port, int written, int statuses) {
     const int integer = port->kind != WG_NUMBER;
     const ptrdiff_t bytes = integer ? (ptrdiff_t)sizeof(int32_t) : (ptrdiff_t)sizeof(WG_REAL);
-    port->rows = WG_LANES, port->beyond = 0;
-    port->filled = integer && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
-    port->direct = port->kind != WG_LONG && !(integer && written) && port->row == bytes && (uintptr_t)port->at % (uintptr_t)bytes == 0 &&
-                   port->element % bytes == 0;
+    port->rows = WG_LANES, port->beyond = port->filled = 0;
+    port->direct = port->kind != WG_LONG && !(integer && written) && port->row == bytes &&
+                   (((uintptr_t)port->at | (uintptr_t)port->element) & (uintptr_t)(bytes - 1)) == 0;
+    if (port->direct) {
+        return;
+    }
+    port->filled = integer && written && statuses && (port->row == bytes || (port->element == bytes && port->row == port->size * bytes));
     port->move = written ? WG_NAME(wg_scatter_any) : integer ? WG_NAME(wg_gather_any_integers) : WG_NAME(wg_gather_any);
     if (integer && written && port->row == bytes) {
         port->move = WG_NAME(wg_scatter_status_planes);
