@@ -11,7 +11,7 @@
 #endif
 
 /* An array on its way: where its next block begins, and what moves whole blocks between it and lanes; `beyond` where that reaches into the row
- * after, `direct` where whole blocks stay where they are, `filled` where statuses lie together, so that those of a block can be set at once.
+ * after, `direct` where whole blocks stay where they are, `filled` where statuses lie together, so that those of many rows can be set at once.
  */
 struct WG_NAME(wg_port) {
     char *at;
@@ -128,11 +128,12 @@ WG_CALLED void WG_NAME(wg_scatter_status_planes)(const struct WG_NAME(wg_port) *
 
 /* Rows of whole blocks without any status but OK, which is 0: of no bits as an integer and as the number that lanes have. */
 static inline void WG_NAME(wg_scatter_ok)(const struct WG_NAME(wg_port) *port, ptrdiff_t rows, const void *lanes) {
-    const int planes = port->row == (ptrdiff_t)sizeof(int32_t);
-    char *plane = port->at;
-    for (int element = 0; element < (planes ? port->size : 1); ++element, plane += port->element) {
-        char *to = plane;
-        for (ptrdiff_t row = 0; row < (planes ? rows : rows * port->size); row += WG_LANES, to += sizeof(int32_t[WG_LANES])) {
+    const int apart = port->row == (ptrdiff_t)sizeof(int32_t); /* each element's */
+    const int runs = apart ? port->size : 1;
+    const ptrdiff_t together = apart ? rows : rows * port->size;
+    for (int run = 0; run < runs; ++run) {
+        char *to = port->at + run * port->element;
+        for (ptrdiff_t status = 0; status < together; status += WG_LANES, to += sizeof(int32_t[WG_LANES])) {
             memcpy(to, lanes, sizeof(int32_t[WG_LANES]));
         }
     }

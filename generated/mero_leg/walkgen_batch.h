@@ -169,6 +169,14 @@ static inline void WG_NAME(wg_compute)(struct WG_NAME(wg_course) *course, const 
     course->calm = !WG_NAME(wg_any_left)(course->left);
 }
 
+/* One of so many rows with what it leaves over. */
+static inline void WG_NAME(wg_complete)(struct WG_NAME(wg_course) *course, const struct WG_NAME(wg_lanes) *lanes, int count) {
+    WG_NAME(wg_compute)(course, lanes, 0);
+    if (!course->calm) {
+        WG_NAME(wg_mend)(course, lanes, 0, count, 0);
+    }
+}
+
 /* Of a batch that stays: rows that are calm before a row, and the block that begins there and is not. */
 WG_CALLED void WG_NAME(wg_pause)(struct WG_NAME(wg_course) *course, ptrdiff_t calm, ptrdiff_t row) {
     WG_NAME(wg_give)(course, calm, 1, course->blocks);
@@ -210,10 +218,7 @@ static inline struct WG_NAME(wg_gathered) *WG_NAME(wg_move)(struct WG_NAME(wg_co
         } else if (course->takes) {
             WG_NAME(wg_take_last)(course, count, next);
         }
-        WG_NAME(wg_compute)(course, now->lanes, 0);
-        if (!course->calm) {
-            WG_NAME(wg_mend)(course, now->lanes, 0, WG_LANES, 0);
-        }
+        WG_NAME(wg_complete)(course, now->lanes, WG_LANES);
         WG_NAME(wg_give)(course, WG_LANES, course->calm, now);
         if (row < course->whole) {
             WG_NAME(wg_advance)(course, now);
@@ -234,10 +239,7 @@ static inline void WG_NAME(wg_compute_last)(struct WG_NAME(wg_course) *course, i
     for (const struct WG_NAME(wg_port) *port = course->ports; count < WG_LANES && port < course->results; ++port, ++lanes) {
         WG_NAME(wg_repeat)(port, count, lanes->at);
     }
-    WG_NAME(wg_compute)(course, gathered->lanes, 0);
-    if (!course->calm) {
-        WG_NAME(wg_mend)(course, gathered->lanes, 0, count, 0);
-    }
+    WG_NAME(wg_complete)(course, gathered->lanes, count);
 }
 
 /* All rows of the inputs' arrays and the outputs', which follow. With `closest`, which computes a row by other means, the rows that have a

@@ -39,9 +39,9 @@ WG_CALLED void WG_NAME(wg_take_last)(struct WG_NAME(wg_course) *course, int coun
     const struct WG_NAME(wg_lanes) *lanes = gathered->lanes;
     if (count < WG_LANES) {
         WG_NAME(wg_prepare)(course, gathered, 0, 1);
-    }
-    for (struct WG_NAME(wg_port) *port = course->ports; count < WG_LANES && port < course->end; ++port) {
-        port->at += port->direct ? course->whole * port->row : 0;
+        for (struct WG_NAME(wg_port) *port = course->ports; port < course->end; ++port) {
+            port->at += port->direct ? course->whole * port->row : 0; /* these are moved now, too */
+        }
     }
     for (struct WG_NAME(wg_port) *port = course->ports; port < course->results; ++port, ++lanes) {
         if (count < WG_LANES || port->beyond) {

@@ -29,7 +29,7 @@ static inline int WG_NAME(wg_row_has)(int32_t status, int states, const WG_REAL 
     return has;
 }
 
-/* Where a lane of a block is: what lies in between is of one block. */
+/* How far a lane is from where its port's begin: what lies in between is of no block but this. */
 static inline ptrdiff_t WG_NAME(wg_place)(const struct WG_NAME(wg_port) *port, ptrdiff_t first, int lane) {
     return (port->direct ? first : 0) + lane;
 }
